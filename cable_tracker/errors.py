@@ -1,0 +1,32 @@
+"""The exceptions of cable_tracker.
+
+Every message is one line, says what is wrong with what, and what the user can do about it.
+"""
+
+
+class CableTrackerError(Exception):
+    """Base of all errors that cable_tracker raises on purpose."""
+
+
+class ParameterError(CableTrackerError):
+    """A parameter value, or a set of values together, is not acceptable."""
+
+
+class FrameError(CableTrackerError):
+    """One frame cannot be used. The filter has not moved."""
+
+
+class RecordingError(CableTrackerError):
+    """A recording is missing, empty, damaged, or holds no images."""
+
+
+class OutputError(CableTrackerError):
+    """A result cannot be written where the user asked for it."""
+
+
+class ResourceError(CableTrackerError):
+    """A file that ships with the package (configuration, profile) cannot be found."""
+
+
+class RosError(CableTrackerError):
+    """ROS is missing, or the processes do not find each other."""

@@ -1,0 +1,1 @@
+"""A particle filter for any state and any model. Knows no cable and no image."""

@@ -1,0 +1,28 @@
+"""Point estimates of weighted samples."""
+
+from __future__ import annotations
+
+from cable_tracker.arrays import FloatArray
+
+
+def weighted_mean(states: FloatArray, weights: FloatArray) -> FloatArray:
+    """Return the weighted mean, shape (k,), of states (N, k): the MMSE estimate.
+
+    `weights` has shape (N,) and sums to one.
+    """
+    return weights @ states
+
+
+def weighted_covariance(
+    states: FloatArray, weights: FloatArray, mean: FloatArray | None = None
+) -> FloatArray:
+    """Return the weighted covariance, shape (k, k), of states (N, k).
+
+    Symmetric and positive semi-definite; zero for a single particle. It is the second central
+    moment of the weighted sample, without a correction for the sample size.
+    """
+    centre = weighted_mean(states, weights) if mean is None else mean
+    deviations = states - centre
+    covariance = (deviations * weights[:, None]).T @ deviations
+    symmetric: FloatArray = (covariance + covariance.T) / 2
+    return symmetric

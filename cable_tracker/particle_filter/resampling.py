@@ -1,0 +1,72 @@
+"""Resampling: draw particles with a frequency proportional to their weight.
+
+Every scheme is unbiased: particle i is drawn ``count * weights[i]`` times on average. They differ
+in the variance that they add. All take the weights, shape (N,), summing to one; the number of
+particles to draw; and a random generator; and return indices, shape (count,).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import TypeAlias
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, IndexArray
+
+ResamplingScheme: TypeAlias = Callable[[FloatArray, int, np.random.Generator], IndexArray]
+
+ROUNDING = 1e-9
+"""An expected number of copies this much below a whole number is that number."""
+
+
+def _invert_cumulative_weights(weights: FloatArray, positions: FloatArray) -> IndexArray:
+    cumulative = np.cumsum(weights)
+    # Scaling the positions instead of forcing the last entry to one: rounding must neither draw a
+    # particle of weight zero at the end nor run past it.
+    indices = np.searchsorted(cumulative, positions * cumulative[-1], side="right")
+    last_possible = np.searchsorted(cumulative, cumulative[-1], side="left")
+    bounded: IndexArray = np.minimum(indices, last_possible).astype(np.int64)
+    return bounded
+
+
+def multinomial_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
+    """Draw independently, by binary search in the cumulative weights (thesis, section 3.3.3)."""
+    return _invert_cumulative_weights(weights, rng.random(count))
+
+
+def stratified_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
+    """Draw one position at random from each of `count` equal strata (Kitagawa, 1996)."""
+    return _invert_cumulative_weights(weights, (np.arange(count) + rng.random(count)) / count)
+
+
+def systematic_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
+    """Draw equally spaced positions with one random offset (Carpenter et al., 1999)."""
+    return _invert_cumulative_weights(weights, (np.arange(count) + rng.random()) / count)
+
+
+def residual_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
+    """Copy each particle floor(count * weight) times, draw the rest at random (Liu, Chen, 1998)."""
+    expected = weights * count
+    # A weight of 1/N that rounding has made a little smaller still earns its copy.
+    copies = np.floor(expected + ROUNDING).astype(np.int64)
+    certain = np.repeat(np.arange(len(weights), dtype=np.int64), copies)
+    missing = count - len(certain)
+    if missing <= 0:
+        return certain[:count]
+    residual = np.maximum(expected - copies, 0.0)
+    total = residual.sum()
+    # Rounding may leave a missing particle without a residual to draw it from.
+    rest = residual / total if total > 0 else weights
+    return np.concatenate((certain, multinomial_resampling(rest, missing, rng)))
+
+
+RESAMPLING_SCHEMES: Mapping[str, ResamplingScheme] = MappingProxyType(
+    {
+        "multinomial": multinomial_resampling,
+        "stratified": stratified_resampling,
+        "systematic": systematic_resampling,
+        "residual": residual_resampling,
+    }
+)
