@@ -1,0 +1,89 @@
+"""Where the particles start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.geometry import wrap_states
+from cable_tracker.cable.movement import clip_to_limits, state_limits
+from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.state import STATE_SIZE, CableState
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StatePrior:
+    """A Gaussian belief about the cable, from an operator, a planner, or ground truth.
+
+    Attributes
+    ----------
+    state : CableState
+        Mean [px, rad, per second].
+    sigma : FloatArray
+        Standard deviations, shape (6,) [px, rad, per second]. An infinite one means "not known":
+        that component is drawn as in a random start. NaN means "not said": the component is taken
+        as known well, see `usual_sigma`.
+    """
+
+    state: CableState
+    sigma: FloatArray
+
+    @classmethod
+    def around(cls, state: CableState) -> StatePrior:
+        """Return the prior for a state that is known well."""
+        return cls(state, np.full(STATE_SIZE, np.nan))
+
+
+def usual_sigma(image_width: int) -> FloatArray:
+    """Return the spread about a state that is known well, shape (6,): 2 px, half a degree."""
+    scale = image_width / REFERENCE_WIDTH
+    half_degree = float(np.deg2rad(0.5))
+    return np.array(
+        [
+            2.0 * scale,
+            half_degree,
+            2.0 * scale,
+            half_degree,
+            0.5 * scale * REFERENCE_RATE,
+            0.1 * half_degree * REFERENCE_RATE,
+        ]
+    )
+
+
+def random_states(
+    parameters: TrackerParameters, image_width: int, rng: np.random.Generator
+) -> FloatArray:
+    """Draw states uniformly from the ranges of Table 5.2, shape (N, 6)."""
+    scale = image_width / REFERENCE_WIDTH
+    distance = parameters.initial_distance_range * scale
+    angle = np.deg2rad(parameters.initial_angle_range)
+    distance_rate = parameters.initial_distance_rate_range * scale * REFERENCE_RATE
+    angle_rate = np.deg2rad(parameters.initial_angle_rate_range) * REFERENCE_RATE
+    lower = np.array(
+        [-distance, -angle, parameters.initial_width_minimum * scale, 0.0,
+         -distance_rate, -angle_rate]
+    )  # fmt: skip
+    upper = np.array(
+        [distance, angle, parameters.initial_width_maximum * scale,
+         np.deg2rad(parameters.initial_skew_maximum), distance_rate, angle_rate]
+    )  # fmt: skip
+    states = rng.uniform(lower, upper, size=(parameters.particle_count, STATE_SIZE))
+    return clip_to_limits(wrap_states(states), state_limits(parameters, image_width))
+
+
+def states_from_prior(
+    prior: StatePrior,
+    parameters: TrackerParameters,
+    image_width: int,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Draw states from a Gaussian prior, shape (N, 6), within the limits."""
+    states = random_states(parameters, image_width, rng)
+    noise = rng.standard_normal(states.shape)
+    sigma = np.where(np.isnan(prior.sigma), usual_sigma(image_width), prior.sigma)
+    known = np.isfinite(sigma)
+    drawn = prior.state.to_array() + noise * np.where(known, sigma, 0.0)
+    states[:, known] = drawn[:, known]
+    return clip_to_limits(wrap_states(states), state_limits(parameters, image_width))

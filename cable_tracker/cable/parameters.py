@@ -1,0 +1,310 @@
+"""The one table of tracker parameters.
+
+ROS descriptors, validation, the preset files in config/ and the page in docs/ are all made from it.
+Lengths are for an image 320 px wide and scale with the image. Variances and rates are per frame at
+25 frames per second, as in the thesis, and scale with the real time between frames.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias, cast
+
+from cable_tracker.errors import ParameterError
+from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+
+ParameterValue: TypeAlias = bool | int | float | str
+
+REFERENCE_WIDTH = 320.0
+"""Image width that lengths in parameters are given for [px]."""
+
+REFERENCE_RATE = 25.0
+"""Frame rate that variances and rates in parameters are given for [1/s]."""
+
+MAXIMUM_PARTICLES = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterSpec:
+    """One row of the table.
+
+    Attributes
+    ----------
+    name : str
+        Name in YAML files, on the node and in `TrackerParameters`.
+    kind : type
+        bool, int, float or str.
+    default : ParameterValue
+        Value in the preset `default`.
+    unit : str
+        Unit, for people; empty for pure numbers.
+    meaning : str
+        One sentence.
+    minimum, maximum : float or None
+        Range of a number, both ends included.
+    choices : tuple of str
+        Allowed words.
+    """
+
+    name: str
+    kind: type
+    default: ParameterValue
+    unit: str
+    meaning: str
+    minimum: float | None
+    maximum: float | None
+    choices: tuple[str, ...]
+
+    def range_text(self) -> str:
+        """Describe the accepted values in a few words."""
+        if self.choices:
+            return " | ".join(self.choices)
+        if self.kind is bool:
+            return "true | false"
+        if self.minimum is None or self.maximum is None:
+            return "any text"
+        form = ".0f" if self.kind is int else "g"
+        return f"{self.minimum:{form}} .. {self.maximum:{form}}"
+
+    def coerce(self, value: object) -> ParameterValue:
+        """Return the value as this parameter's type.
+
+        A whole number is accepted where a float is meant, and 500.0 where 500 is meant.
+
+        Raises
+        ------
+        ParameterError
+            The value is of another type, not finite, or out of range.
+        """
+        return _check_range(self, _check_type(self, value))
+
+
+def _check_type(spec: ParameterSpec, value: object) -> ParameterValue:
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        if spec.kind is float:
+            return _to_float(value)
+        if spec.kind is int and (isinstance(value, int) or value.is_integer()):
+            return int(value)
+    if spec.kind in (bool, str) and isinstance(value, spec.kind):
+        return cast(ParameterValue, value)
+    wanted = {bool: "true or false", int: "a whole number", float: "a number", str: "a word"}
+    raise ParameterError(f"{spec.name}: {value!r} is not {wanted[spec.kind]}")
+
+
+def _to_float(value: float) -> float:
+    try:
+        return float(value)
+    except OverflowError:  # A whole number may have any length.
+        return math.inf
+
+
+def _check_range(spec: ParameterSpec, value: ParameterValue) -> ParameterValue:
+    if isinstance(value, str):
+        if spec.choices and value not in spec.choices:
+            raise ParameterError(f"{spec.name}: {value!r} is none of {spec.range_text()}")
+        return value
+    if spec.minimum is None or spec.maximum is None:
+        return value
+    # Written so that NaN fails too.
+    if not spec.minimum <= value <= spec.maximum:
+        unit = f" {spec.unit}" if spec.unit else ""
+        raise ParameterError(f"{spec.name}: {value!r} is outside {spec.range_text()}{unit}")
+    return value
+
+
+def _number(default: float, unit: str, minimum: float, maximum: float, meaning: str) -> Any:  # noqa: ANN401
+    metadata = {"unit": unit, "minimum": minimum, "maximum": maximum, "meaning": meaning}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def _word(default: str, choices: tuple[str, ...], meaning: str) -> Any:  # noqa: ANN401
+    return dataclasses.field(default=default, metadata={"choices": choices, "meaning": meaning})
+
+
+def _flag(default: bool, meaning: str) -> Any:  # noqa: ANN401
+    return dataclasses.field(default=default, metadata={"meaning": meaning})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrackerParameters:
+    """All parameters of `CableTracker`. The values here are the preset `default`.
+
+    Raises
+    ------
+    ParameterError
+        A value is out of range, or values contradict each other.
+    """
+
+    particle_count: int = _number(
+        500, "", 1, MAXIMUM_PARTICLES, "Number of particles N; time per frame grows with it."
+    )
+    seed: int = _number(
+        0, "", 0, 2**31 - 1, "Seed of the random numbers; takes effect at the next start or reset."
+    )
+    resampling: str = _word(
+        "systematic", tuple(RESAMPLING_SCHEMES), "How particles are drawn when resampling."
+    )
+    resampling_threshold: float = _number(
+        0.5, "share of N", 0.0, 1.0, "Resample when N_eff falls below this share of the particles."
+    )
+    limit_handling: str = _word(
+        "reflect", ("clip", "reflect"), "What happens to particles that move beyond a limit."
+    )
+
+    distance_variance: float = _number(
+        2.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of d (thesis, Table 5.1)."
+    )
+    angle_variance: float = _number(
+        0.1, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of alpha (Table 5.1)."
+    )
+    width_variance: float = _number(
+        4.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of w (Table 5.1)."
+    )
+    skew_variance: float = _number(
+        0.1, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of beta (Table 5.1)."
+    )
+    distance_rate_variance: float = _number(
+        2.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of v_d, a rate in px per frame."
+    )
+    angle_rate_variance: float = _number(
+        0.05,
+        "deg²/frame",
+        0.0,
+        1e3,
+        "Variance of the diffusion of v_alpha, a rate in deg per frame.",
+    )
+    rate_damping: float = _number(
+        0.9, "per frame", 0.0, 1.0, "Factor on v_d and v_alpha per frame; 1 keeps them for ever."
+    )
+
+    distance_limit: float = _number(
+        220.0, "px", 10.0, 1e4, "Largest |d| of a particle; half the image diagonal is 200 px."
+    )
+    width_minimum: float = _number(4.0, "px", 0.5, 1e4, "Smallest w of a particle.")
+    width_maximum: float = _number(160.0, "px", 1.0, 1e4, "Largest w of a particle.")
+    skew_limit: float = _number(20.0, "deg", 0.0, 80.0, "Largest |beta| of a particle.")
+
+    initial_distance_range: float = _number(
+        150.0, "px", 0.0, 1e4, "A random start draws d from ± this (thesis, Table 5.2)."
+    )
+    initial_angle_range: float = _number(
+        45.0, "deg", 0.0, 90.0, "A random start draws alpha from ± this (Table 5.2)."
+    )
+    initial_width_minimum: float = _number(
+        5.0, "px", 0.5, 1e4, "A random start draws w from this upwards (Table 5.2)."
+    )
+    initial_width_maximum: float = _number(
+        100.0, "px", 1.0, 1e4, "A random start draws w up to this (Table 5.2)."
+    )
+    initial_skew_maximum: float = _number(
+        10.0, "deg", 0.0, 80.0, "A random start draws beta from 0 to this (Table 5.2)."
+    )
+    initial_distance_rate_range: float = _number(
+        1.0, "px/frame", 0.0, 1e3, "A random start draws v_d from ± this (Table 5.2)."
+    )
+    initial_angle_rate_range: float = _number(
+        0.1, "deg/frame", 0.0, 1e3, "A random start draws v_alpha from ± this (Table 5.2)."
+    )
+
+    working_width: int = _number(
+        320, "px", 64, 8192, "Wider frames are reduced to this width before they are measured."
+    )
+    sample_spacing: float = _number(
+        10.0, "px", 1.0, 200.0, "Distance between the points measured along a border."
+    )
+    filter_sigma: float = _number(
+        1.6, "px", 0.5, 20.0, "Sigma of the derivative-of-Gaussian filter across a border."
+    )
+    filter_taps: int = _number(
+        11, "px", 3, 101, "Length of that filter; odd (an even number is raised by one)."
+    )
+    epsilon: float = _number(
+        1e-3,
+        "grey levels",
+        1e-12,
+        10.0,
+        "Weight of a particle whose borders do not oppose each other.",
+    )
+
+    evidence_to_track: float = _number(
+        1.6, "", 0.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
+    )
+    evidence_to_lose: float = _number(
+        1.0, "", 0.0, 100.0, "Evidence below which a cable is given up."
+    )
+    confirmation_time: float = _number(
+        0.12, "s", 0.0, 10.0, "How long the evidence must hold before a cable is claimed."
+    )
+    loss_time: float = _number(
+        0.4, "s", 0.0, 60.0, "How long the evidence must fail before a cable is given up."
+    )
+    converged_distance: float = _number(
+        15.0, "px", 0.1, 1e4, "Largest sigma of d at which a cable is claimed."
+    )
+    converged_angle: float = _number(
+        10.0, "deg", 0.1, 90.0, "Largest sigma of alpha at which a cable is claimed."
+    )
+    search_time: float = _number(
+        1.0, "s", 0.04, 600.0, "While no cable is claimed, start from random anew after this time."
+    )
+    maximum_gap: float = _number(
+        5.0, "s", 0.1, 3600.0, "A longer pause between frames starts the search anew."
+    )
+
+    def __post_init__(self) -> None:
+        for spec in PARAMETER_TABLE:
+            object.__setattr__(self, spec.name, spec.coerce(getattr(self, spec.name)))
+        for low, high in (
+            ("width_minimum", "width_maximum"),
+            ("initial_width_minimum", "initial_width_maximum"),
+            ("evidence_to_lose", "evidence_to_track"),
+        ):
+            if getattr(self, low) > getattr(self, high):
+                raise ParameterError(
+                    f"{low} = {getattr(self, low):g} must not exceed"
+                    f" {high} = {getattr(self, high):g}; set both together"
+                )
+
+    def replaced(self, values: Mapping[str, object]) -> TrackerParameters:
+        """Return a copy with some values changed, all of them or none.
+
+        Raises
+        ------
+        ParameterError
+            A name is unknown, a value is not acceptable, or the set contradicts itself.
+        """
+        unknown = sorted(set(values) - set(PARAMETERS_BY_NAME))
+        if unknown:
+            raise ParameterError(
+                f"unknown parameter {', '.join(unknown)}; docs/parameters.md lists them all"
+            )
+        coerced = {name: PARAMETERS_BY_NAME[name].coerce(value) for name, value in values.items()}
+        return dataclasses.replace(self, **cast(dict[str, Any], coerced))
+
+    def as_mapping(self) -> dict[str, ParameterValue]:
+        """Return the values by name, in the order of the table."""
+        return {spec.name: getattr(self, spec.name) for spec in PARAMETER_TABLE}
+
+
+def _spec_of_field(field: dataclasses.Field[Any]) -> ParameterSpec:
+    return ParameterSpec(
+        name=field.name,
+        kind=type(field.default),
+        default=cast(ParameterValue, field.default),
+        unit=field.metadata.get("unit", ""),
+        meaning=field.metadata["meaning"],
+        minimum=field.metadata.get("minimum"),
+        maximum=field.metadata.get("maximum"),
+        choices=field.metadata.get("choices", ()),
+    )
+
+
+PARAMETER_TABLE: tuple[ParameterSpec, ...] = tuple(
+    _spec_of_field(field) for field in dataclasses.fields(TrackerParameters)
+)
+"""All parameters, in the order in which people should read them."""
+
+PARAMETERS_BY_NAME: Mapping[str, ParameterSpec] = {spec.name: spec for spec in PARAMETER_TABLE}

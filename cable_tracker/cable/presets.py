@@ -1,0 +1,42 @@
+"""Named sets of parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.errors import ParameterError
+
+PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
+    {
+        "default": TrackerParameters(),
+        # Wirth's thesis to the letter: Tables 5.1 and 5.2, multinomial resampling, undamped rates,
+        # a point every 20 px.
+        "thesis": TrackerParameters(
+            resampling="multinomial",
+            limit_handling="clip",
+            distance_variance=0.5,
+            angle_variance=0.01,
+            width_variance=4.0,
+            skew_variance=0.1,
+            distance_rate_variance=8.0,
+            angle_rate_variance=0.005,
+            rate_damping=1.0,
+            sample_spacing=20.0,
+        ),
+    }
+)
+
+
+def preset(name: str) -> TrackerParameters:
+    """Return the parameters of a preset.
+
+    Raises
+    ------
+    ParameterError
+        There is no such preset.
+    """
+    if name not in PRESETS:
+        raise ParameterError(f"preset: {name!r} is none of {' | '.join(PRESETS)}")
+    return PRESETS[name]

@@ -1,0 +1,74 @@
+"""The state of a cable in the image, and the names of its columns."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import astuple, dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+
+
+class StateColumn(IntEnum):
+    """Columns of an array of states, shape (N, 6)."""
+
+    DISTANCE = 0
+    ANGLE = 1
+    WIDTH = 2
+    SKEW = 3
+    DISTANCE_RATE = 4
+    ANGLE_RATE = 5
+
+
+STATE_SYMBOLS = ("d", "alpha", "w", "beta", "v_d", "v_alpha")
+"""The symbols of the thesis (section 4.3), in the order of `StateColumn`."""
+
+STATE_SIZE = len(StateColumn)
+
+
+@dataclass(frozen=True, slots=True)
+class CableState:
+    """Where the cable runs in the image, and how fast that changes.
+
+    The image frame has its origin at the image centre, x to the right, y up, in pixels.
+
+    Attributes
+    ----------
+    distance : float
+        d, signed distance from the image centre to the centreline [px]:
+        ``x cos(angle) + y sin(angle) = distance``.
+    angle : float
+        alpha, angle of the centreline's normal from +x [rad], counter-clockwise positive,
+        in (-pi/2, pi/2].
+    width : float
+        w, distance between the borders along the normal through the foot point [px].
+    skew : float
+        beta, angle between each border and the centreline [rad]; positive when the borders
+        converge upwards.
+    distance_rate : float
+        v_d [px/s].
+    angle_rate : float
+        v_alpha [rad/s].
+    """
+
+    distance: float
+    angle: float
+    width: float
+    skew: float = 0.0
+    distance_rate: float = 0.0
+    angle_rate: float = 0.0
+
+    def to_array(self) -> FloatArray:
+        """Return the state as an array of shape (6,), in the order of `StateColumn`."""
+        return np.array(astuple(self), dtype=np.float64)
+
+    @classmethod
+    def from_array(cls, values: FloatArray) -> CableState:
+        """Make a state from an array of shape (6,), or (4,) for a state at rest."""
+        return cls(*(float(value) for value in values))
+
+    def is_finite(self) -> bool:
+        """Tell whether every component is a finite number."""
+        return all(math.isfinite(value) for value in astuple(self))

@@ -1,0 +1,45 @@
+"""Mean and covariance of cables, correct across the wrap of the angle.
+
+(d, alpha) and (-d, alpha + pi) are one line, so directions are averaged on the double cover: the
+angles are doubled, averaged as directions, and halved. In the chart around that mean direction the
+cables are averaged as vectors.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.geometry import unwrap_states, wrap_angle, wrap_states
+from cable_tracker.cable.state import StateColumn
+from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
+
+SIGN_CHANGING_COLUMNS = (StateColumn.DISTANCE, StateColumn.SKEW, StateColumn.DISTANCE_RATE)
+"""Components that change their sign when the normal is turned round."""
+
+
+def mean_line_angle(angles: FloatArray, weights: FloatArray) -> float:
+    """Return the mean direction of lines [rad] in (-pi/2, pi/2]; shapes (N,), (N,)."""
+    doubled = 2.0 * angles
+    mean = 0.5 * np.arctan2(weights @ np.sin(doubled), weights @ np.cos(doubled))
+    return float(wrap_angle(mean))
+
+
+def cable_mean_and_covariance(
+    states: FloatArray, weights: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the MMSE estimate (6,) and the covariance (6, 6) of weighted cables (N, 6).
+
+    The estimate's angle is in (-pi/2, pi/2], and the covariance is expressed for that way of
+    writing the line. `weights` has shape (N,) and sums to one.
+    """
+    chart = unwrap_states(states, mean_line_angle(states[:, StateColumn.ANGLE], weights))
+    mean = weighted_mean(chart, weights)
+    covariance = weighted_covariance(chart, weights, mean)
+    wrapped = wrap_states(mean[None, :])[0]
+    half_turns = np.rint((mean[StateColumn.ANGLE] - wrapped[StateColumn.ANGLE]) / np.pi)
+    if half_turns % 2:
+        signs = np.ones(len(mean))
+        signs[list(SIGN_CHANGING_COLUMNS)] = -1.0
+        covariance = covariance * np.outer(signs, signs)
+    return wrapped, covariance

@@ -1,0 +1,90 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.initialisation import (
+    StatePrior,
+    random_states,
+    states_from_prior,
+    usual_sigma,
+)
+from cable_tracker.cable.movement import state_limits
+from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.presets import preset
+from cable_tracker.cable.state import CableState
+
+COUNT = 20_000
+DEGREE = np.pi / 180
+KNOWN = CableState(20.0, 0.3, 40.0, 0.02, 5.0, 0.1)
+
+
+def parameters(**changes) -> TrackerParameters:
+    return preset("thesis").replaced({"particle_count": COUNT, **changes})
+
+
+@pytest.mark.parametrize("width", [320, 640])
+def test_a_random_start_fills_table_5_2_and_no_more(width, rng):
+    scale = width / 320
+    states = random_states(parameters(), width, rng)
+    assert states.shape == (COUNT, 6)
+    # Rates are per frame in the table and per second here.
+    half = np.array([150 * scale, 45 * DEGREE, 47.5 * scale, 5 * DEGREE, 25 * scale, 2.5 * DEGREE])
+    middle = np.array([0, 0, 52.5 * scale, 5 * DEGREE, 0, 0])
+    assert (np.abs(states - middle) <= half * (1 + 1e-12)).all()
+    # A uniform distribution: mean and variance to five standard errors.
+    assert (np.abs(states.mean(axis=0) - middle) < 5 * half / np.sqrt(3 * COUNT)).all()
+    np.testing.assert_allclose(states.var(axis=0), half**2 / 3, rtol=0.04)
+
+
+def test_a_random_start_stays_within_the_limits(rng):
+    changed = parameters(initial_distance_range=1e4, initial_width_maximum=1e4)
+    states = random_states(changed, 320, rng)
+    box = state_limits(changed, 320)
+    assert (states[:, :4] >= box.lower).all()
+    assert (states[:, :4] <= box.upper).all()
+
+
+def test_a_given_state_is_the_middle_of_a_narrow_cloud(rng):
+    states = states_from_prior(StatePrior.around(KNOWN), parameters(), 320, rng)
+    sigma = usual_sigma(320)
+    error = np.abs(states.mean(axis=0) - KNOWN.to_array())
+    assert (error < 5 * sigma / np.sqrt(COUNT)).all()
+    np.testing.assert_allclose(states.std(axis=0), sigma, rtol=0.03)
+    np.testing.assert_allclose(sigma[:4], [2.0, 0.5 * DEGREE, 2.0, 0.5 * DEGREE])
+
+
+def test_sigmas_that_are_given_are_used(rng):
+    sigma = np.array([5.0, 0.01, 1.0, 0.001, 2.0, 0.5])
+    states = states_from_prior(StatePrior(KNOWN, sigma), parameters(), 320, rng)
+    np.testing.assert_allclose(states.std(axis=0), sigma, rtol=0.03)
+
+
+def test_a_sigma_of_zero_is_exact(rng):
+    states = states_from_prior(StatePrior(KNOWN, np.zeros(6)), parameters(), 320, rng)
+    np.testing.assert_allclose(states, np.tile(KNOWN.to_array(), (COUNT, 1)))
+
+
+def test_what_is_not_known_is_drawn_as_in_a_random_start(rng):
+    sigma = np.array([1.0, 0.01, np.inf, np.inf, np.inf, np.inf])
+    states = states_from_prior(
+        StatePrior(CableState(20.0, 0.3, 0.0), sigma), parameters(), 320, rng
+    )
+    np.testing.assert_allclose(states.std(axis=0)[:2], sigma[:2], rtol=0.03)
+    assert states[:, 2].min() == pytest.approx(5.0, abs=0.1)
+    assert states[:, 2].max() == pytest.approx(100.0, abs=0.1)
+
+
+def test_a_state_beside_the_wrap_becomes_one_cloud_on_both_sides(rng):
+    lying = StatePrior.around(CableState(10.0, np.pi / 2, 40.0))
+    states = states_from_prior(lying, parameters(), 320, rng)
+    upper = states[:, 1] > 0
+    assert 0.4 < upper.mean() < 0.6
+    assert (np.sign(states[:, 0]) == np.where(upper, 1, -1)).all()
+
+
+def test_a_state_beyond_the_limits_is_brought_inside(rng):
+    far = StatePrior.around(CableState(1e6, 0.0, 1e6, 3.0))
+    states = states_from_prior(far, parameters(), 320, rng)
+    box = state_limits(parameters(), 320)
+    np.testing.assert_allclose(states[:, [0, 2, 3]], np.tile(box.upper[[0, 2, 3]], (COUNT, 1)))
