@@ -1,0 +1,241 @@
+"""Frames of ROS 2 and ROS 1 bags, with the ground truth that was recorded beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol, cast
+
+import numpy as np
+import zstandard
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
+from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
+from cable_tracker.sequences.frame_source import (
+    NANOSECONDS,
+    FrameSource,
+    UnreadableFrame,
+    damage,
+    one_line,
+)
+from cable_tracker.sequences.stored_message import StoredMessage
+from cable_tracker.sequences.typestores import ros1_typestore, typestore
+
+if TYPE_CHECKING:
+    from rosbags.typesys.stores.ros2_jazzy import (
+        sensor_msgs__msg__CompressedImage,
+        sensor_msgs__msg__Image,
+        sensor_msgs__msg__JointState,
+        std_msgs__msg__Header,
+    )
+
+    class _Stamped(Protocol):
+        header: std_msgs__msg__Header
+
+
+_IMAGE = "sensor_msgs/msg/Image"
+_COMPRESSED = "sensor_msgs/msg/CompressedImage"
+_JOINT_STATE = "sensor_msgs/msg/JointState"
+_TRUTH = "ground_truth"
+_TRUTH_NAMES = ("d", "alpha", "w", "beta")
+_ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+_LARGEST_MESSAGE = 1 << 30
+
+
+def _listing(topics: dict[str, Topic]) -> str:
+    return ", ".join(
+        f"{name} ({topic.msgtype}, {topic.count})" for name, topic in sorted(topics.items())
+    )
+
+
+def _images(topics: dict[str, Topic]) -> dict[str, Topic]:
+    return {name: t for name, t in topics.items() if t.msgtype in (_IMAGE, _COMPRESSED)}
+
+
+def _choose_topic(path: Path, topics: dict[str, Topic], wanted: str | None) -> str:
+    """Return the image topic to read, or say what the user can choose from."""
+    if not topics:
+        raise RecordingError(f"{path}: the bag holds no topics at all; record it again")
+    images = _images(topics)
+    if wanted is not None:
+        matching = [name for name in images if name.strip("/") == wanted.strip("/")]
+        if matching:
+            return matching[0]
+        raise RecordingError(
+            f"{path}: there is no image topic {wanted}; the bag holds {_listing(topics)}"
+        )
+    if not images:
+        raise RecordingError(
+            f"{path}: the bag holds no images (sensor_msgs Image or CompressedImage), only"
+            f" {_listing(topics)}"
+        )
+    recorded = {name: topic for name, topic in images.items() if topic.count} or images
+    if len(recorded) > 1:
+        raise RecordingError(
+            f"{path}: several image topics, choose one with --topic: {_listing(recorded)}"
+        )
+    return next(iter(recorded))
+
+
+def _truth_topic(topics: dict[str, Topic], image_topic: str) -> str | None:
+    """Return the topic of the ground truth, preferably one in the namespace of the images."""
+    namespace = image_topic.strip("/").partition("/")[0]
+    candidates = sorted(
+        (name.strip("/").partition("/")[0] != namespace, name)
+        for name, topic in topics.items()
+        if topic.msgtype == _JOINT_STATE and name.rpartition("/")[2] == _TRUTH and topic.count
+    )
+    return candidates[0][1] if candidates else None
+
+
+def _state_from_joints(joints: sensor_msgs__msg__JointState) -> CableState | None:
+    """Read d, alpha, w, beta and, if there are any, the rates of d and alpha."""
+    position = dict(zip(joints.name, (float(value) for value in joints.position), strict=False))
+    if not all(name in position for name in _TRUTH_NAMES):
+        return None
+    velocity = dict(zip(joints.name, (float(value) for value in joints.velocity), strict=False))
+    state = CableState(
+        distance=position["d"],
+        angle=position["alpha"],
+        width=position["w"],
+        skew=position["beta"],
+        distance_rate=velocity.get("d", 0.0),
+        angle_rate=velocity.get("alpha", 0.0),
+    )
+    return state if state.is_finite() else None
+
+
+def _stamp(message: _Stamped, receive_time: int) -> int:
+    stamp = message.header.stamp
+    return (int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)) or receive_time
+
+
+class BagSource(FrameSource):
+    """Images of one topic of a bag.
+
+    Parameters
+    ----------
+    path : Path
+        A bag folder, or a single .db3, .mcap or .bag file.
+    topic : str or None
+        Image topic, with or without the leading slash; None if the bag holds just one.
+    skip_bad_frames : bool
+        Hand out frames that cannot be decoded, instead of raising RecordingError.
+
+    Raises
+    ------
+    RecordingError
+        Nothing can be read, or the topic is missing or not unique.
+    """
+
+    def __init__(
+        self, path: Path, *, topic: str | None = None, skip_bad_frames: bool = False
+    ) -> None:
+        super().__init__(path, skip_bad_frames=skip_bad_frames)
+        self._is_ros1 = is_ros1(path)
+        self._storage = self._open()
+        self.topic = _choose_topic(path, self._storage.topics, topic)
+        chosen = self._storage.topics[self.topic]
+        self.frame_count = chosen.count
+        self.compressed = chosen.msgtype == _COMPRESSED
+        if chosen.count > 1 and self._storage.duration > 0.0:
+            self.nominal_rate = (chosen.count - 1) / self._storage.duration
+        if not chosen.count:
+            raise RecordingError(f"{path}: topic {self.topic} holds no images; record it again")
+        if self._storage.note:
+            self.note = f"{self._storage.note} ({chosen.count} frames)"
+        self._truth = self._read_truth()
+        self.has_truth = bool(self._truth)
+
+    def _open(self) -> BagStorage:
+        try:
+            return open_storage(self.path)
+        except (RecordingError, OSError) as error:
+            raise RecordingError(
+                f"{self.path}: not one frame can be read ({one_line(error)}); check that the"
+                " recording is a bag and was copied completely"
+            ) from error
+
+    def _deserialise(self, message: StoredMessage) -> object:
+        data = message.data
+        if data.startswith(_ZSTD_MAGIC):
+            # A file of a bag with message-wise compression, read without its metadata.
+            with zstandard.ZstdDecompressor().stream_reader(data) as reader:
+                data = reader.read(_LARGEST_MESSAGE)
+        if self._is_ros1:
+            return ros1_typestore().deserialize_ros1(data, message.msgtype)
+        return typestore().deserialize_cdr(data, message.msgtype)
+
+    def _read_truth(self) -> dict[int, CableState]:
+        """Read the ground truth by stamp; what is damaged is said when the frames are read."""
+        topic = _truth_topic(self._storage.topics, self.topic)
+        truth: dict[int, CableState] = {}
+        if topic is None:
+            return truth
+        try:
+            with closing(self._storage.messages([topic])) as messages:
+                for message in messages:
+                    joints = cast("sensor_msgs__msg__JointState", self._deserialise(message))
+                    state = _state_from_joints(joints)
+                    if state is not None:
+                        truth[_stamp(joints, message.time)] = state
+        except RecordingError:
+            self.note = self.note or f"the ground truth on {topic} is damaged: {len(truth)} read"
+        # Deserialising foreign bytes raises what the parser happens to raise.
+        except Exception as error:
+            raise RecordingError(
+                f"{self.path}: the ground truth on {topic} cannot be read ({one_line(error)});"
+                " record it again"
+            ) from error
+        return truth
+
+    def _read(self) -> Generator[Frame | UnreadableFrame]:
+        count = 0
+        try:
+            with closing(self._storage.messages([self.topic])) as messages:
+                for message in messages:
+                    yield self._frame(count, message)
+                    count += 1
+        except RecordingError as error:
+            raise damage(self.path, count, str(error)) from error
+        if self.frame_count is not None and count < self.frame_count:
+            raise damage(self.path, count, f"its index promises {self.frame_count}")
+
+    def _frame(self, index: int, message: StoredMessage) -> Frame | UnreadableFrame:
+        try:
+            content = self._deserialise(message)
+            if self.compressed:
+                return self._compressed_frame(
+                    index, message.time, cast("sensor_msgs__msg__CompressedImage", content)
+                )
+            return self._raw_frame(index, message.time, cast("sensor_msgs__msg__Image", content))
+        # Deserialising foreign bytes raises what the parser happens to raise.
+        except Exception as error:  # noqa: BLE001
+            return UnreadableFrame(index, message.time, f"damaged message: {one_line(error)}")
+
+    def _compressed_frame(
+        self, index: int, time: int, content: sensor_msgs__msg__CompressedImage
+    ) -> Frame:
+        image = CompressedImage(content.format, np.asarray(content.data).data)
+        return self._stamped(index, time, image, content)
+
+    def _raw_frame(self, index: int, time: int, content: sensor_msgs__msg__Image) -> Frame:
+        image = RawImage(
+            encoding=content.encoding,
+            height=int(content.height),
+            width=int(content.width),
+            step=int(content.step),
+            is_bigendian=bool(content.is_bigendian),
+            data=np.asarray(content.data).data,
+        )
+        return self._stamped(index, time, image, content)
+
+    def _stamped(
+        self, index: int, time: int, image: RawImage | CompressedImage, content: _Stamped
+    ) -> Frame:
+        stamp = _stamp(content, time)
+        frame_id = content.header.frame_id or "camera"
+        return Frame(index, stamp, image, frame_id, self._truth.get(stamp))

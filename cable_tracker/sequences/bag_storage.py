@@ -1,0 +1,287 @@
+"""Messages out of a bag of any kind, through rosbags, and past rosbags where a bag is damaged.
+
+rosbags reads nothing of a bag whose index is missing. To deliver the frames before the damage, such
+a file is walked through from its beginning by the recovery readers of this folder.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Generator, Iterator
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+from rosbags.rosbag1 import Reader as Reader1
+from rosbags.rosbag2 import Reader as Reader2
+
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences import mcap_recovery, ros1_recovery, sqlite_recovery
+from cable_tracker.sequences.frame_source import NANOSECONDS, one_line
+from cable_tracker.sequences.natural_order import natural_key
+from cable_tracker.sequences.stored_message import StoredMessage
+
+_ROS1_SUFFIX = ".bag"
+_ROS2_SUFFIXES = (".db3", ".mcap")
+BAG_SUFFIXES = (*_ROS2_SUFFIXES, _ROS1_SUFFIX)
+METADATA = "metadata.yaml"
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """One topic of a bag.
+
+    Attributes
+    ----------
+    msgtype : str
+        Name of the message type.
+    count : int
+        Number of messages.
+    """
+
+    msgtype: str
+    count: int
+
+
+class BagStorage(Protocol):
+    """Where messages come from.
+
+    Attributes
+    ----------
+    topics : dict of str to Topic
+        What the bag holds, by the topic's name.
+    duration : float
+        Time between the first and the last message [s].
+    note : str
+        Something the user should be told; empty if there is nothing.
+    """
+
+    topics: dict[str, Topic]
+    duration: float
+    note: str
+
+    def messages(self, topics: Collection[str]) -> Generator[StoredMessage]:
+        """Yield the messages of some topics in order of time; raise RecordingError at damage."""
+        ...
+
+
+_WALKERS: dict[str, Callable[[Path], Iterator[StoredMessage]]] = {
+    ".mcap": mcap_recovery.read_messages,
+    ".db3": sqlite_recovery.read_messages,
+    ".bag": ros1_recovery.read_messages,
+}
+
+
+def is_ros1(path: Path) -> bool:
+    """Tell whether a path names a ROS 1 bag; a folder may be called .bag and is none."""
+    return path.suffix == _ROS1_SUFFIX and not path.is_dir()
+
+
+def storage_files(path: Path) -> list[Path]:
+    """Return the storage files of a bag folder in their natural order, or the file itself."""
+    if not path.is_dir():
+        return [path]
+    return sorted(
+        (file for file in path.iterdir() if file.suffix in _ROS2_SUFFIXES and file.is_file()),
+        key=natural_key,
+    )
+
+
+def _walk(path: Path) -> Iterator[StoredMessage]:
+    try:
+        yield from _WALKERS[path.suffix](path)
+    except OSError as error:
+        raise RecordingError(one_line(error)) from error
+    # The records of mcap are parsed by a library that does not say what it raises on damage.
+    except Exception as error:
+        if isinstance(error, RecordingError):
+            raise
+        raise RecordingError(f"{type(error).__name__}: {one_line(error)}") from error
+
+
+class RosbagsStorage:
+    """A bag that rosbags can open."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self.note = ""
+        with self._open() as reader:
+            self.topics = {
+                name: Topic(
+                    next(c.msgtype for c in reader.connections if c.topic == name), info.msgcount
+                )
+                for name, info in reader.topics.items()
+            }
+            self.duration = max(0, reader.duration) / NANOSECONDS
+
+    def _open(self) -> Reader1 | Reader2:
+        return Reader1(self._path) if is_ros1(self._path) else Reader2(self._path)
+
+    def _from_rosbags(self, topics: Collection[str]) -> Generator[StoredMessage]:
+        with self._open() as reader:
+            connections = [c for c in reader.connections if c.topic in topics]
+            if not connections:
+                return
+            for connection, time, data in reader.messages(connections=connections):
+                yield StoredMessage(connection.topic, connection.msgtype, time, bytes(data))
+
+    def messages(self, topics: Collection[str]) -> Generator[StoredMessage]:
+        """Yield the messages of some topics in order of time.
+
+        Raises
+        ------
+        RecordingError
+            At the damage, after all messages that could be read.
+        """
+        latest: int | None = None
+        with closing(self._from_rosbags(topics)) as stored:
+            while True:
+                try:
+                    message = next(stored, None)
+                # rosbags raises what its parsers happen to raise, some twenty types by now.
+                except Exception as error:  # noqa: BLE001
+                    damage = RecordingError(one_line(error))
+                    damage.__cause__ = error
+                    break
+                if message is None:
+                    return
+                latest = message.time
+                yield message
+        # rosbags gives up a whole chunk; a part of it may be intact.
+        rest = SalvagedStorage(storage_files(self._path), damage, scan=False)
+        for message in rest.messages(topics):
+            if latest is None or message.time > latest:
+                yield message
+
+
+@dataclass(slots=True)
+class _Scan:
+    counts: dict[str, int] = field(default_factory=dict)
+    types: dict[str, str] = field(default_factory=dict)
+    first: int | None = None
+    last: int = 0
+
+    def add(self, message: StoredMessage) -> None:
+        self.counts[message.topic] = self.counts.get(message.topic, 0) + 1
+        self.types[message.topic] = message.msgtype
+        self.first = message.time if self.first is None else min(self.first, message.time)
+        self.last = max(self.last, message.time)
+
+
+class SalvagedStorage:
+    """Files of a bag, each walked through as far as it goes.
+
+    Parameters
+    ----------
+    files : list of Path
+        The storage files in order.
+    damage : RecordingError or None
+        Why the bag had to be read this way, raised when the files are at their end; None if that
+        is no damage, as after a crash of the recorder.
+    scan : bool
+        Whether to read everything once to find out what topics there are.
+    """
+
+    def __init__(
+        self, files: list[Path], damage: RecordingError | None, *, scan: bool = True
+    ) -> None:
+        self._files = files
+        self._damage = damage
+        self.topics: dict[str, Topic] = {}
+        self.duration = 0.0
+        self.note = ""
+        if scan:
+            self._scan()
+
+    def _scan(self) -> None:
+        scan = _Scan()
+        try:
+            for message in self._all():
+                scan.add(message)
+        except RecordingError as error:
+            self._damage = self._damage or error
+        self.topics = {name: Topic(scan.types[name], count) for name, count in scan.counts.items()}
+        self.duration = (scan.last - (scan.first or 0)) / NANOSECONDS
+        if not self.topics and self._damage:
+            raise self._damage
+
+    def _all(self) -> Iterator[StoredMessage]:
+        for file in self._files:
+            yield from _walk(file)
+
+    def messages(self, topics: Collection[str]) -> Generator[StoredMessage]:
+        """Yield the messages of some topics in the order they were written.
+
+        Raises
+        ------
+        RecordingError
+            At the damage, after all messages that could be read.
+        """
+        try:
+            for message in self._all():
+                if message.topic in topics:
+                    yield message
+        except RecordingError as error:
+            raise (self._damage or error) from error
+        if self._damage:
+            raise self._damage
+
+
+def _crashed_files(path: Path) -> list[Path]:
+    """Return the mcap files of a bag that were never closed."""
+    return [
+        file
+        for file in storage_files(path)
+        if file.suffix == ".mcap" and file.stat().st_size and not mcap_recovery.is_closed(file)
+    ]
+
+
+def _unmerged_log(path: Path) -> str:
+    logs = [file.with_name(file.name + "-wal") for file in storage_files(path)]
+    waiting = [log for log in logs if log.exists() and log.stat().st_size]
+    if not waiting:
+        return ""
+    return (
+        f"{waiting[0].name} holds messages of a recorder that did not end well; they are not read"
+        " (merge them with: sqlite3 FILE.db3 'PRAGMA wal_checkpoint')"
+    )
+
+
+def _open_without_metadata(path: Path) -> BagStorage:
+    files = storage_files(path)
+    if len(files) == 1:
+        return open_storage(files[0])
+    storage = SalvagedStorage(files, None)
+    storage.note = f"{METADATA} is missing; {len(files)} files were read one after the other"
+    return storage
+
+
+def open_storage(path: Path) -> BagStorage:
+    """Open a bag folder or a single .db3, .mcap or .bag file, and look what topics it holds.
+
+    Raises
+    ------
+    RecordingError
+        Not one message can be read. The message is the reason alone, without the path.
+    """
+    if _crashed_files(path):
+        storage: BagStorage = SalvagedStorage(storage_files(path), None)
+        if not storage.topics:
+            raise RecordingError("it breaks off before the first message")
+        storage.note = (
+            "it has no end (a crashed recorder or a cut-off copy); read as far as it goes"
+        )
+        return storage
+    if path.is_dir() and not (path / METADATA).exists():
+        return _open_without_metadata(path)
+    try:
+        storage = RosbagsStorage(path)
+    except Exception as error:
+        damage = RecordingError(one_line(error))
+        damage.__cause__ = error
+        files = storage_files(path)
+        if not files:
+            raise damage from error
+        return SalvagedStorage(files, damage)
+    storage.note = _unmerged_log(path)
+    return storage

@@ -1,0 +1,141 @@
+"""Write ROS 2 bags."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Literal, Self
+
+from rosbags.interfaces import Connection
+from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
+
+from cable_tracker.errors import OutputError
+from cable_tracker.sequences.bag_storage import METADATA
+from cable_tracker.sequences.frame_source import one_line
+from cable_tracker.sequences.output_folder import PartialFolder
+from cable_tracker.sequences.typestores import typestore
+
+__all__ = ["BagWriter", "typestore"]
+
+_PLUGINS = {"sqlite3": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
+_LATEST_STAMP = 2**63 - 1
+
+
+def _is_bag(path: Path) -> bool:
+    return (path / METADATA).is_file()
+
+
+class BagWriter:
+    """Writes a bag of ROS 2 Jazzy; to be used as a context manager.
+
+    The bag appears at its path when the context ends without an exception. Until then it is written
+    to a hidden folder beside it, which is removed if anything goes wrong.
+
+    Parameters
+    ----------
+    path : Path
+        Folder of the bag.
+    storage : "mcap" or "sqlite3"
+        Format of the storage file.
+    overwrite : bool
+        Replace a bag that lies at the path. Anything but a bag is never replaced.
+
+    Raises
+    ------
+    OutputError
+        From any method: the path is taken, or the disk does not let us write.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        storage: Literal["sqlite3", "mcap"] = "mcap",
+        *,
+        overwrite: bool = False,
+    ) -> None:
+        self._path = path
+        self._storage = storage
+        self._overwrite = overwrite
+        self._connections: dict[tuple[str, str], Connection] = {}
+
+    def __enter__(self) -> Self:
+        self._folder = PartialFolder(self._path, overwrite=self._overwrite, is_ours=_is_bag)
+        try:
+            with self._translated_errors():
+                self._writer = Writer(
+                    self._folder.content,
+                    version=Writer.VERSION_LATEST,
+                    storage_plugin=_PLUGINS[self._storage],
+                )
+                self._writer.open()
+        except OutputError:
+            self._folder.discard()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if error is not None:
+            self._abort()
+            return
+        try:
+            with self._translated_errors():
+                self._writer.close()
+        except BaseException:
+            self._abort()
+            raise
+        self._folder.commit()
+
+    def write(self, topic: str, msgtype: str, message: object, stamp: int) -> None:
+        """Write a message object of `typestore`.
+
+        Parameters
+        ----------
+        topic : str
+            Name of the topic.
+        msgtype : str
+            Like ``sensor_msgs/msg/Image``.
+        message : object
+            An instance of ``typestore().types[msgtype]``.
+        stamp : int
+            Receive time [ns].
+        """
+        self.write_serialised(topic, msgtype, typestore().serialize_cdr(message, msgtype), stamp)
+
+    def write_serialised(
+        self, topic: str, msgtype: str, data: bytes | memoryview, stamp: int
+    ) -> None:
+        """Write a message that is serialised already, in CDR; the rest as in `write`."""
+        if not 0 <= stamp < _LATEST_STAMP:
+            raise OutputError(f"{self._path}: {stamp} ns is no time that a bag can hold")
+        with self._translated_errors():
+            self._writer.write(self._connection(topic, msgtype), stamp, data)
+
+    def _connection(self, topic: str, msgtype: str) -> Connection:
+        connection = self._connections.get((topic, msgtype))
+        if connection is None:
+            connection = self._writer.add_connection(topic, msgtype, typestore=typestore())
+            self._connections[topic, msgtype] = connection
+        return connection
+
+    @contextmanager
+    def _translated_errors(self) -> Iterator[None]:
+        try:
+            yield
+        except (OSError, sqlite3.Error, WriterError) as error:
+            raise OutputError(
+                f"{self._path}: cannot be written ({one_line(error)}); check the disk"
+            ) from error
+
+    def _abort(self) -> None:
+        # The storage may be the very thing that failed.
+        with suppress(OSError, sqlite3.Error, WriterError):
+            self._writer.abort()
+        self._folder.discard()

@@ -1,0 +1,130 @@
+"""Turn frames from anywhere into a bag."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from enum import Enum
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.sequences import output_topics
+from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
+from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.sequences.jpeg import encode_jpeg
+from cable_tracker.sequences.messages import (
+    make_compressed_image,
+    make_header,
+    make_image,
+    make_state,
+)
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+
+JPEG_QUALITY = 95
+
+
+class ImageFormat(str, Enum):
+    """What becomes of the pixels."""
+
+    AS_IS = "as-is"
+    GREY = "grey"
+    JPEG = "jpeg"
+
+
+def in_format(frame: Frame, image_format: ImageFormat) -> Frame:
+    """Return the frame with its pixels in another format.
+
+    Raises
+    ------
+    FrameError
+        The frame cannot be decoded.
+    """
+    if image_format is ImageFormat.GREY:
+        grey = np.clip(np.rint(decode_grey(frame.image)), 0, 255).astype(np.uint8)
+        return replace(frame, image=raw_from_array(grey, "mono8"))
+    if image_format is ImageFormat.JPEG:
+        return replace(frame, image=encode_jpeg(decode_bgr(frame.image), JPEG_QUALITY))
+    return frame
+
+
+def write_frame(bag: BagWriter, frame: Frame) -> None:
+    """Write a frame's image, and its ground truth if it has some."""
+    factory = RosbagsMessages()
+    header = make_header(factory, frame.stamp, frame.frame_id)
+    if frame.truth is not None:
+        topic = output_topics.GROUND_TRUTH
+        truth = make_state(factory, header, frame.truth)
+        bag.write(f"/{topic.name}", topic.type_name, truth, frame.stamp)
+    if isinstance(frame.image, RawImage):
+        topic, image = output_topics.IMAGE, make_image(factory, frame.image, header)
+    else:
+        topic = output_topics.COMPRESSED_IMAGE
+        image = make_compressed_image(factory, frame.image, header)
+    bag.write(f"/{topic.name}", topic.type_name, image, frame.stamp)
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenBag:
+    """What has been written.
+
+    Attributes
+    ----------
+    count : int
+        Frames in the bag.
+    skipped : int
+        Frames left out because they could not be decoded.
+    damage : RecordingError or None
+        Where the recording broke off; the bag holds the frames before that.
+    """
+
+    count: int
+    skipped: int
+    damage: RecordingError | None
+
+
+def write_bag(
+    path: Path,
+    frames: Iterable[Frame],
+    *,
+    storage: Literal["sqlite3", "mcap"] = "mcap",
+    image_format: ImageFormat = ImageFormat.AS_IS,
+    skip_bad_frames: bool = False,
+    overwrite: bool = False,
+) -> WrittenBag:
+    """Write frames into a bag with the topics `image` (or `image/compressed`) and `ground_truth`.
+
+    Frames that cannot be decoded can be written as they are, but not in another format: there they
+    are left out with `skip_bad_frames`.
+
+    Raises
+    ------
+    OutputError
+        The bag cannot be written.
+    FrameError
+        A frame that is to change its format cannot be decoded, and is not to be skipped.
+    RecordingError
+        There was not a single frame.
+    """
+    count = skipped = 0
+    damage: RecordingError | None = None
+    with BagWriter(path, storage, overwrite=overwrite) as bag:
+        try:
+            for frame in frames:
+                try:
+                    converted = in_format(frame, image_format)
+                except FrameError as error:
+                    if not skip_bad_frames:
+                        raise FrameError(f"frame {frame.index}: {error}") from error
+                    skipped += 1
+                    continue
+                write_frame(bag, converted)
+                count += 1
+        except RecordingError as error:
+            damage = error
+        if not count:
+            raise damage or RecordingError(f"{path}: there are no frames to write")
+    return WrittenBag(count, skipped, damage)

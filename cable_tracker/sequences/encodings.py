@@ -1,0 +1,330 @@
+"""Turn the pixels of a message into pictures, and say precisely why one cannot be.
+
+The names are those of sensor_msgs/image_encodings.hpp.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_tracker.arrays import Image
+from cable_tracker.errors import FrameError
+from cable_tracker.sequences.frame import CompressedImage, RawImage
+from cable_tracker.sequences.opencv_quiet import silence_opencv
+from cable_tracker.sequences.picture_header import MAX_PIXELS, read_picture_header
+
+__all__ = [
+    "ENCODINGS",
+    "MAX_PIXELS",
+    "check_image",
+    "check_layout",
+    "decode_bgr",
+    "decode_grey",
+    "raw_from_array",
+]
+
+_SMALLEST_BAYER = 3
+_UNIT_LIMIT = 1.5
+_COMPRESSED_KINDS = ("JPEG", "PNG")
+
+
+@dataclass(frozen=True, slots=True)
+class _PixelFormat:
+    """How the pixels of one encoding lie in memory, and how OpenCV converts them.
+
+    Attributes
+    ----------
+    dtype : str
+        NumPy type of one number, without byte order.
+    channels : int
+        Numbers per pixel.
+    to_grey, to_bgr : int or None
+        OpenCV conversion code; None where there is nothing to convert.
+    luma : int or None
+        YUV 4:2:2 only: which of the two bytes of a pixel is Y.
+    bayer : bool
+        Whether neighbours carry different colours.
+    """
+
+    dtype: str
+    channels: int
+    to_grey: int | None
+    to_bgr: int | None
+    luma: int | None = None
+    bayer: bool = False
+
+
+def _grey(dtype: str) -> _PixelFormat:
+    return _PixelFormat(dtype, 1, None, cv2.COLOR_GRAY2BGR)
+
+
+def _bayer(dtype: str, to_grey: int, to_bgr: int) -> _PixelFormat:
+    return _PixelFormat(dtype, 1, to_grey, to_bgr, bayer=True)
+
+
+_BGR = {
+    bits: _PixelFormat(dtype, 3, cv2.COLOR_BGR2GRAY, None)
+    for bits, dtype in ((8, "u1"), (16, "u2"))
+}
+_RGB = {
+    bits: _PixelFormat(dtype, 3, cv2.COLOR_RGB2GRAY, cv2.COLOR_RGB2BGR)
+    for bits, dtype in ((8, "u1"), (16, "u2"))
+}
+_BGRA = _PixelFormat("u1", 4, cv2.COLOR_BGRA2GRAY, cv2.COLOR_BGRA2BGR)
+_RGBA = _PixelFormat("u1", 4, cv2.COLOR_RGBA2GRAY, cv2.COLOR_RGBA2BGR)
+_UYVY = _PixelFormat("u1", 2, None, cv2.COLOR_YUV2BGR_UYVY, luma=1)
+_YUYV = _PixelFormat("u1", 2, None, cv2.COLOR_YUV2BGR_YUY2, luma=0)
+
+# OpenCV names a Bayer pattern by the second row's second and third pixel, ROS by the first four.
+_BAYER_CODES = {
+    "rggb": (cv2.COLOR_BayerBG2GRAY, cv2.COLOR_BayerBG2BGR),
+    "bggr": (cv2.COLOR_BayerRG2GRAY, cv2.COLOR_BayerRG2BGR),
+    "gbrg": (cv2.COLOR_BayerGR2GRAY, cv2.COLOR_BayerGR2BGR),
+    "grbg": (cv2.COLOR_BayerGB2GRAY, cv2.COLOR_BayerGB2BGR),
+}
+
+_FORMATS: dict[str, _PixelFormat] = {
+    "mono8": _grey("u1"),
+    "8UC1": _grey("u1"),
+    "mono16": _grey("u2"),
+    "16UC1": _grey("u2"),
+    "32FC1": _grey("f4"),
+    "bgr8": _BGR[8],
+    "8UC3": _BGR[8],
+    "bgr16": _BGR[16],
+    "rgb8": _RGB[8],
+    "rgb16": _RGB[16],
+    "bgra8": _BGRA,
+    "8UC4": _BGRA,
+    "rgba8": _RGBA,
+    **{f"bayer_{pattern}8": _bayer("u1", *codes) for pattern, codes in _BAYER_CODES.items()},
+    **{f"bayer_{pattern}16": _bayer("u2", *codes) for pattern, codes in _BAYER_CODES.items()},
+    "yuv422": _UYVY,
+    "uyvy": _UYVY,
+    "yuv422_yuy2": _YUYV,
+    "yuyv": _YUYV,
+}
+
+ENCODINGS: tuple[str, ...] = tuple(_FORMATS)
+"""Names of all encodings that can be decoded."""
+
+
+def _row_size(image: RawImage, pixel_format: _PixelFormat) -> int:
+    return image.width * pixel_format.channels * np.dtype(pixel_format.dtype).itemsize
+
+
+def _checked_format(image: RawImage) -> _PixelFormat:
+    """Return the format of an image whose fields fit together, else raise FrameError."""
+    size = f"{image.width} x {image.height}"
+    if image.width <= 0 or image.height <= 0:
+        raise FrameError(f"the image has no pixels ({size})")
+    pixel_format = _FORMATS.get(image.encoding)
+    if pixel_format is None:
+        raise FrameError(
+            f"unknown encoding {image.encoding[:40]!r}; known are {', '.join(ENCODINGS)}"
+        )
+    if image.width * image.height > MAX_PIXELS:
+        raise FrameError(f"the image claims {size} pixels, more than the {MAX_PIXELS} allowed")
+    if pixel_format.luma is not None and image.width % 2:
+        raise FrameError(f"encoding {image.encoding} needs an even width, not {image.width}")
+    if pixel_format.bayer and min(image.width, image.height) < _SMALLEST_BAYER:
+        raise FrameError(f"an image of {size} pixels is too small for encoding {image.encoding}")
+    row = _row_size(image, pixel_format)
+    if image.step < row:
+        raise FrameError(
+            f"step {image.step} is too small: a row of {image.width} pixels in {image.encoding}"
+            f" takes {row} bytes"
+        )
+    whole = image.height * image.step
+    if image.data.nbytes < whole - image.step + row:
+        raise FrameError(
+            f"the data is too short: {image.data.nbytes} bytes instead of {whole}"
+            f" ({image.height} rows of {image.step} bytes)"
+        )
+    if image.data.nbytes > whole:
+        raise FrameError(
+            f"the data is too long: {image.data.nbytes} bytes instead of {whole}"
+            f" ({image.height} rows of {image.step} bytes)"
+        )
+    return pixel_format
+
+
+def check_layout(image: RawImage) -> None:
+    """Check that encoding, size, step and amount of data of an image fit together.
+
+    Of the pixels themselves nothing is read. The last row may lack its padding.
+
+    Raises
+    ------
+    FrameError
+        The image cannot be decoded; the message names the field that is wrong.
+    """
+    _checked_format(image)
+
+
+def check_image(image: RawImage | CompressedImage) -> None:
+    """Check that an image can be decoded: a raw one by its layout, a compressed one by doing it.
+
+    Raises
+    ------
+    FrameError
+        The image cannot be decoded.
+    """
+    if isinstance(image, RawImage):
+        check_layout(image)
+    else:
+        decode_grey(image)
+
+
+def _pixels(image: RawImage, pixel_format: _PixelFormat) -> Image:
+    """View the pixels as (H, W) or (H, W, C) in the machine's byte order, without the padding."""
+    dtype = np.dtype(pixel_format.dtype).newbyteorder(">" if image.is_bigendian else "<")
+    shape: tuple[int, ...] = (image.height, image.width)
+    strides: tuple[int, ...] = (image.step, pixel_format.channels * dtype.itemsize)
+    if pixel_format.channels > 1:
+        shape, strides = (*shape, pixel_format.channels), (*strides, dtype.itemsize)
+    view: Image = np.ndarray(shape, dtype, buffer=image.data, strides=strides)
+    return view.astype(dtype.newbyteorder("="), copy=False)
+
+
+def _convert(pixels: Image, code: int | None) -> Image:
+    if code is None:
+        return pixels
+    return np.asarray(cv2.cvtColor(np.require(pixels, requirements=["C", "A"]), code))
+
+
+def _float_to_255(pixels: Image) -> NDArray[np.float32]:
+    if not np.isfinite(pixels).all():
+        raise FrameError("the 32FC1 image holds pixels that are not finite numbers")
+    scale = np.float32(1.0 if pixels.max() > _UNIT_LIMIT else 255.0)
+    return np.clip(pixels * scale, np.float32(0.0), np.float32(255.0))
+
+
+def _to_255(pixels: Image) -> Image:
+    """Bring 16-bit and float pixels to float32 in 0..255; leave 8-bit ones as they are."""
+    if pixels.dtype == np.float32:
+        return _float_to_255(pixels)
+    if pixels.dtype == np.uint16:
+        return pixels.astype(np.float32) / np.float32(257.0)
+    return pixels
+
+
+def _decode_compressed(image: CompressedImage, flags: int) -> Image:
+    header = read_picture_header(image.data)
+    if header.kind not in _COMPRESSED_KINDS:
+        raise FrameError(f"compressed images must be JPEG or PNG, not {header.kind}")
+    silence_opencv()
+    try:
+        # Labels and camera calibrations refer to the pixels as stored, not as turned by EXIF.
+        flags |= cv2.IMREAD_IGNORE_ORIENTATION
+        picture: Any = cv2.imdecode(np.frombuffer(image.data, np.uint8), flags)
+    except cv2.error as error:
+        raise FrameError(f"the {header.kind} is damaged and cannot be decoded") from error
+    if picture is None or not picture.size:
+        raise FrameError(f"the {header.kind} is damaged and cannot be decoded")
+    return np.asarray(picture)
+
+
+def decode_grey(image: RawImage | CompressedImage) -> Image:
+    """Decode an image to grey.
+
+    * Colour becomes grey by OpenCV's weights (0.299 R + 0.587 G + 0.114 B); of YUV the Y bytes are
+      taken as they are; a Bayer pattern is interpolated.
+    * 16-bit values are divided by 257, so that white is 255.
+    * 32FC1: if any value is above 1.5 the values are taken as 0..255, otherwise as 0..1. What lies
+      outside the range is clipped.
+
+    Parameters
+    ----------
+    image : RawImage or CompressedImage
+        As recorded or received.
+
+    Returns
+    -------
+    Image
+        Shape (H, W); uint8, or float32 in 0..255 for 16-bit and float encodings. For mono8 it is a
+        read-only view of the image's own data if that is read-only; copy before writing to it.
+
+    Raises
+    ------
+    FrameError
+        The image cannot be decoded; the message says why.
+    """
+    if isinstance(image, CompressedImage):
+        return _decode_compressed(image, cv2.IMREAD_GRAYSCALE)
+    pixel_format = _checked_format(image)
+    pixels = _pixels(image, pixel_format)
+    if pixel_format.luma is not None:
+        return pixels[:, :, pixel_format.luma]
+    return _to_255(_convert(pixels, pixel_format.to_grey))
+
+
+def decode_bgr(image: RawImage | CompressedImage) -> Image:
+    """Decode an image to colour, for pictures that people look at.
+
+    Returns
+    -------
+    Image
+        Shape (H, W, 3), uint8, blue-green-red. May be a view of the image's own data.
+
+    Raises
+    ------
+    FrameError
+        The image cannot be decoded; the message says why.
+    """
+    if isinstance(image, CompressedImage):
+        return _decode_compressed(image, cv2.IMREAD_COLOR)
+    pixel_format = _checked_format(image)
+    pixels = _pixels(image, pixel_format)
+    if pixel_format.dtype == "u1":
+        return _convert(pixels, pixel_format.to_bgr)
+    if pixel_format.dtype == "u2":
+        pixels = _convert(pixels, pixel_format.to_bgr)
+        return np.rint(_to_255(pixels)).astype(np.uint8)
+    return _convert(np.rint(_to_255(pixels)).astype(np.uint8), pixel_format.to_bgr)
+
+
+def raw_from_array(picture: Image, encoding: str) -> RawImage:
+    """Wrap a picture as an uncompressed image; no pixel is copied if it is contiguous.
+
+    Parameters
+    ----------
+    picture : Image
+        Shape (H, W) or (H, W, C), in the machine's byte order, as `encoding` asks for.
+    encoding : str
+        One of `ENCODINGS`.
+
+    Raises
+    ------
+    FrameError
+        Shape or type of the picture do not fit the encoding.
+    """
+    pixel_format = _FORMATS.get(encoding)
+    if pixel_format is None:
+        raise FrameError(f"unknown encoding {encoding!r}; known are {', '.join(ENCODINGS)}")
+    channels = picture.shape[2] if picture.ndim == 3 else 1
+    if (
+        picture.ndim not in (2, 3)
+        or channels != pixel_format.channels
+        or picture.dtype != np.dtype(pixel_format.dtype)
+    ):
+        raise FrameError(
+            f"a picture of shape {picture.shape} and type {picture.dtype} is no {encoding}"
+        )
+    little = np.ascontiguousarray(picture, dtype=picture.dtype.newbyteorder("<"))
+    height, width = picture.shape[:2]
+    image = RawImage(
+        encoding=encoding,
+        height=height,
+        width=width,
+        step=width * channels * picture.dtype.itemsize,
+        is_bigendian=False,
+        data=little.reshape(-1).view(np.uint8).data,
+    )
+    check_layout(image)
+    return image

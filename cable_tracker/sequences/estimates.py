@@ -1,0 +1,128 @@
+"""The table of estimates of a whole recording: `estimates.csv`."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import RecordingError
+
+HEADER = (
+    "frame", "stamp", "status", "d", "alpha", "w", "beta", "v_d", "v_alpha",
+    "sigma_d", "sigma_alpha", "sigma_w", "sigma_beta", "n_eff", "ms",
+)  # fmt: skip
+
+REFUSED = "REFUSED"
+"""Status of a frame that could not be used; the others are those of `TrackingStatus`."""
+
+NANOSECONDS = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class EstimateRow:
+    """One frame of a tracked recording.
+
+    Attributes
+    ----------
+    frame : int
+        Number of the frame in the recording.
+    stamp : int
+        Time of the frame [ns].
+    status : str
+        TRACKING, LOST, INITIALISING, or REFUSED for a frame that could not be used.
+    state : CableState or None
+        The estimate [px, rad, per second]; None where no cable is claimed.
+    sigma : (float, float, float, float) or None
+        Standard deviations of d, alpha, w, beta [px, rad]; None where no cable is claimed.
+    n_eff : float or None
+        Effective sample size; None for a refused frame.
+    ms : float or None
+        Time the tracker took for the frame [ms]; None if it was not measured.
+    """
+
+    frame: int
+    stamp: int
+    status: str
+    state: CableState | None = None
+    sigma: tuple[float, float, float, float] | None = None
+    n_eff: float | None = None
+    ms: float | None = None
+
+
+def format_stamp(stamp: int) -> str:
+    """Write nanoseconds as seconds with all nine decimals, exactly."""
+    sign = "-" if stamp < 0 else ""
+    return f"{sign}{abs(stamp) // NANOSECONDS}.{abs(stamp) % NANOSECONDS:09d}"
+
+
+def parse_stamp(text: str) -> int:
+    """Read seconds written by `format_stamp` back as nanoseconds, exactly."""
+    whole, _, fraction = text.partition(".")
+    magnitude = abs(int(whole)) * NANOSECONDS + int(fraction.ljust(9, "0")[:9] or "0")
+    return -magnitude if whole.startswith("-") else magnitude
+
+
+def _format_number(value: float | None) -> str:
+    return "" if value is None else repr(value)
+
+
+def _format_row(row: EstimateRow) -> list[str]:
+    state: Sequence[float | None] = (None,) * 6
+    if row.state is not None:
+        state = tuple(float(value) for value in row.state.to_array())
+    sigma: Sequence[float | None] = row.sigma if row.sigma is not None else (None,) * 4
+    ms = "" if row.ms is None else f"{row.ms:.3f}"
+    return [
+        str(row.frame), format_stamp(row.stamp), row.status,
+        *(_format_number(value) for value in (*state, *sigma, row.n_eff)), ms,
+    ]  # fmt: skip
+
+
+def write_estimates(path: Path, rows: Iterable[EstimateRow]) -> None:
+    """Write the table; numbers read back are equal to the last bit (`ms`: to the microsecond)."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(HEADER)
+        writer.writerows(_format_row(row) for row in rows)
+
+
+def _parse_row(fields: Sequence[str]) -> EstimateRow:
+    numbers = [float(text) if text else None for text in fields[3:]]
+    present = [value for value in numbers[:10] if value is not None]
+    claimed = len(present) == 10
+    return EstimateRow(
+        frame=int(fields[0]),
+        stamp=parse_stamp(fields[1]),
+        status=fields[2],
+        state=CableState(*present[:6]) if claimed else None,
+        sigma=(present[6], present[7], present[8], present[9]) if claimed else None,
+        n_eff=numbers[10],
+        ms=numbers[11],
+    )
+
+
+def read_estimates(path: Path) -> list[EstimateRow]:
+    """Read a table written by `write_estimates`.
+
+    Raises
+    ------
+    RecordingError
+        The file is missing or is no such table; the message names the line.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            lines = list(csv.reader(file))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise RecordingError(f"{path}: cannot be read as a table of estimates ({error})") from error
+    if not lines or tuple(lines[0]) != HEADER:
+        raise RecordingError(f"{path}: line 1 is not the header of a table of estimates")
+    rows = []
+    for number, fields in enumerate(lines[1:], start=2):
+        try:
+            rows.append(_parse_row(fields))
+        except (ValueError, IndexError) as error:
+            raise RecordingError(f"{path}: line {number} is no estimate ({error})") from error
+    return rows

@@ -1,0 +1,74 @@
+"""One frame of a recording, as it is passed from every kind of source."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cable_tracker.cable.state import CableState
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RawImage:
+    """Uncompressed pixels with the fields of a sensor_msgs/Image.
+
+    Attributes
+    ----------
+    encoding : str
+        Name of the pixel format, as in sensor_msgs/image_encodings.hpp.
+    height, width : int
+        Size of the image [px].
+    step : int
+        Length of one row in `data` [bytes]; rows may be padded.
+    is_bigendian : bool
+        Byte order of pixels wider than one byte.
+    data : memoryview
+        The pixels, ``height * step`` bytes.
+    """
+
+    encoding: str
+    height: int
+    width: int
+    step: int
+    is_bigendian: bool
+    data: memoryview
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CompressedImage:
+    """A JPEG or PNG file with the fields of a sensor_msgs/CompressedImage.
+
+    Attributes
+    ----------
+    format : str
+        What the sender says it is, for instance ``jpeg`` or ``rgb8; jpeg compressed bgr8``.
+    data : memoryview
+        The bytes of the file.
+    """
+
+    format: str
+    data: memoryview
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """One frame of a recording.
+
+    Attributes
+    ----------
+    index : int
+        Number of the frame in the recording, from 0.
+    stamp : int
+        Time of the frame [ns]: the header's stamp, or index over frame rate.
+    image : RawImage or CompressedImage
+        The pixels as they were recorded; see `encodings.decode_grey`.
+    frame_id : str
+        Coordinate frame named in the header, or "camera".
+    truth : CableState or None
+        Where the cable really runs, if the recording is labelled.
+    """
+
+    index: int
+    stamp: int
+    image: RawImage | CompressedImage
+    frame_id: str = "camera"
+    truth: CableState | None = None

@@ -1,0 +1,160 @@
+"""What all kinds of sources have in common: checks, ground truth, and being closed."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Generator, Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+from weakref import WeakSet
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.sequences.encodings import check_image
+from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
+
+NANOSECONDS = 1_000_000_000
+_LONGEST_REASON = 200
+
+
+@dataclass(frozen=True, slots=True)
+class UnreadableFrame:
+    """A frame of which the recording gives no image at all.
+
+    Attributes
+    ----------
+    index : int
+        Number of the frame in the recording.
+    stamp : int
+        Time of the frame [ns].
+    reason : str
+        Why there is no image.
+    """
+
+    index: int
+    stamp: int
+    reason: str
+
+
+def one_line(error: BaseException) -> str:
+    """Return what an exception says, on one line of bearable length."""
+    text = " ".join(str(error).split())
+    return (text or type(error).__name__)[:_LONGEST_REASON]
+
+
+def damage(path: Path, count: int, reason: str) -> RecordingError:
+    """Return the error for a recording that breaks off after some frames."""
+    return RecordingError(
+        f"{path}: damaged after {count} frames ({reason}); use the frames before it, or get an"
+        " undamaged copy of the recording"
+    )
+
+
+class FrameSource(ABC):
+    """Frames of a recording, in order. Nothing stays open between two readings.
+
+    Attributes
+    ----------
+    path : Path
+        What the user asked for.
+    frame_count : int or None
+        Number of frames; None when it is unknown before all have been read.
+    nominal_rate : float or None
+        Frames per second; None when the recording does not say.
+    has_truth : bool
+        Whether any frame is labelled.
+    compressed : bool
+        Whether the frames hold a `CompressedImage` instead of a `RawImage`.
+    note : str
+        Something the user should be told about the recording; empty if there is nothing.
+    """
+
+    def __init__(self, path: Path, *, skip_bad_frames: bool = False) -> None:
+        self.path = path
+        self.frame_count: int | None = None
+        self.nominal_rate: float | None = None
+        self.has_truth = False
+        self.compressed = False
+        self.note = ""
+        self._skip_bad_frames = skip_bad_frames
+        self._labels: Mapping[int, CableState] = {}
+        self._running: WeakSet[Generator[Frame]] = WeakSet()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        for frames in tuple(self._running):
+            frames.close()
+
+    def label(self, labels: Mapping[int, CableState]) -> None:
+        """Attach ground truth to frames by their number; it replaces what the recording holds."""
+        self._labels = labels
+        self.has_truth = self.has_truth or bool(labels)
+
+    def frames(self) -> Iterator[Frame]:
+        """Read the frames from the beginning.
+
+        Every image is checked when its frame is handed out.
+
+        Raises
+        ------
+        RecordingError
+            While iterating, after the frames before it: a frame cannot be decoded (unless bad
+            frames are to be skipped: then it is handed out, and decoding it raises FrameError), or
+            the recording is damaged.
+        """
+        frames = self._checked()
+        self._running.add(frames)
+        return frames
+
+    def frame_name(self, index: int) -> str:
+        """Return how to call a frame in a message."""
+        return f"frame {index}"
+
+    @abstractmethod
+    def _read(self) -> Generator[Frame | UnreadableFrame]:
+        """Yield all frames; raise RecordingError where the recording breaks off."""
+
+    def _checked(self) -> Generator[Frame]:
+        with closing(self._read()) as items:
+            for item in items:
+                yield self._labelled(self._check(item))
+
+    def _check(self, item: Frame | UnreadableFrame) -> Frame:
+        if isinstance(item, UnreadableFrame):
+            if not self._skip_bad_frames:
+                raise self._bad_frame(item.index, item.reason)
+            return Frame(item.index, item.stamp, self._no_image())
+        if not self._skip_bad_frames:
+            try:
+                check_image(item.image)
+            except FrameError as error:
+                raise self._bad_frame(item.index, str(error)) from error
+        return item
+
+    def _bad_frame(self, index: int, reason: str) -> RecordingError:
+        return RecordingError(
+            f"{self.path}: {self.frame_name(index)} cannot be decoded ({reason}); skip such frames"
+            " with --skip-bad-frames"
+        )
+
+    def _no_image(self) -> RawImage | CompressedImage:
+        nothing = memoryview(b"")
+        return (
+            CompressedImage("", nothing)
+            if self.compressed
+            else RawImage("", 0, 0, 0, False, nothing)
+        )
+
+    def _labelled(self, frame: Frame) -> Frame:
+        truth = self._labels.get(frame.index)
+        return frame if truth is None else replace(frame, truth=truth)

@@ -1,0 +1,121 @@
+"""Frames out of a folder of pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame
+from cable_tracker.sequences.natural_order import natural_key
+from cable_tracker.sequences.opencv_quiet import silence_opencv
+from cable_tracker.sequences.picture_header import read_picture_header
+from cable_tracker.sequences.stamps import stamp_of_frame
+
+PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm")
+DEFAULT_RATE = 25.0
+
+_ENCODINGS = {
+    ("uint8", 1): "mono8",
+    ("uint8", 3): "bgr8",
+    ("uint8", 4): "bgra8",
+    ("uint16", 1): "mono16",
+    ("uint16", 3): "bgr16",
+    ("float32", 1): "32FC1",
+}
+
+
+def _decode(data: bytes) -> Image:
+    kind = read_picture_header(memoryview(data)).kind
+    silence_opencv()
+    try:
+        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise FrameError(f"the {kind} is damaged") from error
+    if picture is None or not picture.size:
+        raise FrameError(f"the {kind} is damaged")
+    return np.asarray(picture)
+
+
+def load_picture(path: Path) -> RawImage:
+    """Read a picture file as it was stored: its depth, its channels, not turned by EXIF.
+
+    Raises
+    ------
+    FrameError
+        It cannot be read or decoded; the message is the reason alone, without the path.
+    """
+    try:
+        picture = _decode(path.read_bytes())
+    except OSError as error:
+        raise FrameError(f"cannot be read: {error.strerror}") from error
+    channels = picture.shape[2] if picture.ndim == 3 else 1
+    encoding = _ENCODINGS.get((picture.dtype.name, channels))
+    if encoding is None:
+        raise FrameError(f"pictures of {channels} channels of {picture.dtype} are not supported")
+    return raw_from_array(picture, encoding)
+
+
+def find_pictures(folder: Path) -> list[Path]:
+    """Return the pictures of a folder in natural order; hidden files are left out."""
+    return sorted(
+        (
+            file
+            for file in folder.iterdir()
+            if file.suffix.lower() in PICTURE_SUFFIXES and not file.name.startswith(".")
+        ),
+        key=natural_key,
+    )
+
+
+class ImageFolderSource(FrameSource):
+    """The pictures of a folder, in natural order of their names.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    rate : float or None
+        Frames per second; 25 if None.
+    skip_bad_frames : bool
+        Hand out frames that cannot be decoded, instead of raising RecordingError.
+
+    Raises
+    ------
+    RecordingError
+        The folder is missing or holds no pictures.
+    """
+
+    def __init__(
+        self, path: Path, *, rate: float | None = None, skip_bad_frames: bool = False
+    ) -> None:
+        super().__init__(path, skip_bad_frames=skip_bad_frames)
+        try:
+            self.pictures = find_pictures(path)
+        except OSError as error:
+            raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+        if not self.pictures:
+            raise RecordingError(
+                f"{path}: holds no pictures ({', '.join(PICTURE_SUFFIXES)}) and no bag"
+            )
+        self._rate = rate or DEFAULT_RATE
+        self.nominal_rate = self._rate
+        self.frame_count = len(self.pictures)
+
+    def frame_name(self, index: int) -> str:
+        """Return how to call a frame in a message."""
+        return f"frame {index} ({self.pictures[index].name})"
+
+    def _read(self) -> Generator[Frame | UnreadableFrame]:
+        for index, path in enumerate(self.pictures):
+            stamp = stamp_of_frame(index, self._rate)
+            try:
+                yield Frame(index, stamp, load_picture(path))
+            except FrameError as error:
+                yield UnreadableFrame(index, stamp, str(error))

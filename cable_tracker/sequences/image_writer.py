@@ -1,0 +1,98 @@
+"""Write frames as pictures, with a sequence file for those that are labelled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.errors import OutputError
+from cable_tracker.sequences.encodings import decode_bgr, decode_grey
+from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
+from cable_tracker.sequences.output_folder import PartialFolder
+from cable_tracker.sequences.sequence_file import Label, write_labels
+
+SEQUENCE_NAME = "sequence.txt"
+_GREY_ENCODINGS = ("mono8", "8UC1", "mono16", "16UC1", "32FC1")
+
+
+def picture_name(index: int) -> str:
+    """Return the file name of a frame."""
+    return f"frame_{index:06d}.png"
+
+
+def _is_sequence(path: Path) -> bool:
+    return path.is_dir() and ((path / SEQUENCE_NAME).is_file() or not any(path.iterdir()))
+
+
+def _picture(image: RawImage | CompressedImage) -> Image:
+    if isinstance(image, RawImage) and image.encoding in _GREY_ENCODINGS:
+        return np.rint(decode_grey(image)).astype(np.uint8)
+    return decode_bgr(image)
+
+
+def _write_picture(path: Path, picture: Image) -> None:
+    encoded, data = cv2.imencode(".png", picture)
+    if not encoded:
+        raise OutputError(f"{path}: the picture cannot be encoded as PNG")
+    path.write_bytes(data.tobytes())
+
+
+def _write_all(folder: Path, frames: Iterable[Frame]) -> int:
+    labels = []
+    count = 0
+    folder.mkdir()
+    for frame in frames:
+        name = picture_name(frame.index)
+        _write_picture(folder / name, _picture(frame.image))
+        if frame.truth is not None:
+            labels.append(Label(frame.truth, name))
+        count += 1
+    write_labels(folder / SEQUENCE_NAME, labels)
+    return count
+
+
+def write_sequence(folder: Path, frames: Iterable[Frame], *, overwrite: bool = False) -> int:
+    """Write each frame as an 8-bit PNG, and `sequence.txt` in the format of the thesis.
+
+    All frames are written as pictures. Frames without ground truth do not appear in the sequence
+    file, for it has no way to say so. The folder appears when all is written; if anything goes
+    wrong, also in the frames, nothing is left.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to write.
+    frames : iterable of Frame
+        Grey encodings become grey pictures, all others blue-green-red.
+    overwrite : bool
+        Replace a sequence that lies there, or an empty folder. Anything else is never replaced.
+
+    Returns
+    -------
+    int
+        Number of pictures.
+
+    Raises
+    ------
+    OutputError
+        The folder exists, or the disk does not let us write.
+    FrameError
+        A frame cannot be decoded.
+    """
+    partial = PartialFolder(folder, overwrite=overwrite, is_ours=_is_sequence)
+    try:
+        count = _write_all(partial.content, frames)
+    except OSError as error:
+        partial.discard()
+        raise OutputError(
+            f"{folder}: cannot be written ({error.strerror}); check the disk"
+        ) from error
+    except BaseException:
+        partial.discard()
+        raise
+    partial.commit()
+    return count

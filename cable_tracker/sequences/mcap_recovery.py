@@ -1,0 +1,180 @@
+"""Read an mcap from its beginning without index and footer, as far as it goes.
+
+A recorder that crashed leaves no footer, and the file usually ends in the middle of a record. Such
+an end is normal here. What cannot be the work of a crash is damage and said so: an impossible
+record, a chunk whose checksum is wrong, a chunk that does not unpack.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import IO
+
+import zstandard
+from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.records import Channel, Message, Schema
+
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.stored_message import StoredMessage
+
+MAGIC = b"\x89MCAP0\r\n"
+_FOOTER_RECORD = b"\x02\x14\x00\x00\x00\x00\x00\x00\x00"
+_FOOTER_LENGTH = 37
+_FIRST_PRIVATE_OPCODE = 0x80
+_KNOWN_OPCODES = frozenset(int(opcode) for opcode in Opcode)
+_LARGEST_RECORD = 1 << 30
+_MESSAGE_HEADER = 22
+_BLOCK = 1 << 20
+_CHUNK_HEADER = struct.Struct("<QQQII")
+
+
+class _CutOff(Exception):  # noqa: N818
+    """The file ends in the middle of a record."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Record:
+    opcode: int
+    content: bytes
+
+
+def is_closed(path: Path) -> bool:
+    """Tell whether an mcap ends with a footer, as a recorder leaves it that ended well."""
+    with path.open("rb") as file:
+        size = file.seek(0, 2)
+        file.seek(max(0, size - _FOOTER_LENGTH))
+        end = file.read(_FOOTER_LENGTH)
+    return end.startswith(_FOOTER_RECORD) and end.endswith(MAGIC)
+
+
+def _damage(what: str, position: int) -> RecordingError:
+    return RecordingError(f"{what} near byte {position}")
+
+
+def _only_zeros(file: IO[bytes]) -> bool:
+    while block := file.read(_BLOCK):
+        if block.count(0) != len(block):
+            return False
+    return True
+
+
+def _read_record_start(file: IO[bytes]) -> tuple[int, int] | None:
+    """Read opcode and length of the next record; None at the end of the file.
+
+    A file system that lost power may have filled the end of the file with zeros.
+    """
+    position = file.tell()
+    start = file.read(9)
+    if not start:
+        return None
+    opcode = start[0]
+    if not opcode and not any(start) and _only_zeros(file):
+        raise _CutOff
+    if opcode not in _KNOWN_OPCODES and opcode < _FIRST_PRIVATE_OPCODE:
+        raise _damage(f"a record of unknown kind {opcode}", position)
+    if len(start) < 9:
+        raise _CutOff
+    (length,) = struct.unpack_from("<Q", start, 1)
+    if length > _LARGEST_RECORD:
+        raise _damage(f"a record of impossible length {length}", position)
+    return opcode, length
+
+
+def _unpack(compression: str, data: bytes, size: int) -> bytes:
+    """Decompress what is there of a chunk, at most `size` bytes."""
+    if compression == "":
+        return data[:size]
+    if compression == "lz4":
+        return bytes(LZ4FrameDecompressor().decompress(data, max_length=size))
+    if compression == "zstd":
+        with zstandard.ZstdDecompressor().stream_reader(data) as reader:
+            return reader.read(size)
+    raise ValueError(f"unknown compression {compression[:20]!r}")
+
+
+def _chunk_records(content: bytes, complete: bool, position: int) -> Iterator[_Record]:
+    """Yield the records inside a chunk; of a chunk that was cut off, those that are there."""
+    try:
+        _, _, size, checksum, name_length = _CHUNK_HEADER.unpack_from(content)
+        name_end = _CHUNK_HEADER.size + name_length
+        compression = content[_CHUNK_HEADER.size : name_end].decode()
+        if size > _LARGEST_RECORD:
+            raise ValueError(f"unpacked size {size}")
+        unpacked = _unpack(compression, content[name_end + 8 :], size)
+    except (struct.error, ValueError, RuntimeError, zstandard.ZstdError, MemoryError) as error:
+        if not complete:
+            raise _CutOff from error
+        raise _damage("a chunk that cannot be unpacked", position) from error
+    if complete and len(unpacked) != size:
+        raise _damage("a chunk of wrong size", position)
+    if complete and checksum and zlib.crc32(unpacked) != checksum:
+        raise _damage("a chunk with a wrong checksum", position)
+    try:
+        yield from _records(BytesIO(unpacked), len(unpacked), inside_chunk=True)
+    except _CutOff as error:
+        if complete:
+            raise _damage("a chunk that ends inside a record", position) from error
+        raise
+    if not complete:
+        raise _CutOff
+
+
+def _records(file: IO[bytes], size: int, *, inside_chunk: bool = False) -> Iterator[_Record]:
+    """Yield the records of the data section, those in chunks too."""
+    while start := _read_record_start(file):
+        opcode, length = start
+        if opcode in (Opcode.DATA_END, Opcode.FOOTER):
+            return
+        position = file.tell()
+        complete = position + length <= size
+        if opcode == Opcode.CHUNK and not inside_chunk:
+            yield from _chunk_records(file.read(length), complete, position)
+        elif not complete:
+            raise _CutOff
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE):
+            yield _Record(opcode, file.read(length))
+        else:
+            file.seek(length, 1)
+
+
+def _messages(records: Iterator[_Record]) -> Iterator[StoredMessage]:
+    schemas: dict[int, str] = {}
+    channels: dict[int, tuple[str, str]] = {}
+    for record in records:
+        stream = ReadDataStream(BytesIO(record.content))
+        if record.opcode == Opcode.SCHEMA:
+            schema = Schema.read(stream)
+            schemas[schema.id] = schema.name
+        elif record.opcode == Opcode.CHANNEL:
+            channel = Channel.read(stream)
+            channels[channel.id] = (channel.topic, schemas.get(channel.schema_id, ""))
+        elif len(record.content) > _MESSAGE_HEADER:
+            message = Message.read(stream, len(record.content))
+            topic, msgtype = channels[message.channel_id]
+            yield StoredMessage(topic, msgtype, message.log_time, message.data)
+
+
+def read_messages(path: Path) -> Iterator[StoredMessage]:
+    """Yield the messages of an mcap in the order of the file, until it ends or is cut off.
+
+    Raises
+    ------
+    RecordingError
+        The file is no mcap, or is damaged. The message is the reason alone, without the path.
+    """
+    with path.open("rb") as file:
+        size = file.seek(0, 2)
+        file.seek(0)
+        if not MAGIC.startswith(file.read(len(MAGIC))):
+            raise RecordingError("it does not begin like an mcap file")
+        try:
+            yield from _messages(_records(file, size))
+        except _CutOff:
+            return

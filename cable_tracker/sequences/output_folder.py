@@ -1,0 +1,83 @@
+"""Write a folder in such a way that nothing half-written ever looks complete."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+from cable_tracker.errors import OutputError
+
+
+def _delete(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink()
+
+
+class PartialFolder:
+    """A folder that is filled under another name and moved into place when it is complete.
+
+    Parameters
+    ----------
+    path : Path
+        Where the folder is to appear.
+    overwrite : bool
+        Replace what lies there, once the new folder is complete.
+    is_ours : callable
+        Tells whether an existing folder is of the kind that is written here; no other folder is
+        ever replaced.
+
+    Attributes
+    ----------
+    content : Path
+        Where to write until then. It does not exist yet; its parent does.
+
+    Raises
+    ------
+    OutputError
+        Something lies at the path and must not be replaced, or the disk does not let us write.
+    """
+
+    def __init__(self, path: Path, *, overwrite: bool, is_ours: Callable[[Path], bool]) -> None:
+        self.path = path
+        self._partial = path.with_name(f".{path.name}.partial")
+        self.content = self._partial / path.name
+        if path.exists() or path.is_symlink():
+            if not overwrite:
+                raise OutputError(
+                    f"{path}: exists already; choose another name, or overwrite it with --force"
+                )
+            if not is_ours(path):
+                raise OutputError(f"{path}: is something else and is not overwritten; remove it")
+        try:
+            if self._partial.exists():
+                _delete(self._partial)
+            self._partial.mkdir(parents=True)
+        except OSError as error:
+            raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
+
+    def commit(self) -> None:
+        """Move the content into place.
+
+        Raises
+        ------
+        OutputError
+            It cannot be moved; then it is removed, and what lay there before is left.
+        """
+        replaced = self._partial / ".replaced"
+        try:
+            if self.path.exists() or self.path.is_symlink():
+                self.path.rename(replaced)
+            self.content.rename(self.path)
+        except OSError as error:
+            if replaced.exists() and not self.path.exists():
+                replaced.rename(self.path)
+            self.discard()
+            raise OutputError(f"{self.path}: cannot be written ({error.strerror})") from error
+        self.discard()
+
+    def discard(self) -> None:
+        """Remove the content."""
+        shutil.rmtree(self._partial, ignore_errors=True)

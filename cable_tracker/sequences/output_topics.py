@@ -1,0 +1,39 @@
+"""Names and types of what the tracker publishes, as they stand in a recorded bag."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class OutputTopic:
+    """One output of the tracker.
+
+    Attributes
+    ----------
+    name : str
+        Relative to the tracker's namespace; the private ones under the node's name.
+    type_name : str
+        Message type.
+    """
+
+    name: str
+    type_name: str
+
+
+STATE = OutputTopic("state", "sensor_msgs/msg/JointState")
+CENTRELINE = OutputTopic("centreline", "geometry_msgs/msg/PoseWithCovarianceStamped")
+PARTICLES = OutputTopic("particles", "sensor_msgs/msg/PointCloud2")
+MARKERS = OutputTopic("markers", "visualization_msgs/msg/MarkerArray")
+OVERLAY = OutputTopic("tracker/overlay/compressed", "sensor_msgs/msg/CompressedImage")
+FRAME_REPORT = OutputTopic("tracker/frame_report", "diagnostic_msgs/msg/DiagnosticArray")
+DIAGNOSTICS = OutputTopic("diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
+GROUND_TRUTH = OutputTopic("ground_truth", "sensor_msgs/msg/JointState")
+IMAGE = OutputTopic("image", "sensor_msgs/msg/Image")
+COMPRESSED_IMAGE = OutputTopic("image/compressed", "sensor_msgs/msg/CompressedImage")
+
+EVERY_FRAME = (STATE, FRAME_REPORT)
+"""Published for every frame, whatever becomes of it."""
+
+USABLE_FRAME = (PARTICLES, MARKERS, OVERLAY)
+"""Published (if somebody subscribes) for every frame that was not refused."""

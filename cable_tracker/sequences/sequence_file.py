@@ -1,0 +1,275 @@
+"""The image-sequence file of the thesis: pictures by name, each with the true cable.
+
+One line per frame, ``d alpha w beta # filename`` (pixels and radians), where the file name is
+relative to the folder of the text file. ``video.mp4:12`` means frame 12, from 0, of a video. Lines
+that begin with ``#`` are comments.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+
+from cable_tracker.cable.geometry import wrap_states
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import FrameError, OutputError, RecordingError
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage, one_line
+from cable_tracker.sequences.image_folder import DEFAULT_RATE, load_picture
+from cable_tracker.sequences.stamps import stamp_of_frame
+from cable_tracker.sequences.video import (
+    VIDEO_SUFFIXES,
+    frame_rate,
+    next_picture,
+    opened_video,
+)
+
+SEQUENCE_SUFFIXES = (".txt", ".seq")
+_HEADER = "# CableDistance CableAngle CableWidth CableSkew # Filename\n"
+_LONGEST_LINE = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """The true cable in one frame.
+
+    Attributes
+    ----------
+    state : CableState
+        d, alpha, w, beta [px, rad]; the rates are zero.
+    filename : str
+        The picture or video, relative to the folder of the sequence file.
+    frame : int or None
+        Frame number in a video, from 0; None for a picture.
+    """
+
+    state: CableState
+    filename: str
+    frame: int | None = None
+
+    def __str__(self) -> str:
+        return self.filename if self.frame is None else f"{self.filename}:{self.frame}"
+
+
+def _wrapped(state: CableState) -> CableState:
+    if -math.pi / 2 < state.angle <= math.pi / 2:
+        return state
+    return CableState.from_array(wrap_states(state.to_array()[np.newaxis])[0])
+
+
+def _parse_name(text: str) -> tuple[str, int | None]:
+    filename, colon, number = text.rpartition(":")
+    if colon and filename and number.isascii() and number.isdecimal():
+        return filename, int(number)
+    return text, None
+
+
+def _check_name(name: str) -> None:
+    path = PurePosixPath(name)
+    if path.is_absolute() or ".." in path.parts or "\0" in name:
+        raise ValueError(f"{name!r} lies outside the folder of the sequence file")
+
+
+def _parse_line(line: str) -> Label:
+    numbers, hash_sign, name = line.partition("#")
+    name = name.strip()
+    values = [float(word) for word in numbers.split()]
+    if len(values) != 4:
+        raise ValueError(f"{len(values)} numbers instead of d alpha w beta")
+    if not hash_sign or not name:
+        raise ValueError("the file name after # is missing")
+    if not all(math.isfinite(value) for value in values):
+        raise ValueError("a number is not finite")
+    filename, frame = _parse_name(name)
+    _check_name(filename)
+    return Label(_wrapped(CableState(*values)), filename, frame)
+
+
+def _read_lines(path: Path) -> Iterator[str]:
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            while line := file.readline(_LONGEST_LINE):
+                yield line
+    except UnicodeDecodeError as error:
+        raise RecordingError(
+            f"{path}: is no text; expected lines of the form: d alpha w beta # filename"
+        ) from error
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+
+
+def read_labels(path: Path) -> list[Label]:
+    """Read a sequence file.
+
+    Angles outside (-pi/2, pi/2] are wrapped, which turns the signs of d and beta.
+
+    Raises
+    ------
+    RecordingError
+        The file is missing or no text, holds no label, or a line is malformed or names a file
+        outside its folder; the message names the line.
+    """
+    labels = []
+    for number, line in enumerate(_read_lines(path), start=1):
+        text = line.strip()
+        if not text or text.startswith("#"):
+            continue
+        try:
+            labels.append(_parse_line(text))
+        except ValueError as error:
+            raise RecordingError(
+                f"{path}: line {number} is malformed ({one_line(error)}); expected: d alpha w beta"
+                " # filename"
+            ) from error
+    if not labels:
+        raise RecordingError(f"{path}: holds no labels; expected: d alpha w beta # filename")
+    return labels
+
+
+def write_labels(path: Path, labels: Iterable[Label]) -> None:
+    """Write a sequence file; numbers read back are equal to the last bit.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written, or a name would not be read back as it is.
+    """
+    try:
+        with path.open("w", encoding="utf-8", newline="\n") as file:
+            file.write(_HEADER)
+            for label in labels:
+                file.write(_format_label(label))
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{path}: cannot be written ({one_line(error)})") from error
+
+
+def _format_label(label: Label) -> str:
+    state, name = label.state, str(label)
+    read_back = _parse_name(name.strip())
+    if read_back != (label.filename, label.frame) or not name or not name.isprintable():
+        raise ValueError(f"{name!r} is no usable file name")
+    _check_name(label.filename)
+    numbers = " ".join(repr(v) for v in (state.distance, state.angle, state.width, state.skew))
+    return f"{numbers} # {name}\n"
+
+
+def _resolve(sequence: Path, label: Label) -> Path:
+    """Return the file of a label; refuse what a link would take out of the folder."""
+    folder = sequence.parent.resolve()
+    try:
+        file = (folder / label.filename).resolve()
+    except (OSError, RuntimeError) as error:
+        raise RecordingError(f"{sequence}: {label.filename} cannot be followed") from error
+    if not file.is_relative_to(folder):
+        raise RecordingError(
+            f"{sequence}: {label.filename} leads outside the folder of the sequence file"
+        )
+    if not file.is_file():
+        raise RecordingError(f"{sequence}: {label.filename} is missing; put it beside the file")
+    return file
+
+
+def _check_kind(sequence: Path, label: Label) -> None:
+    is_video = label.filename.lower().endswith(VIDEO_SUFFIXES)
+    if is_video and label.frame is None:
+        raise RecordingError(f"{sequence}: {label.filename} is a video; name the frame: FILE:FRAME")
+    if not is_video and label.frame is not None:
+        raise RecordingError(f"{sequence}: {label} asks for a frame of a file that is no video")
+
+
+def _one_pass(labels: list[Label]) -> Iterator[list[Label]]:
+    """Split labels into runs that can be read from one file in one pass."""
+    run = labels[:1]
+    for before, label in pairwise(labels):
+        same_file = before.filename == label.filename
+        if (
+            not same_file
+            or before.frame is None
+            or label.frame is None
+            or (label.frame <= before.frame)
+        ):
+            yield run
+            run = []
+        run.append(label)
+    yield run
+
+
+class SequenceFileSource(FrameSource):
+    """The frames that a sequence file lists, in its order, all of them with ground truth.
+
+    The time of a frame of a video is its number in the video over the video's frame rate; of a
+    picture its place in the list over `rate`; both counted from `FIRST_STAMP`.
+
+    Parameters
+    ----------
+    path : Path
+        The text file.
+    rate : float or None
+        Pictures per second; 25 if None.
+    skip_bad_frames : bool
+        Hand out frames that cannot be decoded, instead of raising RecordingError.
+
+    Raises
+    ------
+    RecordingError
+        The file is malformed, or a picture or video it names is missing or lies outside its folder.
+    """
+
+    def __init__(
+        self, path: Path, *, rate: float | None = None, skip_bad_frames: bool = False
+    ) -> None:
+        super().__init__(path, skip_bad_frames=skip_bad_frames)
+        self._entries = read_labels(path)
+        self._rate = rate or DEFAULT_RATE
+        for label in self._entries:
+            _check_kind(path, label)
+        self._files = {label.filename: _resolve(path, label) for label in self._entries}
+        self.frame_count = len(self._entries)
+        self.has_truth = True
+        self.nominal_rate = self._rate
+        first = self._entries[0]
+        if first.frame is not None:
+            with opened_video(self._files[first.filename]) as capture:
+                self.nominal_rate = frame_rate(capture)
+
+    def frame_name(self, index: int) -> str:
+        """Return how to call a frame in a message."""
+        return f"frame {index} ({self._entries[index]})"
+
+    def _read(self) -> Generator[Frame | UnreadableFrame]:
+        start = 0
+        for labels in _one_pass(self._entries):
+            if labels[0].frame is None:
+                yield self._picture(start, labels[0])
+            else:
+                yield from self._video_frames(start, labels)
+            start += len(labels)
+
+    def _picture(self, index: int, label: Label) -> Frame | UnreadableFrame:
+        stamp = stamp_of_frame(index, self._rate)
+        try:
+            image = load_picture(self._files[label.filename])
+        except FrameError as error:
+            return UnreadableFrame(index, stamp, str(error))
+        return Frame(index, stamp, image, truth=label.state)
+
+    def _video_frames(self, start: int, labels: list[Label]) -> Generator[Frame]:
+        with opened_video(self._files[labels[0].filename]) as capture:
+            rate = frame_rate(capture)
+            number = -1
+            for index, label in enumerate(labels, start):
+                picture = None
+                while label.frame is not None and number < label.frame:
+                    picture = next_picture(capture)
+                    number += 1
+                    if picture is None:
+                        raise damage(self.path, index, f"{label.filename} has only {number} frames")
+                if picture is not None:
+                    image = raw_from_array(picture, "bgr8")
+                    yield Frame(index, stamp_of_frame(number, rate), image, truth=label.state)

@@ -1,0 +1,206 @@
+"""Open a recording of any kind as a source of frames."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Protocol, Self, runtime_checkable
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.sequences.bag import BagSource
+from cable_tracker.sequences.bag_storage import BAG_SUFFIXES, METADATA, is_ros1, storage_files
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import FrameSource
+from cable_tracker.sequences.image_folder import ImageFolderSource, find_pictures
+from cable_tracker.sequences.sequence_file import (
+    SEQUENCE_SUFFIXES,
+    Label,
+    SequenceFileSource,
+    read_labels,
+)
+from cable_tracker.sequences.video import VIDEO_SUFFIXES, VideoSource
+
+
+@runtime_checkable
+class Source(Protocol):
+    """A recording that is open for reading.
+
+    Attributes
+    ----------
+    path : Path
+        What the user asked for.
+    frame_count : int or None
+        Number of frames; None when it is unknown before all have been read.
+    nominal_rate : float or None
+        Frames per second; None when the recording does not say.
+    has_truth : bool
+        Whether any frame is labelled.
+    compressed : bool
+        Whether the frames hold a `CompressedImage` instead of a `RawImage`.
+    note : str
+        Something the user should be told about the recording; empty if there is nothing.
+    """
+
+    path: Path
+    frame_count: int | None
+    nominal_rate: float | None
+    has_truth: bool
+    compressed: bool
+    note: str
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None: ...
+
+    def frames(self) -> Iterator[Frame]:
+        """Read the frames from the beginning; see `FrameSource.frames`."""
+        ...
+
+
+def _is_bag(path: Path) -> bool:
+    if not path.is_dir():
+        return path.suffix in BAG_SUFFIXES
+    if (path / METADATA).exists():
+        return True
+    return bool(storage_files(path)) and not find_pictures(path)
+
+
+def _folder_source(path: Path, rate: float | None, skip_bad_frames: bool) -> FrameSource:
+    bags = sorted(file.name for file in path.iterdir() if is_ros1(file))
+    if bags and not find_pictures(path):
+        raise RecordingError(f"{path}: is a folder with ROS 1 bags; name the file: {bags[0]}")
+    return ImageFolderSource(path, rate=rate, skip_bad_frames=skip_bad_frames)
+
+
+def _file_source(path: Path, rate: float | None, skip_bad_frames: bool) -> FrameSource:
+    suffix = path.suffix.lower()
+    if suffix in VIDEO_SUFFIXES:
+        return VideoSource(path, skip_bad_frames=skip_bad_frames)
+    if suffix in SEQUENCE_SUFFIXES:
+        return SequenceFileSource(path, rate=rate, skip_bad_frames=skip_bad_frames)
+    known = (*BAG_SUFFIXES, *VIDEO_SUFFIXES, *SEQUENCE_SUFFIXES)
+    raise RecordingError(
+        f"{path}: {suffix or 'a file without suffix'} is no known kind of recording; known are"
+        f" {', '.join(known)}, bag folders and folders of pictures"
+    )
+
+
+def _open_unlabelled(
+    path: Path, topic: str | None, rate: float | None, skip_bad_frames: bool
+) -> FrameSource:
+    if path.is_file() and not path.stat().st_size:
+        raise RecordingError(f"{path}: the file is empty; record or copy it again")
+    if _is_bag(path):
+        return BagSource(path, topic=topic, skip_bad_frames=skip_bad_frames)
+    if topic is not None:
+        raise RecordingError(f"{path}: is no bag and has no topics; leave out --topic")
+    if path.is_dir():
+        return _folder_source(path, rate, skip_bad_frames)
+    return _file_source(path, rate, skip_bad_frames)
+
+
+def _labels_of(source: FrameSource, labels: list[Label], truth: Path) -> list[Label]:
+    """Return the labels that speak of this source, of all the labels in a file."""
+    own = [label for label in labels if Path(label.filename).name == source.path.name]
+    if own:
+        return own
+    names = {label.filename for label in labels}
+    if len(names) > 1:
+        raise RecordingError(
+            f"{truth}: labels {len(names)} recordings, none of them named {source.path.name}"
+        )
+    return labels
+
+
+def _numbered_labels(source: FrameSource, labels: list[Label], truth: Path) -> dict[int, Label]:
+    numbered = {
+        label.frame: label
+        for label in labels
+        if label.frame is not None and (not source.frame_count or label.frame < source.frame_count)
+    }
+    if not numbered:
+        raise RecordingError(
+            f"{truth}: has no label of the form FILE:FRAME for a frame of {source.path}"
+        )
+    return numbered
+
+
+def _picture_labels(source: ImageFolderSource, labels: list[Label]) -> dict[int, Label]:
+    numbers = {picture.name: index for index, picture in enumerate(source.pictures)}
+    named = ((numbers.get(Path(label.filename).name), label) for label in labels)
+    return {number: label for number, label in named if number is not None}
+
+
+def _labels_by_frame(source: FrameSource, truth: Path) -> dict[int, CableState]:
+    labels = read_labels(truth)
+    found: dict[int, Label] = {}
+    if isinstance(source, ImageFolderSource):
+        found = _picture_labels(source, labels)
+    if not found:
+        found = _numbered_labels(source, _labels_of(source, labels, truth), truth)
+    return {number: label.state for number, label in found.items()}
+
+
+def open_source(
+    path: Path,
+    *,
+    topic: str | None = None,
+    rate: float | None = None,
+    truth: Path | None = None,
+    skip_bad_frames: bool = False,
+) -> Source:
+    """Open a recording; what lies at the path decides its kind.
+
+    ======================================================  =======================
+    path                                                    kind
+    ======================================================  =======================
+    folder with metadata.yaml, or with .db3 or .mcap alone  ROS 2 bag
+    .db3, .mcap                                             one file of a ROS 2 bag
+    .bag                                                    ROS 1 bag
+    .mp4, .avi, .mkv, .mov, .webm, .mpg, .m4v, .ts          video
+    folder with pictures                                    pictures by name
+    .txt, .seq                                              image-sequence file
+    ======================================================  =======================
+
+    Parameters
+    ----------
+    path : Path
+        Where the recording lies.
+    topic : str or None
+        Image topic of a bag; None if it has just one.
+    rate : float or None
+        Frames per second of pictures, which have no time of their own; 25 if None.
+    truth : Path or None
+        Sequence file whose labels are attached to the frames by number, or by file name for
+        pictures. Only labelled frames then have a truth, besides those a bag itself labels.
+    skip_bad_frames : bool
+        Hand out frames that cannot be decoded, instead of raising RecordingError.
+
+    Raises
+    ------
+    RecordingError
+        The recording or the labels are missing, empty, damaged, or of no known kind.
+    ParameterError
+        The rate is not a positive number.
+    """
+    if rate is not None and not (math.isfinite(rate) and rate > 0.0):
+        raise ParameterError(f"rate must be a positive number of frames per second, not {rate}")
+    try:
+        if not path.exists():
+            raise RecordingError(f"{path}: there is no such file or folder; check the path")
+        if path.name == METADATA:
+            path = path.parent
+        source = _open_unlabelled(path, topic, rate, skip_bad_frames)
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+    if truth is not None:
+        source.label(_labels_by_frame(source, truth))
+    return source

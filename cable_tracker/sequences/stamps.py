@@ -1,0 +1,11 @@
+"""Times of frames that have none of their own."""
+
+NANOSECONDS = 1_000_000_000
+
+FIRST_STAMP = NANOSECONDS
+"""Time of frame 0 [ns]. Not zero, which ROS takes for "no time given"."""
+
+
+def stamp_of_frame(index: int, rate: float) -> int:
+    """Return the time of a frame [ns] at a steady rate [1/s], counted from `FIRST_STAMP`."""
+    return FIRST_STAMP + round(index * NANOSECONDS / rate)

@@ -1,0 +1,102 @@
+"""Frames of video files."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
+from cable_tracker.sequences.opencv_quiet import silence_opencv
+from cable_tracker.sequences.stamps import stamp_of_frame
+
+VIDEO_SUFFIXES = (".mp4", ".avi", ".mkv", ".mov", ".webm", ".mpg", ".m4v", ".ts")
+
+_COUNTED_SUFFIXES = (".mp4", ".m4v", ".mov", ".avi")
+"""Containers that store their number of frames; for the others FFmpeg only guesses it."""
+
+_DEFAULT_RATE = 25.0
+_HIGHEST_RATE = 1000.0
+
+
+@contextmanager
+def opened_video(path: Path) -> Iterator[cv2.VideoCapture]:
+    """Open a video, and release it at the end.
+
+    Raises
+    ------
+    RecordingError
+        The file is missing, empty, or no video.
+    """
+    silence_opencv()
+    try:
+        size = path.stat().st_size
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+    if not size:
+        raise RecordingError(f"{path}: the file is empty; record or copy it again")
+    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+    try:
+        if not capture.isOpened():
+            raise RecordingError(
+                f"{path}: no video can be read from it; it is damaged, truncated, or not a video"
+            )
+        yield capture
+    finally:
+        capture.release()
+
+
+def frame_rate(capture: cv2.VideoCapture) -> float:
+    """Return the frames per second of a video, 25 where it does not say."""
+    rate = float(capture.get(cv2.CAP_PROP_FPS))
+    return rate if math.isfinite(rate) and 0.0 < rate <= _HIGHEST_RATE else _DEFAULT_RATE
+
+
+def _frame_count(path: Path, capture: cv2.VideoCapture) -> int | None:
+    count = float(capture.get(cv2.CAP_PROP_FRAME_COUNT))
+    counted = path.suffix.lower() in _COUNTED_SUFFIXES
+    return int(count) if counted and math.isfinite(count) and count > 0 else None
+
+
+def next_picture(capture: cv2.VideoCapture) -> Image | None:
+    """Decode the next frame, shape (H, W, 3), uint8, blue-green-red; None at the end."""
+    try:
+        decoded, picture = capture.read()
+    except cv2.error:
+        return None
+    return np.asarray(picture) if decoded and picture is not None else None
+
+
+class VideoSource(FrameSource):
+    """All frames of a video file, as bgr8; frame times are steady, from `FIRST_STAMP` on.
+
+    Raises
+    ------
+    RecordingError
+        The file is missing or no video.
+    """
+
+    def __init__(self, path: Path, *, skip_bad_frames: bool = False) -> None:
+        super().__init__(path, skip_bad_frames=skip_bad_frames)
+        with opened_video(path) as capture:
+            self._rate = frame_rate(capture)
+            self.frame_count = _frame_count(path, capture)
+        self.nominal_rate = self._rate
+
+    def _read(self) -> Generator[Frame | UnreadableFrame]:
+        count = 0
+        with opened_video(self.path) as capture:
+            while (picture := next_picture(capture)) is not None:
+                image = raw_from_array(picture, "bgr8")
+                yield Frame(count, stamp_of_frame(count, self._rate), image)
+                count += 1
+        if count < (self.frame_count or 1):
+            raise damage(self.path, count, f"the file promises {self.frame_count or 'some'}")

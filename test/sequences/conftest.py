@@ -1,0 +1,221 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
+
+STORES = {2: get_typestore(Stores.ROS2_JAZZY), 1: get_typestore(Stores.ROS1_NOETIC)}
+STEP = 40_000_000
+FIRST = 1_700_000_000_000_000_000
+
+
+@dataclass(frozen=True)
+class BagPlan:
+    """What a bag made for a test holds."""
+
+    frames: int = 5
+    storage: str = "mcap"
+    compression: str = "none"
+    compressed_images: bool = False
+    truth: bool = True
+    topics: tuple[str, ...] = ("/camera/image",)
+    stamped: bool = True
+    bad_frame: int | None = None
+    size: tuple[int, int] = (32, 24)
+
+
+class MessageMaker:
+    """Messages of one generation of ROS."""
+
+    def __init__(self, ros: int) -> None:
+        self.store: Typestore = STORES[ros]
+        self.ros = ros
+
+    def header(self, stamp: int) -> Any:
+        types = self.store.types
+        sec, nanosec = divmod(stamp, 1_000_000_000)
+        time = types["builtin_interfaces/msg/Time"](sec=sec, nanosec=nanosec)
+        extra = {"seq": 0} if self.ros == 1 else {}
+        return types["std_msgs/msg/Header"](stamp=time, frame_id="eye", **extra)
+
+    def image(self, stamp: int, picture: np.ndarray, **changes: Any) -> Any:
+        height, width = picture.shape[:2]
+        fields: dict[str, Any] = {
+            "header": self.header(stamp),
+            "height": height,
+            "width": width,
+            "encoding": "mono8",
+            "is_bigendian": 0,
+            "step": width,
+            "data": picture.reshape(-1),
+        }
+        return self.store.types["sensor_msgs/msg/Image"](**{**fields, **changes})
+
+    def compressed(self, stamp: int, picture: np.ndarray) -> Any:
+        return self.store.types["sensor_msgs/msg/CompressedImage"](
+            header=self.header(stamp),
+            format="png",
+            data=np.frombuffer(cv2.imencode(".png", picture)[1].tobytes(), np.uint8),
+        )
+
+    def truth(self, stamp: int, state: CableState) -> Any:
+        return self.store.types["sensor_msgs/msg/JointState"](
+            header=self.header(stamp),
+            name=["d", "alpha", "w", "beta"],
+            position=np.array([state.distance, state.angle, state.width, state.skew]),
+            velocity=np.array([state.distance_rate, state.angle_rate, 0.0, 0.0]),
+            effort=np.array([]),
+        )
+
+    def text(self, content: str) -> Any:
+        return self.store.types["std_msgs/msg/String"](data=content)
+
+    def serialise(self, message: Any) -> bytes:
+        name = message.__msgtype__
+        if self.ros == 1:
+            return bytes(self.store.serialize_ros1(message, name))
+        return bytes(self.store.serialize_cdr(message, name))
+
+
+def picture_of(index: int, size: tuple[int, int] = (32, 24)) -> np.ndarray:
+    noise = np.random.default_rng(index).integers(0, 256, size[::-1], dtype=np.uint8)
+    noise[0, 0] = index
+    return noise
+
+
+def state_of(index: int) -> CableState:
+    return CableState(index + 0.5, 0.1, 30.0, 0.01, 2.0, -0.25)
+
+
+def _image_message(maker: MessageMaker, plan: BagPlan, index: int) -> Any:
+    stamp = FIRST + index * STEP if plan.stamped else 0
+    picture = picture_of(index, plan.size)
+    bad = index == plan.bad_frame
+    if plan.compressed_images:
+        message = maker.compressed(stamp, picture)
+        if bad:
+            message.data = message.data[: len(message.data) // 2]
+        return message
+    return maker.image(stamp, picture, **({"step": 3} if bad else {}))
+
+
+def _fill(writer: Any, maker: MessageMaker, plan: BagPlan) -> None:
+    connections: dict[str, Any] = {}
+
+    def write(topic: str, message: Any, time: int) -> None:
+        if topic not in connections:
+            connections[topic] = writer.add_connection(
+                topic, message.__msgtype__, typestore=maker.store
+            )
+        writer.write(connections[topic], time, maker.serialise(message))
+
+    for index in range(plan.frames):
+        stamp = FIRST + index * STEP
+        for topic in plan.topics:
+            write(topic, _image_message(maker, plan, index), stamp + 1000)
+        if plan.truth and index % 2 == 0:
+            header_stamp = stamp if plan.stamped else 0
+            write("/sim/ground_truth", maker.truth(header_stamp, state_of(index)), stamp + 1000)
+        write("/chatter", maker.text("hello"), stamp + 2000)
+
+
+@pytest.fixture
+def make_bag(tmp_path: Path) -> Callable[..., Path]:
+    """Write a ROS 2 bag, return its folder."""
+
+    def make(name: str = "bag", **changes: Any) -> Path:
+        plan = BagPlan(**changes)
+        path = tmp_path / name
+        writer = Writer(path, version=9, storage_plugin=StoragePlugin[plan.storage.upper()])
+        writer.set_compression(CompressionMode[plan.compression.upper()], CompressionFormat.ZSTD)
+        with writer:
+            _fill(writer, MessageMaker(2), plan)
+        return path
+
+    return make
+
+
+@pytest.fixture
+def make_ros1_bag(tmp_path: Path) -> Callable[..., Path]:
+    """Write a ROS 1 bag, return its file."""
+
+    def make(name: str = "old.bag", **changes: Any) -> Path:
+        plan = BagPlan(**changes)
+        path = tmp_path / name
+        writer = Writer1(path)
+        if plan.compression != "none":
+            writer.set_compression(Writer1.CompressionFormat[plan.compression.upper()])
+        with writer:
+            _fill(writer, MessageMaker(1), plan)
+        return path
+
+    return make
+
+
+@pytest.fixture
+def maker() -> MessageMaker:
+    return MessageMaker(2)
+
+
+@pytest.fixture
+def picture() -> Callable[..., np.ndarray]:
+    return picture_of
+
+
+@pytest.fixture
+def state() -> Callable[[int], CableState]:
+    return state_of
+
+
+@pytest.fixture
+def first_stamp() -> int:
+    return FIRST
+
+
+@pytest.fixture
+def make_frame() -> Callable[..., Frame]:
+    """Make a mono8 frame with a number written in its first pixel."""
+
+    def make(index: int, truth: CableState | None = None) -> Frame:
+        return Frame(index, index * STEP, raw_from_array(picture_of(index), "mono8"), truth=truth)
+
+    return make
+
+
+@pytest.fixture
+def make_video(tmp_path: Path) -> Callable[..., Path]:
+    """Write a video of grey frames, frame i of brightness 10 * i up to i = 24."""
+
+    def make(name: str = "dive.avi", frames: int = 10, rate: float = 20.0) -> Path:
+        path = tmp_path / name
+        code = {".avi": "MJPG", ".mp4": "mp4v", ".webm": "VP80", ".mkv": "MJPG"}[path.suffix]
+        writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*code), rate, (64, 48))
+        assert writer.isOpened()
+        for index in range(frames):
+            writer.write(np.full((48, 64, 3), 10 * (index % 25), np.uint8))
+        writer.release()
+        return path
+
+    return make
+
+
+@pytest.fixture
+def footage() -> Path:
+    """Folder of the real footage, which is no part of the repository."""
+    folder = Path(__file__).resolve().parents[3] / "shared" / "data" / "strip"
+    if not (folder / "strip.mp4").exists() or not (folder / "strip.txt").exists():
+        pytest.skip(f"REAL FOOTAGE IS MISSING: {folder} holds no strip.mp4 and strip.txt")
+    return folder

@@ -1,0 +1,132 @@
+"""Whatever happens to a recording, only RecordingError comes out of it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.bag_storage import open_storage, storage_files
+from cable_tracker.sequences.source import open_source
+
+damages = st.lists(st.tuples(st.floats(0, 0.9999), st.integers(0, 255)), min_size=1, max_size=8)
+
+
+@pytest.fixture(scope="module")
+def recordings() -> dict[str, bytes]:
+    """Contents of small recordings, filled by the first test that needs them."""
+    return {}
+
+
+def survives(path: Path, content: bytes, changes: list[tuple[float, int]], cut: float) -> None:
+    data = bytearray(content)
+    for place, value in changes:
+        data[int(place * len(data))] = value
+    path.write_bytes(data[: int(cut * len(data))])
+    count = 0
+    try:
+        with open_source(path) as source:
+            for _ in source.frames():
+                count += 1
+    except RecordingError as error:
+        assert "\n" not in str(error)
+        assert path.name in str(error)
+    assert count <= 10
+
+
+def relaxed(test):
+    fixtures = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+    return settings(max_examples=60, deadline=2000, suppress_health_check=fixtures)(test)
+
+
+@pytest.mark.parametrize(
+    ("storage", "compression"),
+    [("mcap", "none"), ("mcap", "storage"), ("sqlite3", "none"), ("sqlite3", "message")],
+)
+@relaxed
+@given(changes=damages, cut=st.floats(0, 1) | st.just(1.0))
+def test_a_damaged_ros2_bag(make_bag, recordings, tmp_path, *, storage, compression, changes, cut):
+    key = storage + compression
+    if key not in recordings:
+        folder = make_bag(key, storage=storage, compression=compression, compressed_images=True)
+        recordings[key] = storage_files(folder)[0].read_bytes()
+    name = "x.mcap" if storage == "mcap" else "x.db3"
+    survives(tmp_path / name, recordings[key], changes, cut)
+
+
+@relaxed
+@given(changes=damages, cut=st.floats(0, 1))
+def test_a_damaged_mcap_of_a_crashed_recorder(make_bag, recordings, tmp_path, changes, cut):
+    if "crashed" not in recordings:
+        content = storage_files(make_bag("crashed"))[0].read_bytes()
+        recordings["crashed"] = content[: content.rindex(b"rosbag2") - 200]
+    survives(tmp_path / "x.mcap", recordings["crashed"], changes, cut)
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+@relaxed
+@given(changes=damages, cut=st.floats(0, 1) | st.just(1.0))
+def test_a_damaged_ros1_bag(make_ros1_bag, recordings, tmp_path, *, compression, changes, cut):
+    if compression not in recordings:
+        recordings[compression] = make_ros1_bag(
+            f"{compression}.bag", compression=compression
+        ).read_bytes()
+    survives(tmp_path / "x.bag", recordings[compression], changes, cut)
+
+
+@relaxed
+@given(changes=damages, cut=st.just(1.0))
+def test_damaged_metadata(make_bag, recordings, changes, cut):
+    if "metadata" not in recordings:
+        folder = make_bag("whole")
+        recordings["metadata"] = (folder / "metadata.yaml").read_bytes()
+        recordings["folder"] = str(folder).encode()
+    folder = Path(recordings["folder"].decode())
+    data = bytearray(recordings["metadata"])
+    for place, value in changes:
+        data[int(place * len(data))] = value
+    (folder / "metadata.yaml").write_bytes(data)
+    try:
+        with open_source(folder) as source:
+            for _ in source.frames():
+                pass
+    except RecordingError as error:
+        assert "\n" not in str(error)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc/self/fd")
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+@pytest.mark.parametrize("share", [1.0, 0.7])
+def test_nothing_stays_open(make_bag, storage, share):
+    path = make_bag(frames=20, storage=storage, size=(64, 48))
+    file = storage_files(path)[0]
+    content = file.read_bytes()
+    file.write_bytes(content[: int(share * len(content))])
+    before = len(list(Path("/proc/self/fd").iterdir()))
+    with open_source(path) as source:
+        frames = source.frames()
+        next(frames)
+        next(source.frames())
+    assert len(list(Path("/proc/self/fd").iterdir())) == before
+    with pytest.raises(StopIteration):
+        next(frames)
+
+
+def test_topics_are_counted(make_bag):
+    storage = open_storage(make_bag(frames=6))
+    assert {name: topic.count for name, topic in storage.topics.items()} == {
+        "/camera/image": 6,
+        "/sim/ground_truth": 3,
+        "/chatter": 6,
+    }
+    assert storage.duration == pytest.approx(0.2, abs=1e-3)
+
+
+def test_only_the_wanted_topics_are_read(make_bag):
+    messages = list(open_storage(make_bag()).messages(["/chatter"]))
+    assert len(messages) == 5
+    assert {message.topic for message in messages} == {"/chatter"}

@@ -1,0 +1,100 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cable_tracker.errors import FrameError, OutputError, RecordingError
+from cable_tracker.sequences.convert import ImageFormat, WrittenBag, in_format, write_bag
+from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
+from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
+from cable_tracker.sequences.source import open_source
+
+
+def broken_off(frames):
+    yield from frames
+    raise RecordingError("old.bag: breaks off here")
+
+
+def read(path) -> list[Frame]:
+    with open_source(path) as source:
+        return list(source.frames())
+
+
+def colour_frame() -> Frame:
+    picture = np.random.default_rng(1).integers(0, 256, (24, 32, 3)).astype(np.uint8)
+    return Frame(0, 5, raw_from_array(picture, "bgr8"))
+
+
+def test_as_it_is_leaves_the_frame_alone(make_frame):
+    frame = make_frame(1)
+    assert in_format(frame, ImageFormat.AS_IS) is frame
+
+
+def test_grey_is_what_the_tracker_sees():
+    frame = colour_frame()
+    grey = in_format(frame, ImageFormat.GREY)
+    assert isinstance(grey.image, RawImage)
+    assert grey.image.encoding == "mono8"
+    difference = decode_grey(grey.image).astype(float) - decode_grey(frame.image)
+    assert np.abs(difference).max() <= 0.5
+    assert (grey.index, grey.stamp) == (frame.index, frame.stamp)
+
+
+def test_jpeg_is_compressed_with_high_quality():
+    smooth = np.add.outer(np.arange(48), np.arange(64)).astype(np.uint8)
+    frame = Frame(0, 5, raw_from_array(smooth, "mono8"))
+    compressed = in_format(frame, ImageFormat.JPEG)
+    assert isinstance(compressed.image, CompressedImage)
+    difference = decode_bgr(compressed.image).astype(int) - decode_bgr(frame.image)
+    assert np.abs(difference).max() <= 6
+
+
+def test_frames_and_truths_are_read_back(tmp_path, make_frame, state):
+    frames = [make_frame(k, truth=state(k) if k % 2 else None) for k in range(1, 5)]
+    assert write_bag(tmp_path / "bag", frames) == WrittenBag(4, 0, None)
+    again = read(tmp_path / "bag")
+    assert [frame.stamp for frame in again] == [frame.stamp for frame in frames]
+    assert [frame.truth for frame in again] == [frame.truth for frame in frames]
+    assert [bytes(f.image.data) for f in again] == [bytes(f.image.data) for f in frames]
+    assert {frame.frame_id for frame in again} == {"camera"}
+
+
+def test_the_frames_before_the_damage_are_kept(tmp_path, make_frame):
+    frames = [make_frame(k) for k in range(1, 4)]
+    written = write_bag(tmp_path / "bag", broken_off(frames))
+    count, damage = written.count, written.damage
+    assert count == 3
+    assert str(damage) == "old.bag: breaks off here"
+    assert len(read(tmp_path / "bag")) == 3
+
+
+@pytest.mark.parametrize("frames", [[], broken_off([])], ids=["empty", "damaged"])
+def test_a_bag_without_frames_is_not_written(tmp_path, frames):
+    with pytest.raises(RecordingError):
+        write_bag(tmp_path / "bag", frames)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_frame_that_cannot_be_decoded_leaves_no_bag(tmp_path, make_frame):
+    bad = Frame(1, 6, CompressedImage("jpeg", memoryview(b"no picture")))
+    with pytest.raises(FrameError, match=r"^frame 1: "):
+        write_bag(tmp_path / "bag", [make_frame(0), bad], image_format=ImageFormat.GREY)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_frame_that_cannot_be_decoded_is_left_out_and_counted_on_request(tmp_path, make_frame):
+    bad = Frame(1, 6, CompressedImage("jpeg", memoryview(b"no picture")))
+    frames = [make_frame(0), bad, make_frame(2)]
+    written = write_bag(
+        tmp_path / "bag", frames, image_format=ImageFormat.GREY, skip_bad_frames=True
+    )
+    assert written == WrittenBag(count=2, skipped=1, damage=None)
+    assert len(read(tmp_path / "bag")) == 2
+
+
+def test_a_bag_is_replaced_only_where_that_is_wanted(tmp_path, make_frame):
+    write_bag(tmp_path / "bag", [make_frame(1)])
+    with pytest.raises(OutputError, match="exists already"):
+        write_bag(tmp_path / "bag", [make_frame(1)])
+    write_bag(tmp_path / "bag", [make_frame(1), make_frame(2)], overwrite=True, storage="sqlite3")
+    assert len(read(tmp_path / "bag")) == 2

@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, one_line
+
+
+class ListSource(FrameSource):
+    """Frames of a list."""
+
+    def __init__(self, items, **options):
+        super().__init__(Path("list"), **options)
+        self.items = items
+        self.ended = 0
+
+    def _read(self):
+        try:
+            yield from self.items
+        finally:
+            self.ended += 1
+
+
+def test_leaving_the_context_ends_all_readings(make_frame):
+    with ListSource([make_frame(0), make_frame(1)]) as source:
+        first, second = source.frames(), source.frames()
+        next(first)
+        next(second)
+        assert source.ended == 0
+    assert source.ended == 2
+
+
+def test_labels_replace_the_truth_of_their_frames(make_frame, state):
+    source = ListSource([make_frame(0, state(0)), make_frame(1, state(1))])
+    other = CableState(1.0, 0.0, 2.0)
+    source.label({1: other})
+    assert source.has_truth
+    assert [frame.truth for frame in source.frames()] == [state(0), other]
+
+
+def test_an_unreadable_frame_stops_the_reading(make_frame):
+    source = ListSource([make_frame(0), UnreadableFrame(1, 5, "it is wet")])
+    frames = source.frames()
+    next(frames)
+    with pytest.raises(RecordingError, match=r"list: frame 1 cannot be decoded \(it is wet\)"):
+        next(frames)
+    assert source.ended == 1
+
+
+def test_an_unreadable_frame_keeps_its_time_when_it_is_skipped():
+    source = ListSource([UnreadableFrame(1, 5, "it is wet")], skip_bad_frames=True)
+    assert [(frame.index, frame.stamp) for frame in source.frames()] == [(1, 5)]
+
+
+def test_long_and_many_lined_reasons_become_one_short_line():
+    assert one_line(ValueError("a\n  b\tc")) == "a b c"
+    assert one_line(ValueError()) == "ValueError"
+    assert len(one_line(ValueError("x" * 10_000))) == 200

@@ -1,0 +1,246 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.geometry import wrap_states
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import FrameError
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.sequences.frame import CompressedImage, RawImage
+from cable_tracker.sequences.messages import (
+    UNKNOWN_VARIANCE,
+    centreline_covariance,
+    cloud_of,
+    make_centreline,
+    make_compressed_image,
+    make_header,
+    make_image,
+    make_markers,
+    make_particles,
+    make_report,
+    make_state,
+    read_cloud,
+    read_compressed_image,
+    read_image,
+    read_prior,
+    read_sigma,
+    read_state,
+    report_values,
+    stamp_of,
+)
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.typestores import typestore
+
+FACTORY = RosbagsMessages()
+HEADER = make_header(FACTORY, 1_700_000_000_123_456_789, "camera")
+STATE = CableState(12.5, 0.3, 40.0, 0.02, -7.0, 0.05)
+SIZE = (320, 240)
+COVARIANCE = np.diag([4.0, 0.01, 9.0, 0.001, 25.0, 0.1])
+COVARIANCE[0, 1] = COVARIANCE[1, 0] = 0.05
+ANGLES = st.floats(-math.pi / 2 + 1e-6, math.pi / 2)
+
+
+def sent(message):
+    """The message as it arrives: written as CDR and read again."""
+    kind = message.__msgtype__
+    return typestore().deserialize_cdr(typestore().serialize_cdr(message, kind), kind)
+
+
+@pytest.mark.parametrize("stamp", [0, 1, 999_999_999, 1_000_000_000, 1_700_000_000_123_456_789])
+def test_stamps_are_kept_to_the_nanosecond(stamp):
+    header = sent(make_header(FACTORY, stamp, "eye"))
+    assert stamp_of(header) == stamp
+    assert header.frame_id == "eye"
+
+
+@pytest.mark.parametrize("big", [False, True])
+def test_images_are_kept_with_their_padding_and_byte_order(big):
+    image = RawImage("mono16", 2, 3, 8, big, memoryview(bytes(range(16))))
+    again = read_image(sent(make_image(FACTORY, image, HEADER)))
+    assert bytes(again.data) == bytes(image.data)
+    assert (again.encoding, again.height, again.width, again.step) == ("mono16", 2, 3, 8)
+    assert again.is_bigendian is big
+
+
+def test_compressed_images_are_kept():
+    image = CompressedImage("png", memoryview(b"\x89PNG..."))
+    again = read_compressed_image(sent(make_compressed_image(FACTORY, image, HEADER)))
+    assert (again.format, bytes(again.data)) == ("png", b"\x89PNG...")
+
+
+def test_a_state_is_kept_exactly_with_its_sigma():
+    message = sent(make_state(FACTORY, HEADER, STATE, [1.0, 0.1, 2.0, 0.01]))
+    assert list(message.name) == ["d", "alpha", "w", "beta"]
+    assert read_state(message) == STATE
+    assert read_sigma(message) == (1.0, 0.1, 2.0, 0.01)
+
+
+def test_no_cable_means_no_numbers():
+    message = sent(make_state(FACTORY, HEADER, None, [1.0, 0.1, 2.0, 0.01]))
+    assert len(message.position) == len(message.velocity) == len(message.effort) == 0
+    assert read_state(message) is None
+    assert read_sigma(message) is None
+
+
+def test_a_state_of_another_sender_may_have_another_order_and_no_rates():
+    message = FACTORY.make(
+        "sensor_msgs/msg/JointState",
+        name=["w", "extra", "d", "beta", "alpha"],
+        position=FACTORY.doubles([30.0, 9.0, 1.0, 0.1, 0.2]),
+    )
+    assert read_state(message) == CableState(1.0, 0.2, 30.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("names", "positions"), [(["a", "b"], [1.0, 2.0]), (["d", "alpha", "w", "beta"], [1.0, 2.0])]
+)
+def test_a_state_whose_names_and_numbers_do_not_belong_together_is_refused(names, positions):
+    message = FACTORY.make(
+        "sensor_msgs/msg/JointState", name=names, position=FACTORY.doubles(positions)
+    )
+    with pytest.raises(FrameError) as caught:
+        read_state(message)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_centreline_is_the_foot_point_with_the_angle():
+    message = sent(make_centreline(FACTORY, HEADER, STATE, COVARIANCE))
+    pose = message.pose.pose
+    assert pose.position.x == pytest.approx(12.5 * math.cos(0.3))
+    assert pose.position.y == pytest.approx(12.5 * math.sin(0.3))
+    assert 2 * math.atan2(pose.orientation.z, pose.orientation.w) == pytest.approx(0.3)
+    assert message.pose.covariance[35] == pytest.approx(0.01)
+    assert stamp_of(message.header) == 1_700_000_000_123_456_789
+
+
+def test_the_covariance_of_the_foot_point_is_that_of_its_samples():
+    rng = np.random.default_rng(0)
+    small = COVARIANCE[:2, :2] * 1e-4
+    d, alpha = rng.multivariate_normal([12.5, 0.3], small, 200_000).T
+    sampled = np.cov(np.stack((d * np.cos(alpha), d * np.sin(alpha), alpha)))
+    scaled = centreline_covariance(STATE, COVARIANCE * 1e-4)
+    np.testing.assert_allclose(
+        scaled[np.ix_([0, 1, 5], [0, 1, 5])], sampled, rtol=0.05, atol=0.03 * sampled.max()
+    )
+
+
+def test_unknown_components_are_large_finite_and_uncorrelated():
+    covariance = centreline_covariance(STATE, COVARIANCE)
+    np.testing.assert_array_equal(covariance, covariance.T)
+    for axis in (2, 3, 4):
+        expected = np.zeros(6)
+        expected[axis] = UNKNOWN_VARIANCE
+        np.testing.assert_array_equal(covariance[axis], expected)
+    assert np.linalg.eigvalsh(covariance).min() > -1e-9
+
+
+@given(st.floats(-200, 200), ANGLES, st.floats(1e-3, 100), st.floats(1e-6, 1))
+def test_a_centreline_is_read_back_as_a_prior(distance, angle, var_d, var_angle):
+    covariance = np.diag([var_d, var_angle, 1.0, 1.0, 1.0, 1.0])
+    state = CableState(distance, angle, 30.0)
+    prior = read_prior(make_centreline(FACTORY, HEADER, state, covariance))
+    found = wrap_states(prior.state.to_array()[None])[0]
+    assert found[0] == pytest.approx(distance, abs=1e-6)
+    assert found[1] == pytest.approx(angle, abs=1e-9)
+    np.testing.assert_allclose(prior.sigma[:2] ** 2, [var_d, var_angle], rtol=1e-3)
+    assert np.isinf(prior.sigma[2:]).all()
+
+
+def pose_message(**covariances: float):
+    message = make_centreline(FACTORY, HEADER, STATE, COVARIANCE)
+    message.pose.covariance[:] = 0.0
+    for entry, value in covariances.items():
+        message.pose.covariance[int(entry[1:])] = value
+    return message
+
+
+def test_a_prior_without_variances_leaves_them_unsaid():
+    assert np.isnan(read_prior(pose_message()).sigma[:2]).all()
+
+
+def test_a_prior_of_unknown_variance_is_not_known():
+    prior = read_prior(pose_message(_0=1e6, _7=1e6, _35=0.04))
+    assert prior.sigma[:2] == pytest.approx([np.inf, 0.2])
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda m: setattr(m.pose.pose.position, "x", math.nan),
+        lambda m: setattr(m.pose.pose.position, "y", math.inf),
+        lambda m: setattr(m.pose.pose.orientation, "z", math.nan),
+        lambda m: setattr(m.pose.pose.orientation, "w", 0.0),
+        lambda m: m.pose.covariance.__setitem__(0, math.nan),
+        lambda m: m.pose.covariance.__setitem__(35, -1.0),
+        lambda m: m.pose.covariance.__setitem__(slice(None), -math.inf),
+    ],
+    ids=["nan x", "inf y", "nan z", "no quaternion", "nan variance", "negative", "all -inf"],
+)
+def test_a_prior_that_makes_no_sense_is_refused_in_one_line(spoil):
+    message = make_centreline(FACTORY, HEADER, CableState(12.5, 0.3, 40.0), COVARIANCE)
+    spoil(message)
+    with pytest.raises(FrameError) as caught:
+        read_prior(message)
+    assert "\n" not in str(caught.value)
+
+
+def test_particles_are_kept_as_float32():
+    states = np.random.default_rng(0).normal(size=(50, 6))
+    cloud = cloud_of(Particles.equally_weighted(states))
+    message = sent(make_particles(FACTORY, HEADER, cloud))
+    np.testing.assert_allclose(read_cloud(message), cloud, rtol=1e-6)
+    assert [field.name for field in message.fields] == [
+        "x", "y", "z", "d", "alpha", "w", "beta", "v_d", "v_alpha", "weight",
+    ]  # fmt: skip
+    assert (message.width, message.point_step, message.row_step) == (50, 40, 2000)
+    points = np.frombuffer(message.data, "<f4").reshape(50, 10)
+    np.testing.assert_allclose(points[:, 0], states[:, 0] * np.cos(states[:, 1]), rtol=1e-5)
+    np.testing.assert_allclose(points[:, 1], states[:, 0] * np.sin(states[:, 1]), rtol=1e-5)
+
+
+def test_markers_show_borders_and_centreline_in_metres():
+    markers = sent(make_markers(FACTORY, HEADER, CableState(20.0, 0.0, 40.0), SIZE)).markers
+    clear, image, borders, centreline = markers
+    assert clear.action == 3
+    assert [m.ns for m in (image, borders, centreline)] == ["image", "borders", "centreline"]
+    assert len(image.points) == 8
+    assert [p.x for p in centreline.points] == pytest.approx([0.2, 0.2])
+    assert [p.y for p in centreline.points] == pytest.approx([-1.195, 1.195])
+    assert [p.x for p in borders.points] == pytest.approx([0.0, 0.0, 0.4, 0.4])
+
+
+def test_without_a_cable_the_markers_of_before_are_deleted():
+    markers = make_markers(FACTORY, HEADER, None, SIZE).markers
+    assert [m.ns for m in markers] == ["", "image"]
+
+
+def test_a_cable_outside_the_image_has_markers_without_points():
+    markers = sent(make_markers(FACTORY, HEADER, CableState(500.0, 0.0, 40.0), SIZE)).markers
+    assert [len(m.points) for m in markers[2:]] == [0, 0]
+
+
+def test_a_report_holds_status_and_facts():
+    estimate = CableEstimate(
+        stamp=1,
+        status=TrackingStatus.LOST,
+        state=STATE,
+        covariance=COVARIANCE,
+        effective_sample_size=123.5,
+        evidence=0.25,
+        image_size=SIZE,
+        event="time went back by 1.000 s",
+    )
+    report = sent(make_report(FACTORY, HEADER, "LOST", report_values(estimate, 1.5))).status[0]
+    assert (report.message, report.hardware_id) == ("LOST", "camera")
+    assert {pair.key: pair.value for pair in report.values} == {
+        "n_eff": "123.5",
+        "ms": "1.5",
+        "evidence": "0.25",
+        "event": "time went back by 1.000 s",
+    }

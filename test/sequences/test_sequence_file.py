@@ -1,0 +1,223 @@
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.sequence_file import (
+    Label,
+    SequenceFileSource,
+    read_labels,
+    write_labels,
+)
+from cable_tracker.sequences.stamps import FIRST_STAMP
+
+numbers = st.floats(-1e6, 1e6)
+angles = st.floats(-math.pi / 2, math.pi / 2, exclude_min=True)
+names = st.from_regex(r"[a-zA-Z0-9_][a-zA-Z0-9_ .#-]{0,20}\.png", fullmatch=True)
+labels = st.builds(
+    Label,
+    st.builds(CableState, numbers, angles, numbers, angles),
+    names,
+    st.none() | st.integers(0, 10**6),
+)
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Write a sequence file of the given lines."""
+
+    def write_lines(*lines: str):
+        path = tmp_path / "sequence.txt"
+        path.write_text("\n".join(lines) + "\n")
+        return path
+
+    return write_lines
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(labels, min_size=1, max_size=5))
+def test_labels_are_read_as_they_were_written(tmp_path, written):
+    write_labels(tmp_path / "s.txt", written)
+    assert read_labels(tmp_path / "s.txt") == written
+
+
+def test_the_format_of_the_thesis(write):
+    path = write(
+        "# CableDistance CableAngle CableWidth CableSkew # Filename",
+        "",
+        "-12.5 0.25 40 0.01 # pictures/a b.png",
+        "  #not a label",
+        "1e1\t-.5 4.0e1 0 #dive.mp4:12",
+    )
+    assert read_labels(path) == [
+        Label(CableState(-12.5, 0.25, 40.0, 0.01), "pictures/a b.png"),
+        Label(CableState(10.0, -0.5, 40.0, 0.0), "dive.mp4", 12),
+    ]
+
+
+def test_an_angle_beyond_the_wrap_is_the_same_line(write):
+    (label,) = read_labels(write(f"10 {math.pi / 2 + 0.1} 40 0.02 # a.png"))
+    assert label.state.angle == pytest.approx(-math.pi / 2 + 0.1)
+    assert (label.state.distance, label.state.skew) == (-10.0, -0.02)
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ("1 2 3 # a.png", "3 numbers"),
+        ("1 2 3 4 5 # a.png", "5 numbers"),
+        ("1 2 x 4 # a.png", "could not convert"),
+        ("1 0.2 3 4", "file name"),
+        ("1 0.2 3 4 #  ", "file name"),
+        ("nan 0.2 3 4 # a.png", "not finite"),
+        ("1 0.2 inf 4 # a.png", "not finite"),
+        ("1 0.2 3 4 # /etc/passwd", "outside"),
+        ("1 0.2 3 4 # ../a.png", "outside"),
+        ("1 0.2 3 4 # a/../../b.mp4:3", "outside"),
+        ("1 0.2 3 4 # a\0.png", "outside"),
+    ],
+)
+def test_a_malformed_line_is_named(write, line, reason):
+    path = write("# comment", "1 0.2 3 0.4 # a.png", line)
+    with pytest.raises(RecordingError, match=rf"sequence\.txt: line 3 is malformed \(.*{reason}"):
+        read_labels(path)
+
+
+def test_a_file_without_labels_is_refused(write):
+    with pytest.raises(RecordingError, match="no labels"):
+        read_labels(write("# only a comment"))
+
+
+@pytest.mark.parametrize("length", [1, 100, 100_000])
+def test_garbage_is_refused(tmp_path, length):
+    path = tmp_path / "x.txt"
+    path.write_bytes(b"\xff" + np.random.default_rng(0).bytes(length))
+    with pytest.raises(RecordingError, match=r"x\.txt") as caught:
+        read_labels(path)
+    assert len(str(caught.value)) < 1000
+    assert "\n" not in str(caught.value)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.binary(max_size=200) | st.text(alphabet="0123456789.- #:ab/\n", max_size=80))
+def test_any_file_is_read_or_refused(tmp_path, content):
+    path = tmp_path / "x.txt"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    try:
+        list(SequenceFileSource(path).frames())
+    except RecordingError as error:
+        assert "\n" not in str(error)
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    with pytest.raises(RecordingError, match=r"x\.txt"):
+        read_labels(tmp_path / "x.txt")
+
+
+@pytest.mark.parametrize("name", ["/a.png", "../a.png", "a\nb.png", "a.png:3", " a.png", ""])
+def test_a_name_that_would_not_be_read_back_is_not_written(tmp_path, name):
+    with pytest.raises(OutputError):
+        write_labels(tmp_path / "s.txt", [Label(CableState(1, 0, 2), name)])
+
+
+def test_labels_cannot_be_written_to_a_missing_folder(tmp_path):
+    with pytest.raises(OutputError, match="nothing"):
+        write_labels(tmp_path / "nothing" / "s.txt", [])
+
+
+def test_pictures_are_read_in_the_order_of_the_list(write, tmp_path, picture):
+    (tmp_path / "in").mkdir()
+    for index in range(3):
+        cv2.imwrite(str(tmp_path / "in" / f"{index}.png"), picture(index))
+    path = write(*(f"{index} 0 30 0 # in/{index}.png" for index in (2, 0, 1)))
+    with SequenceFileSource(path, rate=10.0) as source:
+        frames = list(source.frames())
+    assert [frame.stamp - FIRST_STAMP for frame in frames] == [0, 100_000_000, 200_000_000]
+    assert [frame.index for frame in frames] == [0, 1, 2]
+    assert [int(decode_grey(frame.image)[0, 0]) for frame in frames] == [2, 0, 1]
+    assert [frame.truth.distance for frame in frames] == [2.0, 0.0, 1.0]
+    assert source.has_truth
+    assert source.frame_count == 3
+    assert source.nominal_rate == 10.0
+
+
+def test_frames_of_a_video_are_picked(write, make_video):
+    make_video("dive.avi")
+    path = write(*(f"{number} 0 30 0 # dive.avi:{number}" for number in (1, 4, 9, 3, 3)))
+    frames = list(SequenceFileSource(path).frames())
+    assert [frame.stamp - FIRST_STAMP for frame in frames] == [
+        n * 50_000_000 for n in (1, 4, 9, 3, 3)
+    ]
+    brightness = [float(decode_grey(frame.image).mean()) for frame in frames]
+    np.testing.assert_allclose(brightness, [10, 40, 90, 30, 30], atol=4)
+    assert [frame.truth.distance for frame in frames] == [1, 4, 9, 3, 3]
+
+
+def test_a_video_is_read_in_one_pass(write, make_video, monkeypatch):
+    make_video("dive.avi")
+    source = SequenceFileSource(write(*(f"0 0 30 0 # dive.avi:{n}" for n in range(10))))
+    opened = []
+    capture = cv2.VideoCapture
+    monkeypatch.setattr(cv2, "VideoCapture", lambda *a: opened.append(a) or capture(*a))
+    assert len(list(source.frames())) == 10
+    assert len(opened) == 1
+
+
+def test_pictures_and_videos_may_be_mixed(write, make_video, tmp_path, picture):
+    make_video("dive.avi")
+    cv2.imwrite(str(tmp_path / "a.png"), picture(1))
+    path = write("0 0 30 0 # dive.avi:2", "1 0 30 0 # a.png", "2 0 30 0 # dive.avi:3")
+    frames = list(SequenceFileSource(path).frames())
+    assert [frame.truth.distance for frame in frames] == [0, 1, 2]
+
+
+def test_a_frame_beyond_the_end_of_the_video_is_damage(write, make_video):
+    make_video("dive.avi")
+    source = SequenceFileSource(write("0 0 30 0 # dive.avi:2", "0 0 30 0 # dive.avi:10"))
+    frames = source.frames()
+    next(frames)
+    with pytest.raises(RecordingError, match=r"after 1 frames \(dive.avi has only 10 frames\)"):
+        next(frames)
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ("0 0 30 0 # missing.png", "missing.png is missing"),
+        ("0 0 30 0 # dive.avi", "name the frame"),
+        ("0 0 30 0 # a.png:3", "no video"),
+        ("0 0 30 0 # link.png", "outside"),
+        ("0 0 30 0 # linked/secret.png", "outside"),
+        ("0 0 30 0 # loop.png", "loop.png"),
+    ],
+)
+def test_a_name_that_cannot_be_used_is_refused(write, make_video, tmp_path, line, reason):
+    make_video("dive.avi")
+    outside = tmp_path.parent / f"{tmp_path.name}_outside"
+    outside.mkdir()
+    (outside / "secret.png").write_bytes(b"x")
+    (tmp_path / "link.png").symlink_to(outside / "secret.png")
+    (tmp_path / "linked").symlink_to(outside)
+    (tmp_path / "loop.png").symlink_to(tmp_path / "loop.png")
+    (tmp_path / "a.png").write_bytes(b"x")
+    with pytest.raises(RecordingError, match=reason):
+        SequenceFileSource(write(line))
+
+
+def test_the_real_labels(footage):
+    labels = read_labels(footage / "strip.txt")
+    assert len(labels) == 138
+    assert labels[0] == Label(CableState(199.97, -0.44943, 118.35, 0.00114), "strip.mp4", 0)
+    with SequenceFileSource(footage / "strip.txt") as source:
+        frames = list(source.frames())
+    assert len(frames) == source.frame_count == 138
+    assert frames[-1].stamp - FIRST_STAMP == 238 * 40_000_000
+    assert all(frame.truth is not None for frame in frames)

@@ -1,0 +1,172 @@
+from __future__ import annotations
+
+import math
+
+import cv2
+import pytest
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.sequences.bag import BagSource
+from cable_tracker.sequences.image_folder import ImageFolderSource
+from cable_tracker.sequences.sequence_file import Label, SequenceFileSource, write_labels
+from cable_tracker.sequences.source import Source, open_source
+from cable_tracker.sequences.video import VideoSource
+
+
+@pytest.fixture
+def pictures(tmp_path, picture):
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    for index in range(4):
+        cv2.imwrite(str(folder / f"{index}.png"), picture(index))
+    return folder
+
+
+@pytest.fixture
+def write_truth(tmp_path, state):
+    """Write a sequence file that labels the given names."""
+
+    def write(*names: tuple[str, int | None]):
+        path = tmp_path / "truth.txt"
+        write_labels(path, [Label(state(k), *name) for k, name in enumerate(names)])
+        return path
+
+    return write
+
+
+def labelled(source: Source) -> dict[int, CableState]:
+    return {frame.index: frame.truth for frame in source.frames() if frame.truth is not None}
+
+
+def resting(state: CableState) -> CableState:
+    return CableState(state.distance, state.angle, state.width, state.skew)
+
+
+def test_the_path_decides_the_kind(make_bag, make_ros1_bag, make_video, pictures, write_truth):
+    video = make_video()
+    bag = make_bag()
+    kinds = {
+        bag: BagSource,
+        bag / "bag.mcap": BagSource,
+        bag / "metadata.yaml": BagSource,
+        make_bag("b3", storage="sqlite3") / "b3.db3": BagSource,
+        make_ros1_bag(): BagSource,
+        video: VideoSource,
+        pictures: ImageFolderSource,
+        write_truth((video.name, 1)): SequenceFileSource,
+    }
+    for path, kind in kinds.items():
+        source = open_source(path)
+        assert type(source) is kind
+        assert isinstance(source, Source)
+        assert list(source.frames())
+
+
+def test_a_folder_with_a_stray_bag_file_beside_pictures_is_a_folder_of_pictures(pictures, make_bag):
+    (make_bag() / "bag.mcap").rename(pictures / "bag.mcap")
+    assert type(open_source(pictures)) is ImageFolderSource
+
+
+def test_a_folder_of_ros1_bags_names_them(make_ros1_bag):
+    with pytest.raises(RecordingError, match=r"name the file: old\.bag"):
+        open_source(make_ros1_bag().parent)
+
+
+@pytest.mark.parametrize(
+    "name", ["x.mcap", "x.db3", "x.bag", "x.mp4", "x.txt", "x", "folder/", "a\0b"]
+)
+def test_a_missing_path_is_refused(tmp_path, name):
+    with pytest.raises(RecordingError):
+        open_source(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["x.mcap", "x.db3", "x.bag", "x.mp4", "x.avi", "x.txt", "x.seq"])
+def test_an_empty_file_is_refused(tmp_path, name):
+    (tmp_path / name).touch()
+    with pytest.raises(RecordingError, match=rf"{name}: the file is empty"):
+        open_source(tmp_path / name)
+
+
+def test_an_unknown_kind_says_what_is_known(tmp_path):
+    (tmp_path / "x.pdf").write_text("x")
+    with pytest.raises(RecordingError, match=r"\.pdf is no known kind .*\.mcap.*\.mp4"):
+        open_source(tmp_path / "x.pdf")
+
+
+def test_an_empty_folder_is_refused(tmp_path):
+    with pytest.raises(RecordingError, match="holds no pictures"):
+        open_source(tmp_path)
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, math.nan, math.inf])
+def test_a_rate_must_be_positive(pictures, rate):
+    with pytest.raises(ParameterError, match="rate"):
+        open_source(pictures, rate=rate)
+
+
+def test_a_topic_makes_sense_for_bags_only(make_bag, pictures, make_video):
+    assert len(list(open_source(make_bag(), topic="camera/image").frames())) == 5
+    for path in (pictures, make_video()):
+        with pytest.raises(RecordingError, match="no topics"):
+            open_source(path, topic="image")
+
+
+def test_skipping_bad_frames_is_passed_on(make_bag):
+    path = make_bag(bad_frame=0)
+    assert len(list(open_source(path, skip_bad_frames=True).frames())) == 5
+
+
+def test_labels_are_attached_to_a_video_by_number(make_video, write_truth, state):
+    truth = write_truth(("dive.avi", 2), ("dive.avi", 7))
+    source = open_source(make_video(), truth=truth)
+    assert source.has_truth
+    assert labelled(source) == {2: resting(state(0)), 7: resting(state(1))}
+
+
+def test_labels_are_attached_to_a_bag_by_number(make_bag, write_truth, state):
+    source = open_source(make_bag(truth=False), truth=write_truth(("strip.mp4", 3)))
+    assert source.has_truth
+    assert labelled(source) == {3: resting(state(0))}
+
+
+def test_labels_are_attached_to_pictures_by_name(pictures, write_truth, state):
+    truth = write_truth(("pictures/3.png", None), ("0.png", None))
+    assert labelled(open_source(pictures, truth=truth)) == {
+        3: resting(state(0)),
+        0: resting(state(1)),
+    }
+
+
+def test_labels_are_attached_to_pictures_by_number(pictures, write_truth, state):
+    truth = write_truth(("strip.mp4", 1))
+    assert labelled(open_source(pictures, truth=truth)) == {1: resting(state(0))}
+
+
+def test_of_labels_for_several_videos_the_own_ones_count(make_video, write_truth, state):
+    truth = write_truth(("other.mp4", 1), ("dive.avi", 2))
+    assert labelled(open_source(make_video(), truth=truth)) == {2: resting(state(1))}
+
+
+def test_labels_for_several_other_videos_are_refused(make_video, write_truth):
+    truth = write_truth(("a.mp4", 1), ("b.mp4", 2))
+    with pytest.raises(RecordingError, match="labels 2 recordings, none of them named dive"):
+        open_source(make_video(), truth=truth)
+
+
+@pytest.mark.parametrize("name", [("a.png", None), ("dive.avi", 10)])
+def test_labels_that_fit_nothing_are_refused(make_video, write_truth, name):
+    with pytest.raises(RecordingError, match="FILE:FRAME"):
+        open_source(make_video(), truth=write_truth(name))
+
+
+def test_a_missing_truth_is_refused(make_video, tmp_path):
+    with pytest.raises(RecordingError, match=r"none\.txt"):
+        open_source(make_video(), truth=tmp_path / "none.txt")
+
+
+def test_the_real_video_with_its_labels(footage):
+    with open_source(footage / "strip.mp4", truth=footage / "strip.txt") as source:
+        frames = list(source.frames())
+    assert len(frames) == 240
+    assert sum(frame.truth is not None for frame in frames) == 138

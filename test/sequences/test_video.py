@@ -1,0 +1,119 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.stamps import FIRST_STAMP, stamp_of_frame
+from cable_tracker.sequences.video import VideoSource
+
+SUFFIXES = [".avi", ".mp4", ".mkv", ".webm"]
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_all_frames_are_read_in_order(make_video, suffix):
+    source = VideoSource(make_video(f"dive{suffix}"))
+    frames = list(source.frames())
+    assert [frame.index for frame in frames] == list(range(10))
+    assert [frame.stamp - FIRST_STAMP for frame in frames] == [
+        index * 50_000_000 for index in range(10)
+    ]
+    brightness = [float(decode_grey(frame.image).mean()) for frame in frames]
+    np.testing.assert_allclose(brightness, np.arange(10) * 10.0, atol=4.0)
+
+
+def test_frames_are_colour(make_video):
+    image = next(VideoSource(make_video()).frames()).image
+    assert (image.encoding, image.width, image.height) == ("bgr8", 64, 48)
+
+
+def test_the_source_says_what_it_holds(make_video):
+    source = VideoSource(make_video(rate=30.0))
+    assert source.nominal_rate == pytest.approx(30.0)
+    assert source.frame_count == 10
+    assert not source.has_truth
+    assert not source.compressed
+
+
+def test_a_container_without_frame_count_does_not_promise_any(make_video):
+    assert VideoSource(make_video("dive.webm")).frame_count is None
+
+
+def test_frames_begin_anew_each_time(make_video):
+    source = VideoSource(make_video())
+    with source:
+        next(source.frames())
+        assert len(list(source.frames())) == 10
+
+
+def test_stamps_do_not_drift():
+    assert stamp_of_frame(30_000, 29.97) == FIRST_STAMP + round(30_000 * 1e9 / 29.97)
+
+
+def test_a_missing_video_is_refused(tmp_path):
+    with pytest.raises(RecordingError, match=r"x\.mp4"):
+        VideoSource(tmp_path / "x.mp4")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("length", [0, 1, 10_000])
+def test_garbage_is_refused(tmp_path, suffix, length):
+    path = tmp_path / f"x{suffix}"
+    path.write_bytes(np.random.default_rng(0).bytes(length))
+    with pytest.raises(RecordingError, match=rf"x\{suffix}") as caught:
+        list(VideoSource(path).frames())
+    assert "\n" not in str(caught.value)
+
+
+def test_a_video_cut_before_its_index_is_refused(make_video):
+    path = make_video("dive.mp4")
+    os.truncate(path, path.stat().st_size // 2)
+    with pytest.raises(RecordingError, match="truncated"):
+        VideoSource(path)
+
+
+def test_frames_before_the_cut_are_delivered(make_video):
+    path = make_video("dive.avi", frames=50)
+    os.truncate(path, path.stat().st_size // 2)
+    source = VideoSource(path)
+    frames = []
+    if source.frame_count is None:
+        pytest.skip("this OpenCV does not know the number of frames of a cut avi")
+    with pytest.raises(RecordingError, match=r"damaged after \d+ frames .* promises 50"):
+        for frame in source.frames():
+            frames.append(frame)
+    assert 10 < len(frames) < 40
+
+
+def test_opencv_and_ffmpeg_do_not_write_to_the_terminal(make_video):
+    path = make_video("dive.mp4", frames=30)
+    data = bytearray(path.read_bytes())
+    start = data.index(b"mdat") + 200
+    data[start : start + 300] = np.random.default_rng(0).bytes(300)
+    path.write_bytes(data)
+    code = (
+        "from pathlib import Path\n"
+        "from cable_tracker.sequences.video import VideoSource\n"
+        f"try:\n    list(VideoSource(Path({str(path)!r})).frames())\n"
+        "except Exception: pass\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    ran = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True
+    )
+    assert ran.stderr == ""
+    assert ran.stdout == ""
+
+
+def test_the_real_footage_has_240_frames(footage):
+    source = VideoSource(footage / "strip.mp4")
+    assert source.frame_count == 240
+    frames = source.frames()
+    first = next(frames)
+    assert (first.image.width, first.image.height) == (1280, 720)
+    assert 1 + sum(1 for _ in frames) == 240
