@@ -1,0 +1,51 @@
+import numpy as np
+
+from cable_tracker.simulation.clutter import Streak, random_streaks, streak_cover
+
+ROPE = Streak(
+    p=0.0, q=10.0, angle=np.pi / 2, half_width=0.5, half_length=5.0,
+    tone=0.5, opacity=1.0, twist=0.0, on_top=True,
+)  # fmt: skip
+
+
+def _grid():
+    p, q = np.meshgrid(np.linspace(-8, 8, 161), np.linspace(0, 8, 81))
+    p, q = p.astype(np.float32), q.astype(np.float32)
+    return p, q, np.full(p.shape, 0.05, dtype=np.float32)
+
+
+def test_no_clutter_no_streaks():
+    assert random_streaks(0.0, 1000.0, 0.0, np.random.default_rng(0)) == ()
+
+
+def test_more_clutter_more_streaks():
+    few, many = (
+        random_streaks(0.0, 1000.0, clutter, np.random.default_rng(0)) for clutter in (0.2, 1.0)
+    )
+    assert 0 < len(few) < len(many)
+
+
+def test_streaks_lie_where_they_were_asked_for():
+    streaks = random_streaks(-50.0, 150.0, 1.0, np.random.default_rng(1))
+    assert all(-50.0 <= streak.q <= 150.0 for streak in streaks)
+
+
+def test_both_kinds_occur():
+    streaks = random_streaks(0.0, 1000.0, 1.0, np.random.default_rng(2))
+    assert {streak.twist > 0 for streak in streaks} == {True, False}
+
+
+def test_a_rope_comes_closer_with_the_way_travelled():
+    p, q, footprint = _grid()
+    cover = streak_cover(ROPE, p, q, 6.0, footprint)
+    assert cover is not None
+    covered = cover > 0.5
+    assert covered[40, 80]
+    assert np.abs(q[covered] - 4.0).max() <= 0.5
+    assert np.abs(p[covered]).max() <= 5.0
+
+
+def test_a_rope_far_ahead_or_behind_costs_nothing():
+    p, q, footprint = _grid()
+    assert streak_cover(ROPE, p, q, -20.0, footprint) is None
+    assert streak_cover(ROPE, p, q, 40.0, footprint) is None
