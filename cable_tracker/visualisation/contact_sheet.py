@@ -1,0 +1,148 @@
+"""A whole recording at a glance: small pictures of every few frames on one sheet."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.errors import OutputError, ParameterError
+from cable_tracker.visualisation.files import write_bytes
+from cable_tracker.visualisation.palette import WHITE, to_bgr
+
+GAP = 4
+"""Space between the pictures [px]."""
+
+BACKGROUND = 40
+"""Grey level between the pictures."""
+
+
+class ContactSheet:
+    """Collects pictures of a recording of any length in bounded memory.
+
+    Every `stride`-th picture is kept. When there are more than `limit`, every second one of them is
+    dropped and the stride doubled, so that the sheet always spans the whole recording evenly.
+
+    Parameters
+    ----------
+    stride : int
+        Keep every so many pictures, at least 1.
+    limit : int
+        Keep no more than this, at least 2.
+    thumbnail_width : int
+        Width of a picture on the sheet [px], at least 32.
+
+    Raises
+    ------
+    ParameterError
+        A number is too small.
+    """
+
+    def __init__(self, stride: int = 10, limit: int = 60, thumbnail_width: int = 320) -> None:
+        if stride < 1 or limit < 2 or thumbnail_width < 32:
+            raise ParameterError(
+                f"contact sheet: stride {stride}, limit {limit}, thumbnail_width {thumbnail_width}:"
+                " give at least 1, 2 and 32"
+            )
+        self._stride = stride
+        self._limit = limit
+        self._width = thumbnail_width
+        self._height = 0
+        self._count = 0
+        self._thumbnails: list[Image] = []
+
+    @property
+    def stride(self) -> int:
+        """How many frames lie between two pictures of the sheet."""
+        return self._stride
+
+    def __len__(self) -> int:
+        """Return the number of pictures on the sheet."""
+        return len(self._thumbnails)
+
+    def wants_next(self) -> bool:
+        """Tell whether the next picture will be kept; any other need not be drawn at all."""
+        return self._count % self._stride == 0
+
+    def add(self, overlay: Image | None, frame: int) -> None:
+        """Take the picture of one more frame.
+
+        Parameters
+        ----------
+        overlay : Image or None
+            Blue-green-red, uint8, shape (H, W, 3). May be None where `wants_next` is false.
+        frame : int
+            Number of the frame, written on the picture.
+        """
+        wanted = self.wants_next()
+        self._count += 1
+        if not wanted or overlay is None:
+            return
+        if not self._thumbnails:
+            self._height = max(1, round(overlay.shape[0] * self._width / overlay.shape[1]))
+        self._thumbnails.append(self._shrink(overlay, frame))
+        if len(self._thumbnails) > self._limit:
+            self._thumbnails = self._thumbnails[::2]
+            self._stride *= 2
+
+    def draw(self) -> Image:
+        """Return the sheet, blue-green-red, uint8.
+
+        Raises
+        ------
+        OutputError
+            No picture was added.
+        """
+        count = len(self._thumbnails)
+        if count == 0:
+            raise OutputError("contact sheet: there are no frames to show; check the recording")
+        # About four units wide to three high, as a screen is.
+        columns = math.ceil(math.sqrt(count * 4 / 3 * self._height / self._width))
+        columns = min(max(columns, 1), count)
+        rows = math.ceil(count / columns)
+        cell_height, cell_width = self._height + GAP, self._width + GAP
+        shape = (rows * cell_height + GAP, columns * cell_width + GAP, 3)
+        sheet: Image = np.full(shape, BACKGROUND, dtype=np.uint8)
+        for place, thumbnail in enumerate(self._thumbnails):
+            top = GAP + place // columns * cell_height
+            left = GAP + place % columns * cell_width
+            sheet[top : top + self._height, left : left + self._width] = thumbnail
+        return sheet
+
+    def write(self, path: Path) -> None:
+        """Write the sheet as a PNG file; a failure leaves no file behind.
+
+        Raises
+        ------
+        OutputError
+            No picture was added, or the file cannot be written.
+        """
+        _, encoded = cv2.imencode(".png", self.draw())
+        write_bytes(path, encoded.tobytes())
+
+    def _shrink(self, overlay: Image, frame: int) -> Image:
+        """Fit a picture into a cell without distorting it, and write the number on it."""
+        height, width = overlay.shape[:2]
+        scale = min(self._width / width, self._height / height)
+        size = (max(1, round(width * scale)), max(1, round(height * scale)))
+        method = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
+        small = cv2.resize(overlay, size, interpolation=method)
+        cell: Image = np.full((self._height, self._width, 3), BACKGROUND, dtype=np.uint8)
+        top, left = (self._height - size[1]) // 2, (self._width - size[0]) // 2
+        cell[top : top + size[1], left : left + size[0]] = small
+        _label(cell, str(frame))
+        return cell
+
+
+def _label(cell: Image, text: str) -> None:
+    """Write on a dark plate in the lower right corner."""
+    scale = 0.00155 * cell.shape[1]
+    (width, height), baseline = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 1)
+    right, bottom = cell.shape[1], cell.shape[0]
+    left, top = right - width - 8, bottom - height - baseline - 4
+    cell[max(top, 0) :, max(left, 0) :] = 20
+    place = (left + 4, bottom - baseline)
+    cv2.putText(cell, text, place, cv2.FONT_HERSHEY_SIMPLEX, scale, to_bgr(WHITE), 1, cv2.LINE_AA)

@@ -1,0 +1,326 @@
+"""One frame with everything the tracker believes about it drawn on top."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.geometry import image_to_pixel, project_borders, segment_inside
+from cable_tracker.cable.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.errors import FrameError
+from cable_tracker.visualisation.palette import (
+    ESTIMATE,
+    PARTICLES,
+    TRUTH,
+    WHITE,
+    Colour,
+    status_colour,
+    to_bgr,
+)
+
+LARGEST_CLOUD = 100
+"""No more particles are drawn than this: those of highest weight."""
+
+LARGEST_SIGMA = 1e6
+"""What stands for unknown; wider bands fill the image anyway [px, rad]."""
+
+SHIFT = 4
+"""Binary digits after the point in the coordinates that OpenCV draws."""
+
+FONT = cv2.FONT_HERSHEY_SIMPLEX
+
+Segment = tuple[tuple[float, float], tuple[float, float]]
+
+
+@dataclass(frozen=True, slots=True)
+class _Pen:
+    """Sizes that suit an image: all grow with it.
+
+    Attributes
+    ----------
+    image_size : (int, int)
+        Width and height [px].
+    line, thin : int
+        Thickness of borders, and of what is less important [px].
+    dash : float
+        Length of a dash and of the gap after it [px].
+    """
+
+    image_size: tuple[int, int]
+    line: int
+    thin: int
+    dash: float
+
+    @classmethod
+    def for_image(cls, canvas: Image) -> _Pen:
+        height, width = canvas.shape[:2]
+        scale = min(width / 480, height / 360)
+        return cls((width, height), max(1, round(1.7 * scale)), max(1, round(scale)), 9 * scale)
+
+
+def draw_overlay(
+    image: Image,
+    *,
+    state: CableState | None,
+    status: str,
+    sigma: Sequence[float] | FloatArray | None = None,
+    truth: CableState | None = None,
+    cloud: FloatArray | None = None,
+    caption: str = "",
+    minimum_width: int | None = None,
+) -> Image:
+    """Draw particles, estimate, truth and status over a frame.
+
+    Parameters
+    ----------
+    image : Image
+        Grey (H, W) or blue-green-red (H, W, 3), uint8, or floating point from 0 to 255. It is not
+        changed.
+    state : CableState or None
+        The estimate [px, rad]; drawn in the colour of the status. None where no cable is claimed.
+    status : str
+        TRACKING, LOST, INITIALISING, or anything else, which is shown in grey.
+    sigma : (4,) or None
+        Standard deviations of d, alpha, w, beta [px, rad], for the band of two sigma about the
+        centreline.
+    truth : CableState or None
+        Where the cable really runs; drawn dashed.
+    cloud : FloatArray or None
+        Particles, shape (N, 7): the columns of `StateColumn`, and the weight.
+    caption : str
+        Shown in the lower left corner, one line of ASCII.
+    minimum_width : int or None
+        Enlarge narrower images to this width before drawing [px]. The numbers stay those of the
+        frame as it came.
+
+    Returns
+    -------
+    Image
+        Blue-green-red, uint8, shape (H, W, 3), or larger where `minimum_width` asks for it.
+
+    Raises
+    ------
+    FrameError
+        The image is no grey or colour image, or the cloud has not seven columns.
+    """
+    canvas = _as_bgr(image)
+    if cloud is not None and (cloud.ndim != 2 or cloud.shape[1] != STATE_SIZE + 1):
+        raise FrameError(f"cloud: shape is {cloud.shape}; give (N, 7), six of the state and weight")
+    scale = 1.0
+    if minimum_width is not None and canvas.shape[1] < minimum_width:
+        scale = minimum_width / canvas.shape[1]
+        size = (minimum_width, max(1, round(canvas.shape[0] * scale)))
+        canvas = cv2.resize(canvas, size, interpolation=cv2.INTER_CUBIC)
+    pen = _Pen.for_image(canvas)
+    if cloud is not None:
+        _draw_cloud(canvas, cloud, scale, pen)
+    if state is not None and state.is_finite():
+        _draw_estimate(canvas, _scaled(state, scale), _scaled_sigma(sigma, scale), status, pen)
+    if truth is not None and truth.is_finite():
+        _draw_truth(canvas, _scaled(truth, scale), pen)
+    _write_legend(canvas, state, status, caption)
+    return canvas
+
+
+def _as_bgr(image: Image) -> Image:
+    """Copy an image to blue-green-red of eight bits."""
+    if image.ndim not in (2, 3) or image.size == 0 or (image.ndim == 3 and image.shape[2] != 3):
+        raise FrameError(f"image: shape is {image.shape}; give (H, W) grey or (H, W, 3) colour")
+    if image.dtype != np.uint8:
+        finite = np.nan_to_num(image, nan=0.0, posinf=255.0, neginf=0.0)
+        image = np.clip(np.rint(finite), 0, 255).astype(np.uint8)
+    if image.ndim == 2:
+        return cv2.cvtColor(np.ascontiguousarray(image), cv2.COLOR_GRAY2BGR)
+    return np.array(image, order="C")
+
+
+def _scaled(state: CableState, scale: float) -> CableState:
+    return replace(state, distance=state.distance * scale, width=state.width * scale)
+
+
+def _scaled_sigma(
+    sigma: Sequence[float] | FloatArray | None, scale: float
+) -> tuple[float, float] | None:
+    """Return the deviations of distance and angle in the enlarged image, if they are numbers."""
+    if sigma is None or not np.isfinite(sigma[:2]).all():
+        return None
+    return min(float(sigma[0]), LARGEST_SIGMA) * scale, min(float(sigma[1]), LARGEST_SIGMA)
+
+
+def _to_fixed(points: FloatArray, image_size: tuple[int, int]) -> Image:
+    """Turn points (..., 2) of the image frame into OpenCV's fixed-point pixels."""
+    pixels = image_to_pixel(points, image_size)
+    # Far beyond the image the end of a line makes no difference, but must fit into an int.
+    limit = 20.0 * max(image_size)
+    return np.rint(np.clip(pixels, -limit, limit) * (1 << SHIFT)).astype(np.int32)
+
+
+def _draw_segments(
+    canvas: Image, segments: Sequence[Segment], colour: Colour, thickness: int, pen: _Pen
+) -> None:
+    if segments:
+        fixed = _to_fixed(np.array(segments), pen.image_size)
+        cv2.polylines(canvas, list(fixed), False, to_bgr(colour), thickness, cv2.LINE_AA, SHIFT)
+
+
+def _border_segments(state: CableState, image_size: tuple[int, int]) -> list[Segment]:
+    borders = project_borders(state.to_array()[None, :])
+    clipped = (
+        segment_inside(float(angle), float(offset), image_size)
+        for angle, offset in zip(borders.angles[0], borders.offsets[0], strict=True)
+    )
+    return [segment for segment in clipped if segment is not None]
+
+
+def _centre_segments(state: CableState, image_size: tuple[int, int]) -> list[Segment]:
+    segment = segment_inside(state.angle, state.distance, image_size)
+    return [] if segment is None else [segment]
+
+
+def _draw_cloud(canvas: Image, cloud: FloatArray, scale: float, pen: _Pen) -> None:
+    """Draw centrelines faintly, those of high weight more clearly."""
+    reach = float(np.hypot(*pen.image_size)) / 2
+    distances = cloud[:, StateColumn.DISTANCE] * scale
+    usable = np.isfinite(cloud[:, :2]).all(axis=1) & (cloud[:, -1] > 0)
+    usable &= np.abs(distances) < reach
+    # Lightest first, so that a heavier one is drawn over it.
+    chosen = np.flatnonzero(usable)
+    chosen = chosen[np.argsort(cloud[chosen, -1], kind="stable")][-LARGEST_CLOUD:]
+    if chosen.size == 0:
+        return
+    fixed = _to_fixed(
+        _line_ends(distances[chosen], cloud[chosen, StateColumn.ANGLE], reach), pen.image_size
+    )
+    weights = cloud[chosen, -1]
+    opacity = 20 + 85 * np.sqrt(weights / weights[-1])
+    levels = np.rint(opacity / 12).astype(np.int64) * 12
+    layer = np.zeros(canvas.shape[:2], dtype=np.uint8)
+    for level in np.unique(levels):
+        lines = list(fixed[levels == level])
+        cv2.polylines(layer, lines, False, int(level), pen.thin, cv2.LINE_AA, SHIFT)
+    _blend(canvas, layer, PARTICLES)
+
+
+def _line_ends(distances: FloatArray, angles: FloatArray, reach: float) -> FloatArray:
+    """Return both ends of long pieces of lines about their foot points, shape (N, 2, 2)."""
+    cos, sin = np.cos(angles), np.sin(angles)
+    feet = np.stack((distances * cos, distances * sin), axis=1)
+    upward = np.stack((-sin, cos), axis=1) * reach
+    return np.stack((feet - upward, feet + upward), axis=1)
+
+
+def _blend(canvas: Image, opacity: Image, colour: Colour) -> None:
+    """Mix a colour into the canvas; `opacity` is uint8, shape (H, W)."""
+    left, top, width, height = cv2.boundingRect(opacity)
+    if width == 0:
+        return
+    region = canvas[top : top + height, left : left + width]
+    share = opacity[top : top + height, left : left + width] * np.float32(1 / 255)
+    paint = np.full(region.shape, to_bgr(colour), dtype=np.uint8)
+    region[:] = cv2.blendLinear(paint, region, share, 1 - share)
+
+
+def _draw_estimate(
+    canvas: Image, state: CableState, sigma: tuple[float, float] | None, status: str, pen: _Pen
+) -> None:
+    colour = ESTIMATE if status == "TRACKING" else status_colour(status)
+    if sigma is not None:
+        _draw_band(canvas, state, sigma, colour, pen)
+    _draw_segments(canvas, _centre_segments(state, pen.image_size), colour, pen.thin, pen)
+    _draw_segments(canvas, _border_segments(state, pen.image_size), colour, pen.line, pen)
+
+
+def _draw_band(
+    canvas: Image, state: CableState, sigma: tuple[float, float], colour: Colour, pen: _Pen
+) -> None:
+    """Fill where the centreline lies within two standard deviations of distance and angle."""
+    reach = float(np.hypot(*pen.image_size)) / 2
+    along = np.linspace(-reach, reach, 41)
+    half = np.minimum(2 * np.hypot(sigma[0], along * sigma[1]), 2 * reach)
+    normal = np.array([np.cos(state.angle), np.sin(state.angle)])
+    upward = np.array([-np.sin(state.angle), np.cos(state.angle)])
+    centre = state.distance * normal + along[:, None] * upward
+    rim = np.concatenate((centre - half[:, None] * normal, (centre + half[:, None] * normal)[::-1]))
+    layer = np.zeros(canvas.shape[:2], dtype=np.uint8)
+    cv2.fillPoly(layer, [_to_fixed(rim, pen.image_size)], 55, cv2.LINE_AA, SHIFT)
+    _blend(canvas, layer, colour)
+
+
+def _draw_truth(canvas: Image, truth: CableState, pen: _Pen) -> None:
+    dashes = [
+        dash
+        for segment in _border_segments(truth, pen.image_size)
+        for dash in _dashes(segment, pen.dash)
+    ]
+    _draw_segments(canvas, dashes, TRUTH, pen.line, pen)
+
+
+def _dashes(segment: Segment, length: float) -> list[Segment]:
+    """Cut a segment into dashes with equal gaps between them."""
+    start, end = np.array(segment)
+    total = float(np.hypot(*(end - start)))
+    starts = np.arange(0.0, total, 2 * max(length, 1.0))
+    ends = np.minimum(starts + max(length, 1.0), total)
+    direction = (end - start) / max(total, 1e-9)
+    pairs = start + np.stack((starts, ends), axis=1)[..., None] * direction
+    return [((a[0], a[1]), (b[0], b[1])) for a, b in pairs.tolist()]
+
+
+def _numbers(state: CableState) -> str:
+    return (
+        f"d {state.distance:+.1f} px  alpha {np.rad2deg(state.angle):+.1f} deg  "
+        f"w {state.width:.1f} px  beta {np.rad2deg(state.skew):+.1f} deg"
+    )
+
+
+def _write_legend(canvas: Image, state: CableState | None, status: str, caption: str) -> None:
+    """Write status and numbers on a dark strip at the top, the caption at the bottom."""
+    height, width = canvas.shape[:2]
+    numbers = _numbers(state) if state is not None and state.is_finite() else ""
+    wide = _numbers(CableState(-1000.0, -1.0, 100.0, -0.5))
+    # Measured by a text of the widest kind, so that the size does not flicker with the digits.
+    scale = min(_scale_to_fit(wide, 0.97 * width), 0.0021 * height + 0.02, 1.6)
+    line = round(_text_height(scale) * 1.6)
+    side_by_side = _text_width(f"INITIALISING  {wide}", scale) < width - 2 * line
+    strip = min(height, line if side_by_side else 2 * line)
+    _darken(canvas[:strip])
+    margin = max(2, line // 4)
+    _write(canvas, status, (margin, line), scale, status_colour(status))
+    if numbers and side_by_side:
+        _write(canvas, numbers, (width - margin - _text_width(wide, scale), line), scale, WHITE)
+    elif numbers:
+        _write(canvas, numbers, (margin, 2 * line), scale, WHITE)
+    if caption:
+        _darken(canvas[height - min(height, line) :, : _text_width(caption, scale) + 2 * margin])
+        _write(canvas, caption, (margin, height), scale, WHITE)
+
+
+def _darken(region: Image) -> None:
+    if region.size > 0:
+        region[:] = cv2.convertScaleAbs(region, alpha=0.35)
+
+
+def _thickness(scale: float) -> int:
+    return max(1, round(1.6 * scale))
+
+
+def _text_width(text: str, scale: float) -> int:
+    return int(cv2.getTextSize(text, FONT, scale, _thickness(scale))[0][0])
+
+
+def _text_height(scale: float) -> int:
+    return int(cv2.getTextSize("Tg", FONT, scale, _thickness(scale))[0][1])
+
+
+def _scale_to_fit(text: str, width: float) -> float:
+    return width / max(1, _text_width(text, 1.0))
+
+
+def _write(canvas: Image, text: str, corner: tuple[int, int], scale: float, colour: Colour) -> None:
+    """Write a line of text whose strip ends at `corner` (column, row below)."""
+    place = (corner[0], corner[1] - round(0.38 * _text_height(scale)))
+    cv2.putText(canvas, text, place, FONT, scale, to_bgr(colour), _thickness(scale), cv2.LINE_AA)

@@ -1,0 +1,261 @@
+"""Plots of the estimates of a whole recording over time."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.cable.geometry import unwrap_states
+from cable_tracker.cable.state import CableState, StateColumn
+from cable_tracker.errors import OutputError
+from cable_tracker.sequences.estimates import NANOSECONDS, EstimateRow
+from cable_tracker.visualisation.files import write_bytes
+from cable_tracker.visualisation.palette import ESTIMATE, TRUTH, Colour, status_colour, to_unit
+
+LARGEST_COUNT = 10_000
+"""A longer recording is thinned out to at most this many frames: a plot cannot show more."""
+
+DOTS_PER_INCH = 110
+
+SHADED_STATUSES = ("INITIALISING", "LOST", "REFUSED")
+
+LONGEST_BRIDGE = 0.5
+"""Longest time without a label that the line of the truth runs across [s]."""
+
+HALF_TURN_JUMP = np.pi / 2
+"""An angle that changes by more than this between two frames has wrapped."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Panel:
+    column: StateColumn
+    label: str
+    factor: float
+    """From px or rad to the unit of the axis."""
+
+
+PANELS = (
+    _Panel(StateColumn.DISTANCE, "d [px]", 1.0),
+    _Panel(StateColumn.ANGLE, "alpha [deg]", 180 / np.pi),
+    _Panel(StateColumn.WIDTH, "w [px]", 1.0),
+    _Panel(StateColumn.SKEW, "beta [deg]", 180 / np.pi),
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Series:
+    """The table as arrays; NaN where there is no value.
+
+    Attributes
+    ----------
+    times : FloatArray
+        Since the first stamp, shape (T,) [s].
+    estimates, sigmas, truths : FloatArray
+        d, alpha, w, beta, shape (T, 4) [px, rad].
+    statuses : tuple of str
+        Length T.
+    """
+
+    times: FloatArray
+    estimates: FloatArray
+    sigmas: FloatArray
+    truths: FloatArray
+    statuses: tuple[str, ...]
+
+
+def plot_estimates(
+    path: Path, rows: Sequence[EstimateRow], truths: Mapping[int, CableState]
+) -> None:
+    """Plot d, alpha, w and beta over time, with bands of two sigma, and the truth where known.
+
+    Parameters
+    ----------
+    path : Path
+        PNG file to write; a failure leaves no file behind.
+    rows : sequence of EstimateRow
+        One for each frame.
+    truths : mapping of int to CableState
+        Truth by number of the frame; may be empty.
+
+    Raises
+    ------
+    OutputError
+        There are no rows, or the file cannot be written.
+    """
+    if not rows:
+        raise OutputError(f"{path}: there are no frames to plot; check the recording")
+    figure = _draw(_series(rows[:: -(-len(rows) // LARGEST_COUNT)], truths))
+    buffer = io.BytesIO()
+    FigureCanvasAgg(figure)
+    figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
+    write_bytes(path, buffer.getvalue())
+
+
+def _series(rows: Sequence[EstimateRow], truths: Mapping[int, CableState]) -> _Series:
+    first = rows[0].stamp
+    times = np.array([(row.stamp - first) / NANOSECONDS for row in rows])
+    estimates, sigmas, true = (np.full((len(rows), 4), np.nan) for _ in range(3))
+    for index, row in enumerate(rows):
+        if row.state is not None:
+            estimates[index] = row.state.to_array()[:4]
+            if row.sigma is not None:
+                sigmas[index] = row.sigma
+        truth = truths.get(row.frame)
+        if truth is not None:
+            true[index] = _in_chart(truth, row.state)
+    return _Series(times, estimates, sigmas, true, tuple(row.status for row in rows))
+
+
+def _in_chart(truth: CableState, estimate: CableState | None) -> FloatArray:
+    """Return d, alpha, w, beta of the truth, on the same side of the wrap as the estimate."""
+    values = truth.to_array()
+    if estimate is not None and estimate.is_finite():
+        values = unwrap_states(values[None, :], estimate.angle)[0]
+    return values[:4]
+
+
+def _draw(series: _Series) -> Figure:
+    figure = Figure(figsize=(11.0, 8.5), dpi=DOTS_PER_INCH)
+    axes: list[Axes] = list(figure.subplots(4, 1, sharex=True))
+    low, high = float(series.times.min()), float(series.times.max())
+    shaded = [status for status in SHADED_STATUSES if status in series.statuses]
+    for axis, panel in zip(axes, PANELS, strict=True):
+        for status in shaded:
+            _shade(axis, series, status)
+        _draw_panel(axis, series, panel)
+    axes[-1].set_xlim(low, high if high > low else low + 1.0)
+    axes[-1].set_xlabel("time since the first frame [s]")
+    _add_legend(figure, series, shaded)
+    figure.align_ylabels(axes)
+    figure.subplots_adjust(left=0.085, right=0.985, top=0.94, bottom=0.065, hspace=0.12)
+    return figure
+
+
+def _draw_panel(axis: Axes, series: _Series, panel: _Panel) -> None:
+    column = int(panel.column)
+    times, estimate = _broken(series.times, series.estimates, column)
+    _, sigma = _broken(series.times, series.estimates, column, series.sigmas)
+    estimate, sigma = estimate * panel.factor, sigma * panel.factor
+    colour = _dark(ESTIMATE)
+    axis.fill_between(
+        times, estimate - 2 * sigma, estimate + 2 * sigma, color=colour, alpha=0.25, linewidth=0
+    )
+    axis.plot(times, estimate, color=colour, linewidth=1.4)
+    _mark_single_points(axis, times, estimate, colour)
+    true_times, truth = _broken(*_bridged(series.times, series.truths), column)
+    truth = truth * panel.factor
+    axis.plot(true_times, truth, color=_dark(TRUTH), linewidth=1.3, linestyle=(0, (4, 2)))
+    axis.set_ylim(_limits(np.concatenate((estimate, truth)), sigma))
+    axis.set_ylabel(panel.label)
+    axis.grid(color="0.9", linewidth=0.7)
+    axis.set_axisbelow(True)
+    for side in ("top", "right"):
+        axis.spines[side].set_visible(False)
+
+
+def _bridged(times: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Leave out frames without a label, except in the middle of a long stretch of them.
+
+    Where only every second or third frame is labelled, a line would otherwise never be drawn.
+    """
+    labelled = np.flatnonzero(np.isfinite(states[:, StateColumn.ANGLE]))
+    long_gaps = np.flatnonzero(np.diff(times[labelled]) > LONGEST_BRIDGE)
+    kept = np.sort(np.concatenate((labelled, labelled[long_gaps] + 1)))
+    return times[kept], states[kept]
+
+
+def _broken(
+    times: FloatArray, states: FloatArray, column: int, values: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return one column with NaN put in where the angle of `states` wraps.
+
+    There d and beta change their signs with the angle, and a line would run across the panel.
+    `values` are broken at the same places in its stead.
+    """
+    chosen = states if values is None else values
+    turned = np.abs(np.diff(states[:, StateColumn.ANGLE])) > HALF_TURN_JUMP
+    places = np.flatnonzero(turned) + 1
+    return np.insert(times, places, np.nan), np.insert(chosen[:, column], places, np.nan)
+
+
+def _mark_single_points(
+    axis: Axes, times: FloatArray, values: FloatArray, colour: tuple[float, float, float]
+) -> None:
+    """Draw dots for estimates without neighbours, which a line does not show."""
+    known = np.isfinite(values)
+    padded = np.concatenate(([False], known, [False]))
+    alone = known & ~padded[:-2] & ~padded[2:]
+    axis.plot(times[alone], values[alone], ".", color=colour, markersize=4)
+
+
+def _limits(values: FloatArray, sigma: FloatArray) -> tuple[float, float]:
+    """Return limits that show all values, and as much of the band as does not dwarf them."""
+    finite = values[np.isfinite(values)]
+    if finite.size == 0:
+        return -1.0, 1.0
+    low, high = float(finite.min()), float(finite.max())
+    usual = sigma[np.isfinite(sigma)]
+    band = 2.2 * float(np.quantile(usual, 0.9)) if usual.size else 0.0
+    spread = max(high - low, 1e-3 * max(abs(high), abs(low)), 1e-6)
+    margin = 0.06 * spread + min(band, 0.75 * spread)
+    return low - margin, high + margin
+
+
+def _shade(axis: Axes, series: _Series, status: str) -> None:
+    """Shade the times at which the status holds, from half-way to half-way between frames."""
+    spans = _intervals(series.times, np.array([name == status for name in series.statuses]))
+    boxes = [[(a, 0.0), (a, 1.0), (b, 1.0), (b, 0.0)] for a, b in spans]
+    collection = PolyCollection(
+        boxes,
+        facecolors=[(*_dark(status_colour(status)), _shade_opacity(status))],
+        edgecolors="none",
+        transform=axis.get_xaxis_transform(),
+        zorder=0.5,
+    )
+    axis.add_collection(collection, autolim=False)
+
+
+def _shade_opacity(status: str) -> float:
+    return 0.35 if status == "REFUSED" else 0.25
+
+
+def _intervals(times: FloatArray, holds: BoolArray) -> list[tuple[float, float]]:
+    """Return the spans of time that the marked frames stand for."""
+    middles = (times[1:] + times[:-1]) / 2
+    edges = np.concatenate((times[:1], middles, times[-1:]))
+    changes = np.diff(np.concatenate(([0], holds.astype(np.int8), [0])))
+    starts, ends = np.flatnonzero(changes == 1), np.flatnonzero(changes == -1)
+    return [(float(edges[a]), float(edges[b])) for a, b in zip(starts, ends, strict=True)]
+
+
+def _add_legend(figure: Figure, series: _Series, shaded: Sequence[str]) -> None:
+    colour = _dark(ESTIMATE)
+    entries: list[tuple[Line2D | Patch, str]] = [
+        (Line2D([], [], color=colour, linewidth=1.6), "estimate"),
+        (Patch(color=colour, alpha=0.25, linewidth=0), "estimate ± 2 sigma"),
+    ]
+    if np.isfinite(series.truths).any():
+        line = Line2D([], [], color=_dark(TRUTH), linewidth=1.5, linestyle=(0, (4, 2)))
+        entries.append((line, "ground truth"))
+    for status in shaded:
+        patch = Patch(color=_dark(status_colour(status)), alpha=_shade_opacity(status), linewidth=0)
+        entries.append((patch, status))
+    handles, labels = zip(*entries, strict=True)
+    figure.legend(list(handles), list(labels), loc="upper center", ncol=len(labels), frameon=False)
+
+
+def _dark(colour: Colour) -> tuple[float, float, float]:
+    """Darken a colour that is made for dark pictures, for white paper."""
+    red, green, blue = to_unit(colour)
+    return red * 0.75, green * 0.75, blue * 0.75

@@ -1,0 +1,157 @@
+import cv2
+import numpy as np
+import pytest
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import OutputError
+from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.visualisation import plots
+from cable_tracker.visualisation.plots import plot_estimates
+
+SIGMA = (1.0, 0.01, 1.0, 0.005)
+
+
+def _rows(states, status="TRACKING", step=40_000_000):
+    return [
+        EstimateRow(index, 5_000_000_000 + index * step, status, state, SIGMA if state else None)
+        for index, state in enumerate(states)
+    ]
+
+
+def _swaying(count):
+    return [CableState(20 * np.sin(k / 9), 0.3 * np.sin(k / 7), 36.0, 0.03) for k in range(count)]
+
+
+def _axes(rows, truths=None):
+    return plots._draw(plots._series(rows, truths or {})).axes
+
+
+def _line(axis, number=0):
+    return axis.lines[number].get_xydata()
+
+
+def test_a_picture_is_written(tmp_path):
+    path = tmp_path / "estimates.png"
+    states = _swaying(60)
+    plot_estimates(path, _rows(states), dict(enumerate(states)))
+    picture = cv2.imread(str(path))
+    assert min(picture.shape[:2]) > 500
+    assert picture.std() > 5
+    assert [entry.name for entry in tmp_path.iterdir()] == ["estimates.png"]
+
+
+def test_panels_are_in_pixels_and_degrees_over_seconds():
+    states = _swaying(50)
+    axes = _axes(_rows(states))
+    assert [axis.get_ylabel() for axis in axes] == [
+        "d [px]", "alpha [deg]", "w [px]", "beta [deg]",
+    ]  # fmt: skip
+    np.testing.assert_allclose(_line(axes[0])[:, 0], np.arange(50) * 0.04, atol=1e-12)
+    np.testing.assert_allclose(_line(axes[0])[:, 1], [s.distance for s in states])
+    np.testing.assert_allclose(_line(axes[1])[:, 1], np.rad2deg([s.angle for s in states]))
+    np.testing.assert_allclose(_line(axes[3])[:, 1], np.rad2deg([s.skew for s in states]))
+
+
+def test_a_wrap_draws_no_line_across_the_panel():
+    angles = np.deg2rad([88, 89, 90, -89, -88, -87])
+    states = [CableState(30.0 * np.sign(a), float(a), 36.0, 0.02 * np.sign(a)) for a in angles]
+    for axis, largest in zip(_axes(_rows(states)), (1, 2, 1, 1), strict=True):
+        assert np.nanmax(np.abs(np.diff(_line(axis)[:, 1]))) < largest + 1e-9
+
+
+def test_truth_across_the_wrap_lies_beside_the_estimate():
+    estimate = CableState(30.0, np.deg2rad(89.5), 36.0, 0.02)
+    truth = CableState(-30.0, np.deg2rad(-89.5), 36.0, -0.02)
+    axes = _axes(_rows([estimate] * 3), dict.fromkeys(range(3), truth))
+    assert _line(axes[0], 2)[:, 1] == pytest.approx([30.0] * 3)
+    assert _line(axes[1], 2)[:, 1] == pytest.approx([90.5] * 3)
+    assert _line(axes[3], 2)[:, 1] == pytest.approx([np.rad2deg(0.02)] * 3)
+
+
+def test_frames_without_a_cable_are_gaps():
+    states = [*_swaying(5), None, *_swaying(4)]
+    assert (
+        np.isnan(_line(_axes(_rows(states))[0])[:, 1]).tolist()
+        == [False] * 5 + [True] + [False] * 4
+    )
+
+
+def test_an_estimate_without_neighbours_is_a_dot():
+    axes = _axes(_rows([None, CableState(5.0, 0.0, 30.0), None]))
+    assert _line(axes[0], 1).tolist() == [[0.04, 5.0]]
+
+
+def test_times_without_a_claim_are_shaded_and_named():
+    rows = [*_rows(_swaying(3)), *_rows([None] * 10, "LOST")[3:6]]
+    figure = plots._draw(plots._series(rows, {}))
+    spans = [c for c in figure.axes[0].collections if isinstance(c, plots.PolyCollection)]
+    shaded = np.vstack([p.vertices for c in spans for p in c.get_paths() if len(p.vertices) <= 5])
+    assert shaded[:, 0].min() == pytest.approx(0.1)
+    assert shaded[:, 0].max() == pytest.approx(0.2)
+    named = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "LOST" in named
+    assert "REFUSED" not in named
+
+
+def test_intervals_reach_half_way_to_the_neighbours():
+    times = np.array([0.0, 1.0, 2.0, 4.0, 5.0])
+    holds = np.array([True, False, True, True, False])
+    assert plots._intervals(times, holds) == [(0.0, 0.5), (1.5, 4.5)]
+
+
+def test_the_truth_is_named_only_where_there_is_one():
+    for truths, named in (({}, False), ({1: CableState(1.0, 0.0, 30.0)}, True)):
+        figure = plots._draw(plots._series(_rows(_swaying(5)), truths))
+        texts = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert ("ground truth" in texts) == named
+
+
+def test_a_huge_band_does_not_hide_the_curve():
+    rows = [
+        EstimateRow(k, k * 40_000_000, "TRACKING", state, (1e6, 1e3, 1e6, 1e3))
+        for k, state in enumerate(_swaying(40))
+    ]
+    low, high = _axes(rows)[0].get_ylim()
+    assert high - low < 120
+
+
+@pytest.mark.parametrize(
+    "states", [[None, None], [CableState(0.0, 0.0, 30.0)], [CableState(1.0, 1.5, 30.0)] * 4]
+)
+def test_little_or_nothing_is_plotted_too(tmp_path, states):
+    plot_estimates(tmp_path / "estimates.png", _rows(states, "INITIALISING"), {})
+    assert (tmp_path / "estimates.png").stat().st_size > 1000
+
+
+def test_equal_and_backward_stamps_are_survived(tmp_path):
+    rows = [EstimateRow(k, s, "LOST") for k, s in enumerate((9, 9, 3, 20))]
+    plot_estimates(tmp_path / "estimates.png", rows, {})
+
+
+def test_a_long_recording_is_thinned_out(tmp_path, monkeypatch):
+    monkeypatch.setattr(plots, "LARGEST_COUNT", 50)
+    seen = []
+    monkeypatch.setattr(plots, "_draw", lambda series, draw=plots._draw: (
+        seen.append(len(series.times)), draw(series))[1])  # fmt: skip
+    plot_estimates(tmp_path / "estimates.png", _rows(_swaying(499)), {})
+    assert seen == [50]
+
+
+def test_no_rows_no_plot(tmp_path):
+    with pytest.raises(OutputError, match="no frames to plot"):
+        plot_estimates(tmp_path / "estimates.png", [], {})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_folder_is_reported(tmp_path):
+    with pytest.raises(OutputError, match=r"estimates\.png: cannot be written"):
+        plot_estimates(tmp_path / "missing" / "estimates.png", _rows(_swaying(3)), {})
+
+
+def test_labels_on_every_second_frame_make_one_line_and_long_gaps_break_it():
+    times = np.arange(40) * 0.04
+    states = np.full((40, 4), np.nan)
+    states[0:10:2] = 1.0
+    states[30:40:2] = 2.0
+    _, bridged = plots._bridged(times, states)
+    assert np.isfinite(bridged[:, 0]).tolist() == [True] * 5 + [False] + [True] * 5

@@ -1,0 +1,183 @@
+import errno
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.errors import OutputError
+from cable_tracker.visualisation.video import LONGEST_STEP, VideoWriter, next_step
+
+av = pytest.importorskip("av", reason="PyAV is not installed")
+
+SECOND = 1_000_000_000
+
+
+def _picture(level, size=(64, 48)):
+    image = np.zeros((size[1], size[0], 3), dtype=np.uint8)
+    image[:] = (level, 255 - level, 128)
+    return image
+
+
+def _write(path, stamps, size=(64, 48)):
+    with VideoWriter(path) as writer:
+        for index, stamp in enumerate(stamps):
+            writer.add(_picture(20 * index % 256, size), stamp)
+
+
+def _read(path):
+    with av.open(str(path)) as container:
+        stream = container.streams.video[0]
+        assert stream.codec_context.name in ("vp9", "libvpx-vp9")
+        return [
+            (
+                float(frame.pts * stream.time_base),
+                frame.format.name,
+                frame.to_ndarray(format="bgr24"),
+            )
+            for frame in container.decode(stream)
+        ]
+
+
+@pytest.mark.parametrize(
+    ("size", "even"), [((64, 48), (64, 48)), ((161, 97), (162, 98)), ((1, 1), (2, 2))]
+)
+def test_every_frame_is_decoded_again(tmp_path, size, even):
+    _write(tmp_path / "v.webm", [index * SECOND // 25 for index in range(12)], size)
+    frames = _read(tmp_path / "v.webm")
+    assert len(frames) == 12
+    assert all(image.shape == (even[1], even[0], 3) for _, _, image in frames)
+    assert {name for _, name, _ in frames} == {"yuv420p"}
+
+
+def test_colours_survive(tmp_path):
+    _write(tmp_path / "v.webm", [0, SECOND])
+    for index, (_, _, image) in enumerate(_read(tmp_path / "v.webm")):
+        wanted = _picture(20 * index).astype(float)
+        assert np.abs(image - wanted).mean() < 8
+
+
+def test_times_are_those_of_the_stamps(tmp_path):
+    start = 1_700_000_000 * SECOND
+    offsets = [0.0, 0.04, 0.1, 0.5, 2.0, 2.033]
+    _write(tmp_path / "v.webm", [start + round(offset * SECOND) for offset in offsets])
+    assert [time for time, _, _ in _read(tmp_path / "v.webm")] == pytest.approx(offsets, abs=1e-3)
+
+
+def test_repeated_and_backward_stamps_go_on_at_the_usual_pace(tmp_path):
+    stamps = [0, SECOND // 10, SECOND // 10, 2 * SECOND // 10, 0, SECOND // 10]
+    _write(tmp_path / "v.webm", stamps)
+    times = [time for time, _, _ in _read(tmp_path / "v.webm")]
+    assert times == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4, 0.5], abs=1e-3)
+
+
+def test_a_leap_of_the_clock_does_not_stop_the_video(tmp_path):
+    _write(tmp_path / "v.webm", [0, SECOND // 25, 1_700_000_000 * SECOND])
+    times = [time for time, _, _ in _read(tmp_path / "v.webm")]
+    assert times == pytest.approx([0.0, 0.04, 0.08], abs=1e-3)
+
+
+def test_stamps_nanoseconds_apart_stay_in_order(tmp_path):
+    _write(tmp_path / "v.webm", list(range(20)))
+    times = [time for time, _, _ in _read(tmp_path / "v.webm")]
+    assert len(times) == 20
+    assert (np.diff(times) > 0).all()
+
+
+@given(st.integers(-(2**62), 2**62), st.integers(-(2**62), 2**62), st.integers(1, LONGEST_STEP))
+def test_a_step_is_always_forward_and_never_endless(previous, stamp, usual):
+    step = next_step(previous, stamp, usual)
+    assert 0 < step <= LONGEST_STEP
+    assert step in (stamp - previous, usual)
+
+
+def test_frames_of_another_size_are_fitted(tmp_path):
+    with VideoWriter(tmp_path / "v.webm") as writer:
+        writer.add(_picture(0), 0)
+        writer.add(_picture(0, (640, 100)), SECOND)
+        writer.add(_picture(0, (63, 47)), 2 * SECOND)
+    frames = _read(tmp_path / "v.webm")
+    assert [image.shape for _, _, image in frames] == [(48, 64, 3)] * 3
+    assert frames[1][2][:8].mean() < 30
+    assert writer.frame_count == 3
+
+
+def test_the_file_appears_under_its_name_only_at_the_end(tmp_path):
+    path = tmp_path / "v.webm"
+    with VideoWriter(path) as writer:
+        writer.add(_picture(0), 0)
+        assert not path.exists()
+    assert [entry.name for entry in tmp_path.iterdir()] == ["v.webm"]
+
+
+def test_an_error_leaves_nothing_behind(tmp_path):
+    with pytest.raises(ZeroDivisionError), VideoWriter(tmp_path / "v.webm") as writer:
+        writer.add(_picture(0), 0)
+        raise ZeroDivisionError
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_error_keeps_an_older_video(tmp_path):
+    _write(tmp_path / "v.webm", [0, SECOND])
+    with pytest.raises(ZeroDivisionError), VideoWriter(tmp_path / "v.webm"):
+        raise ZeroDivisionError
+    assert len(_read(tmp_path / "v.webm")) == 2
+
+
+def test_no_frames_no_video(tmp_path):
+    with (
+        pytest.raises(OutputError, match=r"v\.webm: no frames"),
+        VideoWriter(tmp_path / "v.webm"),
+    ):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_folder_is_reported_at_once(tmp_path):
+    with (
+        pytest.raises(OutputError, match=r"v\.webm: cannot be written") as caught,
+        VideoWriter(tmp_path / "missing" / "v.webm"),
+    ):
+        raise AssertionError
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_instead_of_a_folder_is_reported(tmp_path):
+    (tmp_path / "file").write_bytes(b"")
+    with (
+        pytest.raises(OutputError, match=r"v\.webm: cannot be written"),
+        VideoWriter(tmp_path / "file" / "v.webm"),
+    ):
+        raise AssertionError
+
+
+def test_a_folder_in_its_place_is_reported_and_nothing_left(tmp_path):
+    (tmp_path / "v.webm").mkdir()
+    with pytest.raises(OutputError, match=r"v\.webm: cannot be written"):
+        _write(tmp_path / "v.webm", [0, SECOND])
+    assert [entry.name for entry in tmp_path.iterdir()] == ["v.webm"]
+
+
+def test_a_full_disk_is_reported_and_nothing_left(tmp_path):
+    writer = VideoWriter(tmp_path / "v.webm")
+
+    def refuse(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with pytest.raises(OutputError, match="No space left on device"), writer:
+        writer._tick = refuse
+        writer.add(_picture(0), 0)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_writer_that_is_not_open_says_so(tmp_path):
+    with pytest.raises(OutputError, match="not open"):
+        VideoWriter(tmp_path / "v.webm").add(_picture(0), 0)
+
+
+def test_without_pyav_it_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "av", None)
+    with pytest.raises(OutputError, match="pip install av"), VideoWriter(tmp_path / "v.webm"):
+        raise AssertionError
+    assert list(tmp_path.iterdir()) == []
