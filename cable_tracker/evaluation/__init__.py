@@ -1,0 +1,1 @@
+"""How good the tracker is: runs over whole recordings, metrics, and what they write."""

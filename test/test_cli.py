@@ -1,0 +1,346 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+from rosbags.highlevel import AnyReader
+
+from cable_tracker import __version__, cli
+from cable_tracker.cable.parameter_files import known_names, read_parameter_file
+from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.errors import ParameterError
+from cable_tracker.sequences.estimates import read_estimates
+from cable_tracker.sequences.source import open_source
+from cable_tracker.simulation.scenario import SimulationSettings, simulate
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a command ended, and what it wrote."""
+
+    code: int
+    out: str
+    err: str
+
+    def assert_refused(self, words: str) -> None:
+        """One line on stderr, exit code 2."""
+        assert self.code == 2
+        assert self.out == ""
+        assert self.err.startswith("error: ")
+        assert self.err.count("\n") == 1
+        assert words in self.err
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Run the command in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def run_command(*arguments: object) -> Outcome:
+        capsys.readouterr()
+        monkeypatch.setattr(sys, "argv", ["cable-tracker", *map(str, arguments)])
+        try:
+            cli.main()
+            code = 0
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 0
+        written = capsys.readouterr()
+        return Outcome(code, written.out, written.err)
+
+    return run_command
+
+
+@pytest.fixture
+def bag(run) -> Path:
+    """A small simulated bag with truth."""
+    assert run("simulate", "dive", "--frames", 8, "--size", "64x48", "--clutter", 0.1).code == 0
+    return Path("dive")
+
+
+@pytest.fixture
+def unlabelled(bag, run) -> Path:
+    """The same dive as pictures without labels."""
+    options = ("--frames", 3, "--size", "64x48", "--format", "sequence")
+    assert run("simulate", "pictures", *options).code == 0
+    Path("pictures/sequence.txt").unlink()
+    return Path("pictures")
+
+
+def test_a_bag_is_tracked_into_a_folder(run, bag):
+    outcome = run("track", bag, "--init", "truth", "--seed", 1)
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.startswith("8 frames: 8 TRACKING\n")
+    assert "8 of 8 labelled frames claimed; 0.0% of those off" in outcome.out
+    assert "alpha" in outcome.out
+    rows = read_estimates(Path("dive_tracked/estimates.csv"))
+    assert [row.status for row in rows] == ["TRACKING"] * 8
+    for line in outcome.out.splitlines()[-5:]:
+        assert Path(line.strip()).exists()
+
+
+def test_the_same_seed_gives_the_same_table_and_another_one_does_not(run, bag):
+    tables = []
+    for name, seed in (("a", 1), ("b", 1), ("c", 2)):
+        options = ("--init", "truth", "--seed", seed, "--output", name, "--no-timing")
+        assert run("track", bag, *options).code == 0
+        tables.append(Path(name, "estimates.csv").read_bytes())
+    assert tables[0] == tables[1] != tables[2]
+
+
+def test_a_start_may_have_a_negative_first_number(run, bag):
+    assert run("track", bag, "--init", "-5,0.1,9,0").code == 0
+
+
+def test_earlier_results_are_replaced_only_with_force(run, bag):
+    assert run("track", bag).code == 0
+    run("track", bag).assert_refused("dive_tracked: exists already")
+    assert run("track", bag, "--force").code == 0
+
+
+def test_preset_parameter_file_and_seed_add_up(tmp_path):
+    file = tmp_path / "p.yaml"
+    file.write_text("particle_count: 77\nseed: 3\nimage_transport: raw\n")
+    parameters = cli.chosen_parameters("thesis", read_parameter_file(file), 9)
+    assert (parameters.particle_count, parameters.seed, parameters.rate_damping) == (77, 9, 1.0)
+    assert cli.chosen_parameters(None, {}, None) == TrackerParameters()
+
+
+def test_a_missing_recording_is_refused(run):
+    run("track", "nothing.mcap").assert_refused("nothing.mcap: there is no such file or folder")
+
+
+@pytest.mark.parametrize("name", ["a.mcap", "a.db3", "a.bag", "a.mp4", "a.txt", "a.xyz", "a"])
+@pytest.mark.parametrize("content", [b"", b"no recording \x00\xff" * 50], ids=["empty", "garbage"])
+def test_garbage_is_refused_in_one_line_that_names_it(run, name, content):
+    Path(name).write_bytes(content)
+    for command in (("track", name), ("convert", name, "out")):
+        run(*command).assert_refused(name)
+    assert [path.name for path in Path().iterdir()] == [name]
+
+
+@pytest.mark.parametrize("init", ["", "left", "1,2,3", "nan,0,30,0", "0,0,-1,0"])
+def test_a_bad_start_is_refused(run, bag, init):
+    run("track", bag, "--init", init).assert_refused("initial state")
+    assert not Path("dive_tracked").exists()
+
+
+def test_truth_needs_labels(run, unlabelled):
+    run("track", unlabelled, "--init", "truth").assert_refused("no ground truth to start from")
+    assert not Path("pictures_tracked").exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("particle_count: 0\n", "particle_count: 0 is outside 1 .. 1"),
+        ("colour: 3\n", "unknown parameter colour"),
+        ("epsilon: .nan\n", "epsilon"),
+        ("- 1\n", "holds no parameters by name"),
+        ("a: 2020-99-99\n", "cannot be read as YAML"),
+    ],
+)
+def test_a_bad_parameter_file_is_refused(run, bag, content, words):
+    Path("p.yaml").write_text(content)
+    run("track", bag, "--params", "p.yaml").assert_refused(words)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--params", "missing.yaml"), "missing.yaml: cannot be read"),
+        (("--seed", "-1"), "seed: -1 is outside"),
+        (("--rate", "0"), "rate must be a positive number"),
+        (("--topic", "/other"), "/other"),
+        (("--truth", "labels.txt"), "labels.txt"),
+    ],
+)
+def test_other_bad_options_are_refused(run, bag, options, words):
+    run("track", bag, *options).assert_refused(words)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("track", "dive", "--preset", "best"),
+        ("track",),
+        ("track", "dive", "--seed", "x"),
+        ("convert", "dive", "out", "--storage", "tape"),
+        ("dance",),
+    ],
+)
+def test_wrong_usage_is_explained_with_exit_code_2(run, arguments):
+    outcome = run(*arguments)
+    assert outcome.code == 2
+    assert "Usage" in outcome.err
+    assert "Traceback" not in outcome.err
+
+
+def test_a_bag_of_a_crashed_recorder_is_tracked_as_far_as_it_goes(run, bag):
+    stored = Path("dive/dive.mcap")
+    Path("cut.mcap").write_bytes(stored.read_bytes()[: stored.stat().st_size * 5 // 8])
+    outcome = run("track", "cut.mcap", "--init", "truth")
+    rows = read_estimates(Path("cut_tracked/estimates.csv"))
+    assert 1 <= len(rows) < 8
+    assert outcome.code == 0
+    assert outcome.out.startswith(f"{len(rows)} frames: ")
+    assert outcome.err.startswith("note: ")
+
+
+@pytest.mark.parametrize("command", ["track", "convert"])
+def test_the_frames_before_the_damage_are_used_and_the_damage_is_told(run, unlabelled, command):
+    Path("pictures/frame_000002.png").write_bytes(b"garbage")
+    output = ("--output", "out") if command == "track" else ("out",)
+    outcome = run(command, unlabelled, *output)
+    assert outcome.code == 2
+    assert outcome.out.startswith("2 frames: ")
+    assert outcome.err.startswith("error: ")
+    assert outcome.err.count("\n") == 1
+    assert "frame_000002.png" in outcome.err
+    if command == "track":
+        assert len(read_estimates(Path("out/estimates.csv"))) == 2
+
+
+def test_bad_frames_are_passed_over_where_that_is_wanted(run, unlabelled):
+    Path("pictures/frame_000001.png").write_bytes(b"garbage")
+    outcome = run("track", unlabelled, "--skip-bad-frames")
+    assert outcome.code == 0
+    statuses = [row.status for row in read_estimates(Path("pictures_tracked/estimates.csv"))]
+    assert statuses == ["INITIALISING", "REFUSED", "INITIALISING"]
+
+
+def test_a_recording_without_a_usable_frame_is_refused(run, unlabelled):
+    for picture in Path("pictures").glob("*.png"):
+        picture.write_bytes(b"garbage")
+    outcome = run("track", unlabelled, "--skip-bad-frames")
+    outcome.assert_refused("none of the 3 frames can be used")
+    assert not Path("pictures_tracked").exists()
+
+
+def test_bad_frames_are_left_out_of_a_converted_recording_on_request(run, unlabelled):
+    Path("pictures/frame_000001.png").write_bytes(b"garbage")
+    outcome = run("convert", unlabelled, "copy", "--format", "grey", "--skip-bad-frames")
+    assert outcome == Outcome(0, "2 frames (1 that cannot be decoded left out): copy\n", "")
+
+
+def test_a_parameter_file_may_name_preset_and_initial_state_as_for_the_node(run, bag):
+    text = "/**:\n  ros__parameters:\n    preset: thesis\n    initial_state: '1,0.1,20,0.01'\n"
+    Path("node.yaml").write_text(text)
+    run("track", bag, "--params", "node.yaml", "--no-timing", "--output", "by_file")
+    options = ("--preset", "thesis", "--init", "1,0.1,20,0.01")
+    run("track", bag, *options, "--no-timing", "--output", "by_options")
+    tables = [Path(name, "estimates.csv").read_bytes() for name in ("by_file", "by_options")]
+    assert tables[0] == tables[1]
+    run("track", bag, "--params", "node.yaml", "--preset", "default", "--no-timing", "--force")
+    assert Path("dive_tracked/estimates.csv").read_bytes() != tables[0]
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+@pytest.mark.parametrize("image_format", ["as-is", "grey", "jpeg"])
+def test_a_recording_is_converted_with_its_truth(run, bag, storage, image_format):
+    options = ("--storage", storage, "--format", image_format)
+    outcome = run("convert", bag, "copy", *options)
+    assert outcome == Outcome(0, "8 frames: copy\n", "")
+    with open_source(Path("copy")) as copy, open_source(bag) as original:
+        pairs = list(zip(copy.frames(), original.frames(), strict=True))
+        assert copy.compressed is (image_format == "jpeg")
+    assert [(a.stamp, a.truth) for a, _ in pairs] == [(b.stamp, b.truth) for _, b in pairs]
+    run("convert", bag, "copy").assert_refused("copy: exists already")
+    assert run("convert", bag, "copy", "--force").code == 0
+
+
+def test_pictures_become_a_bag_at_the_wanted_rate(run, unlabelled):
+    assert run("convert", unlabelled, "copy", "--rate", 10).code == 0
+    with AnyReader([Path("copy")]) as reader:
+        stamps = [stamp for _, stamp, _ in reader.messages()]
+    assert stamps == [1_000_000_000, 1_100_000_000, 1_200_000_000]
+
+
+def test_a_dive_is_simulated_as_a_bag_or_a_sequence(run):
+    settings = SimulationSettings(frame_count=3, image_size=(48, 36), seed=5, clutter=0.2)
+    options = ("--frames", 3, "--size", "48x36", "--seed", 5, "--clutter", 0.2)
+    expected = [bytes(frame.image.data) for frame in simulate(settings)]
+    assert run("simulate", "bag", *options).out == "3 frames: bag\n"
+    assert run("simulate", "pictures", "--format", "sequence", *options).code == 0
+    with open_source(Path("bag")) as bag:
+        assert [bytes(frame.image.data) for frame in bag.frames()] == expected
+    with open_source(Path("pictures/sequence.txt")) as sequence:
+        assert len(list(sequence.frames())) == 3
+        assert sequence.has_truth
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--size", "320"), "'320' is not of the form 320x240"),
+        (("--size", "-1x5"), "is not of the form"),
+        (("--size", "8x8"), "8x8"),
+        (("--frames", "0"), "at least 1 frame"),
+        (("--clutter", "2"), "clutter is 2.0"),
+        (("--rate", "nan"), "rate is nan"),
+        (("--seed", "-3"), "seed is -3"),
+    ],
+)
+def test_a_dive_that_cannot_be_simulated_is_refused(run, options, words):
+    run("simulate", "out", *options).assert_refused(words)
+    assert list(Path().iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "size"), [("320x240", (320, 240)), ("64X48", (64, 48)), ("1x1", (1, 1))]
+)
+def test_sizes(text, size):
+    assert cli.parse_size(text) == size
+
+
+@pytest.mark.parametrize("text", ["", "x", "3x", "x3", "3.5x4", "3x4x5", "²x3"])
+def test_what_is_no_size(text):
+    with pytest.raises(ParameterError, match="320x240"):
+        cli.parse_size(text)
+
+
+@pytest.mark.parametrize("width", [60, 80, 200])
+def test_parameters_are_printed_as_a_table_with_whole_names(run, monkeypatch, width):
+    monkeypatch.setattr(cli, "console", Console(width=width))
+    outcome = run("parameters")
+    assert outcome.code == 0
+    assert all(name in outcome.out for name in known_names())
+
+
+def test_parameters_are_printed_as_a_file_for_track(run, bag):
+    outcome = run("parameters", "--preset", "thesis", "--format", "yaml")
+    Path("thesis.yaml").write_text(outcome.out, encoding="utf-8")
+    assert set(read_parameter_file(Path("thesis.yaml"))) == known_names()
+    chosen = cli.chosen_parameters(None, read_parameter_file(Path("thesis.yaml")), None)
+    assert chosen == cli.chosen_parameters("thesis", {}, None)
+
+
+def test_help_and_version(run):
+    assert run("--version") == Outcome(0, f"cable-tracker {__version__}\n", "")
+    for command in ("track", "convert", "simulate", "parameters"):
+        outcome = run(command, "--help")
+        assert outcome.code == 0
+        assert "Usage" in outcome.out
+
+
+def test_results_of_a_bag_folder_are_named_after_it():
+    assert cli.default_output(Path("dives/third.mcap")) == Path("third_tracked")
+    assert cli.default_output(Path(__file__).parent) == Path("test_tracked")
+
+
+def test_it_runs_as_a_process_without_ros_and_without_a_traceback(tmp_path):
+    command = [sys.executable, "-m", "cable_tracker.cli", "track", "missing"]
+    root = Path(__file__).parents[1]
+    result = subprocess.run(
+        command,
+        cwd=tmp_path,
+        env={"PYTHONPATH": str(root), "PATH": ""},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr == "error: missing: there is no such file or folder; check the path\n"
