@@ -62,18 +62,18 @@ def derivative_of_gaussian(taps: int, sigma: float) -> FloatArray:
     return response
 
 
-def interpolate(pixels: Image, positions: FloatArray) -> FloatArray:
-    """Read float32 pixels (h, w) at positions (P, 2) = (column, row), bilinearly; shape (P,).
+def interpolate(pixels: Image, columns: FloatArray, rows: FloatArray) -> Image:
+    """Read float32 pixels (h, w) at columns and rows of any one shape, bilinearly.
 
-    Beyond the edge of the picture its outermost pixels go on.
+    Beyond the edge of the picture its outermost pixels go on. Returns float32 of that shape.
     """
-    count = len(positions)
-    rows = max(1, -(-count // REMAP_COLUMNS))  # OpenCV refuses an empty map.
-    padded = np.zeros((rows * REMAP_COLUMNS, 2), dtype=np.float32)
-    padded[:count] = positions
-    columns, lines = (padded[:, axis].reshape(rows, REMAP_COLUMNS) for axis in (0, 1))
-    values = cv2.remap(pixels, columns, lines, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return np.asarray(values, dtype=np.float64).reshape(-1)[:count]
+    length = max(1, -(-columns.size // REMAP_COLUMNS))  # OpenCV refuses an empty map.
+    maps = np.zeros((2, length * REMAP_COLUMNS), dtype=np.float32)
+    maps[0, : columns.size] = columns.reshape(-1)
+    maps[1, : rows.size] = rows.reshape(-1)
+    x, y = maps.reshape(2, length, REMAP_COLUMNS)
+    values = cv2.remap(pixels, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.asarray(values).reshape(-1)[: columns.size].reshape(columns.shape)
 
 
 class BorderObservation:
@@ -151,9 +151,11 @@ class BorderObservation:
         sigma = max(self._sigma * scale, SMALLEST_SIGMA)
         kernel = derivative_of_gaussian(max(taps, 3), sigma)
         reach = np.arange(len(kernel)) - (len(kernel) - 1) / 2
-        positions = points[:, None, :] + reach[None, :, None] * normals[:, None, :]
-        pixels = image_to_pixel(positions, image.size).reshape(-1, 2)
-        return interpolate(image.pixels, pixels).reshape(len(points), len(kernel)) @ kernel
+        pixels = image_to_pixel(points, image.size)
+        # Rows run down where y runs up.
+        columns = pixels[:, 0, None] + reach * normals[:, 0, None]
+        rows = pixels[:, 1, None] - reach * normals[:, 1, None]
+        return interpolate(image.pixels, columns, rows) @ kernel
 
 
 def _normals(borders: Borders, inside: BoolArray) -> FloatArray:

@@ -97,7 +97,7 @@ def test_the_filter_is_the_derivative_of_a_gaussian():
 def test_interpolation_reads_between_pixels_and_goes_on_beyond_the_edge():
     pixels = np.array([[0.0, 10.0], [20.0, 30.0]], dtype=np.float32)
     positions = np.array([[0.0, 0.0], [0.5, 0.5], [1.0, 0.25], [-3.0, 0.0], [9.0, 9.0]])
-    np.testing.assert_allclose(interpolate(pixels, positions), [0.0, 15.0, 15.0, 0.0, 30.0])
+    np.testing.assert_allclose(interpolate(pixels, *positions.T), [0.0, 15.0, 15.0, 0.0, 30.0])
 
 
 @pytest.mark.parametrize(
