@@ -308,6 +308,12 @@ def _points(factory: MessageFactory, line: Sequence[tuple[float, float]]) -> lis
     ]
 
 
+def _pose_at_origin(factory: MessageFactory) -> Message:
+    # Said in full: rosbags knows no default values, and its zero quaternion is no rotation.
+    orientation = factory.make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
+    return factory.make("geometry_msgs/msg/Pose", orientation=orientation)
+
+
 def _line_marker(
     factory: MessageFactory,
     header: Message,
@@ -325,10 +331,7 @@ def _line_marker(
         id=number,
         type=MARKER_LINE_LIST,
         action=MARKER_ADD,
-        pose=factory.make(
-            "geometry_msgs/msg/Pose",
-            orientation=factory.make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
-        ),
+        pose=_pose_at_origin(factory),
         scale=factory.make("geometry_msgs/msg/Vector3", x=2 * METRES_PER_PIXEL, y=0.0, z=0.0),
         color=factory.make("std_msgs/msg/ColorRGBA", r=red, g=green, b=blue, a=1.0),
         points=_points(factory, points),
@@ -355,14 +358,19 @@ def make_markers(
         return _line_marker(factory, header, number=number, name=name, points=points, colour=colour)
 
     markers = [
-        factory.make("visualization_msgs/msg/Marker", header=header, action=MARKER_DELETE_ALL),
+        factory.make(
+            "visualization_msgs/msg/Marker",
+            header=header,
+            action=MARKER_DELETE_ALL,
+            pose=_pose_at_origin(factory),
+        ),
         line(0, "image", _rectangle(image_size), (0.5, 0.5, 0.5)),
     ]
     if state is not None:
         centre = segment_inside(state.angle, state.distance, image_size) or ()
         markers += [
-            line(1, "borders", _border_segments(state, image_size), (0.0, 0.8, 0.4)),
-            line(2, "centreline", centre, (1.0, 0.7, 0.0)),
+            line(1, "borders", _border_segments(state, image_size), (0.0, 0.75, 0.375)),
+            line(2, "centreline", centre, (1.0, 0.75, 0.0)),
         ]
     return factory.make("visualization_msgs/msg/MarkerArray", markers=markers)
 

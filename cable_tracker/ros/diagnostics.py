@@ -1,0 +1,126 @@
+"""What the tracker node says of its own health."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+
+from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.sequences.messages import Message, MessageFactory
+
+STALE_INPUT = "STALE INPUT"
+DISABLED = "DISABLED"
+
+WINDOW = 2.0
+"""Time over which the frame rate is averaged [s]."""
+
+LATENCIES_KEPT = 500
+
+
+class Level(IntEnum):
+    """Levels of diagnostic_msgs/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+
+LEVELS = {
+    TrackingStatus.TRACKING.value: Level.OK,
+    TrackingStatus.INITIALISING.value: Level.WARN,
+    TrackingStatus.LOST.value: Level.ERROR,
+    STALE_INPUT: Level.STALE,
+    DISABLED: Level.WARN,
+}
+
+
+@dataclass(slots=True)
+class FrameStatistics:
+    """Counts and times of the frames that came in.
+
+    Attributes
+    ----------
+    tracked, refused, dropped, ignored : int
+        Frames used; not usable; lost on the way, as far as the middleware tells; come in while
+        disabled.
+    last_bad_frame : str
+        Why the last frame was refused.
+    last_event : str
+        Why the tracker last started anew.
+    """
+
+    tracked: int = 0
+    refused: int = 0
+    dropped: int = 0
+    ignored: int = 0
+    last_bad_frame: str = ""
+    last_event: str = ""
+    arrivals: deque[float] = field(default_factory=deque)
+    latencies: deque[float] = field(default_factory=lambda: deque(maxlen=LATENCIES_KEPT))
+
+    def arrived(self, now: float) -> None:
+        """Note that a frame came in at a monotonic time [s]."""
+        self.arrivals.append(now)
+        self._forget(now)
+
+    def finished(self, milliseconds: float) -> None:
+        """Note how long a frame took from its arrival to the last message about it."""
+        self.latencies.append(milliseconds)
+
+    def frame_rate(self, now: float) -> float:
+        """Return the rate over the last seconds [1/s]."""
+        self._forget(now)
+        return len(self.arrivals) / WINDOW
+
+    def latency(self) -> tuple[float, float]:
+        """Return median and 95th percentile of the last latencies [ms]; zeros before any."""
+        if not self.latencies:
+            return 0.0, 0.0
+        median, high = np.percentile(np.array(self.latencies), [50, 95])
+        return float(median), float(high)
+
+    def _forget(self, now: float) -> None:
+        while self.arrivals and self.arrivals[0] < now - WINDOW:
+            self.arrivals.popleft()
+
+
+def diagnostic_values(
+    statistics: FrameStatistics, estimate: CableEstimate | None, now: float
+) -> dict[str, str]:
+    """Return the key-value pairs of the node's diagnostics, with units in the keys."""
+    median, high = statistics.latency()
+    return {
+        "frame rate [1/s]": f"{statistics.frame_rate(now):.1f}",
+        "latency median [ms]": f"{median:.2f}",
+        "latency 95th percentile [ms]": f"{high:.2f}",
+        "N_eff": f"{estimate.effective_sample_size:.1f}" if estimate else "",
+        "evidence": f"{estimate.evidence:.2f}" if estimate else "",
+        "frames tracked": str(statistics.tracked),
+        "frames refused": str(statistics.refused),
+        "frames dropped": str(statistics.dropped),
+        "frames ignored while disabled": str(statistics.ignored),
+        "last bad frame": statistics.last_bad_frame,
+        "last restart": statistics.last_event,
+    }
+
+
+def make_diagnostics(
+    factory: MessageFactory, header: Message, name: str, status: str, values: dict[str, str]
+) -> Message:
+    """Pack the node's status as a DiagnosticArray."""
+    entry = factory.make(
+        "diagnostic_msgs/msg/DiagnosticStatus",
+        level=factory.octet(LEVELS[status]),
+        name=f"{name}: tracking",
+        message=status,
+        hardware_id=name,
+        values=[
+            factory.make("diagnostic_msgs/msg/KeyValue", key=key, value=value)
+            for key, value in values.items()
+        ],
+    )
+    return factory.make("diagnostic_msgs/msg/DiagnosticArray", header=header, status=[entry])

@@ -1,0 +1,46 @@
+"""What the executables `tracker` and `replay` start."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from cable_tracker.ros.stop_request import stop_on_signals
+
+EXIT_USER_ERROR = 2
+MISSING_ROS = (
+    "RosError: rclpy or a message package is not installed ({name}); run"
+    " `pip install cable_tracker[ros]` or source /opt/ros/jazzy/setup.bash"
+)
+ROS_PACKAGES = ("rclpy", "_msgs", "std_srvs", "rosidl", "ament")
+
+
+def _run(node_name: str, arguments: Sequence[str] | None) -> int:
+    # Before the imports: they take a while, and a signal may come any time.
+    stop = stop_on_signals()
+    try:
+        from cable_tracker.ros.process import run_node  # noqa: PLC0415
+        from cable_tracker.ros.replay_node import ReplayNode  # noqa: PLC0415
+        from cable_tracker.ros.tracker_node import TrackerNode  # noqa: PLC0415
+    except ModuleNotFoundError as error:
+        if not any(part in str(error.name) for part in ROS_PACKAGES):
+            raise
+        print(MISSING_ROS.format(name=error.name), file=sys.stderr)
+        return EXIT_USER_ERROR
+    node_class = {"tracker": TrackerNode, "replay": ReplayNode}[node_name]
+    return run_node(lambda context: node_class(context=context), arguments, stop)
+
+
+def tracker() -> None:
+    """Run the tracker node until it is stopped."""
+    sys.exit(_run("tracker", None))
+
+
+def replay() -> None:
+    """Run the replay node until the recording is at its end."""
+    sys.exit(_run("replay", None))
+
+
+if __name__ == "__main__":
+    # `python -m cable_tracker.ros.entry tracker --ros-args ...`, where no script is on the path.
+    sys.exit(_run(sys.argv[1], sys.argv[1:]))

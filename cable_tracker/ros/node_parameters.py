@@ -1,0 +1,141 @@
+"""The tables of parameters as ROS parameters: declared, coerced, validated, applied as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from cable_tracker.cable.parameters import ParameterSpec, ParameterValue
+from cable_tracker.errors import ParameterError
+
+FOREIGN_PREFIXES = ("qos_overrides.",)
+FOREIGN_NAMES = ("use_sim_time", "start_type_description_service")
+"""Overrides that rclpy itself reads."""
+
+PARAMETER_TYPES = {
+    bool: Parameter.Type.BOOL,
+    int: Parameter.Type.INTEGER,
+    float: Parameter.Type.DOUBLE,
+    str: Parameter.Type.STRING,
+}
+
+
+def descriptor_of(spec: ParameterSpec, *, read_only: bool) -> ParameterDescriptor:
+    """Describe a parameter to ROS: meaning, unit, range, allowed words."""
+    unit = f" [{spec.unit}]" if spec.unit else ""
+    descriptor = ParameterDescriptor(
+        name=spec.name,
+        type=PARAMETER_TYPES[spec.kind].value,
+        description=f"{spec.meaning}{unit}",
+        additional_constraints=spec.range_text() if spec.choices else "",
+        read_only=read_only,
+    )
+    if spec.minimum is None or spec.maximum is None:
+        return descriptor
+    if spec.kind is int:
+        descriptor.integer_range = [
+            IntegerRange(from_value=int(spec.minimum), to_value=int(spec.maximum), step=0)
+        ]
+    else:
+        descriptor.floating_point_range = [
+            FloatingPointRange(from_value=spec.minimum, to_value=spec.maximum, step=0.0)
+        ]
+    return descriptor
+
+
+def declare(
+    node: Node, spec: ParameterSpec, default: ParameterValue, *, read_only: bool = False
+) -> ParameterValue:
+    """Declare a parameter and return its value at start.
+
+    A whole number in a YAML file is accepted where a float is meant: the parameter is first
+    declared with any type, to see what was given, and then with its own.
+
+    Raises
+    ------
+    ParameterError
+        What was given at start is not acceptable.
+    """
+    anything = ParameterDescriptor(dynamic_typing=True)
+    given = node.declare_parameter(spec.name, default, anything).value
+    node.undeclare_parameter(spec.name)
+    # None is what an empty list in a YAML file turns into; it is refused like any other type.
+    value = spec.coerce(given)
+    descriptor = descriptor_of(spec, read_only=read_only)
+    node.declare_parameter(spec.name, value, descriptor, ignore_override=True)
+    return value
+
+
+def unknown_overrides(node: Node) -> list[str]:
+    """Return the names given at start (YAML file, command line) that the node does not have."""
+    given: Iterable[str] = node._parameter_overrides
+    return sorted(
+        name
+        for name in given
+        if not node.has_parameter(name)
+        and name not in FOREIGN_NAMES
+        and not name.startswith(FOREIGN_PREFIXES)
+    )
+
+
+def watch(
+    node: Node,
+    specs: Mapping[str, ParameterSpec],
+    validate: Callable[[Mapping[str, object]], object],
+    apply: Callable[[Mapping[str, object]], None],
+) -> None:
+    """React to changes at runtime.
+
+    Parameters
+    ----------
+    node : Node
+        The node, all of whose parameters are declared.
+    specs : mapping
+        The parameters that are watched.
+    validate : callable
+        Called with the changed values by name before anything is changed; raises `ParameterError`
+        to refuse all of them.
+    apply : callable
+        Called with the changed values by name once they are accepted.
+    """
+
+    def watched(parameters: Sequence[Parameter]) -> dict[str, object]:
+        return {
+            parameter.name: parameter.value for parameter in parameters if parameter.name in specs
+        }
+
+    def coerce(parameters: list[Parameter]) -> list[Parameter]:
+        return [_coerced(parameter, specs) for parameter in parameters]
+
+    def check(parameters: list[Parameter]) -> SetParametersResult:
+        try:
+            validate(watched(parameters))
+        except ParameterError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    node.add_pre_set_parameters_callback(coerce)
+    node.add_on_set_parameters_callback(check)
+    node.add_post_set_parameters_callback(lambda parameters: apply(watched(parameters)))
+
+
+def _coerced(parameter: Parameter, specs: Mapping[str, ParameterSpec]) -> Parameter:
+    spec = specs.get(parameter.name)
+    if spec is None:
+        return parameter
+    try:
+        return Parameter(parameter.name, value=spec.coerce(parameter.value))
+    except ParameterError:
+        # The checks that follow refuse it, with the reason. That of a whole number where a float is
+        # meant is its range, not its type.
+        if spec.kind is float and parameter.type_ is Parameter.Type.INTEGER:
+            return Parameter(parameter.name, value=float(parameter.value))
+        return parameter

@@ -1,0 +1,95 @@
+"""The life of a node's process: start, spin, stop on a signal, exit code."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+
+import rclpy
+from rclpy.context import Context
+from rclpy.exceptions import ParameterException
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from cable_tracker.errors import CableTrackerError, ParameterError, RosError
+from cable_tracker.ros.stop_request import StopRequest
+
+WAKE_UP = 0.1
+"""Longest time that the executor sleeps before it looks whether to stop [s]."""
+
+EXIT_USER_ERROR = 2
+
+
+class ProcessNode(Node):  # type: ignore[misc]
+    """A node that makes up a process."""
+
+    finished = False
+    """Set by the node when its work is done."""
+
+    def seconds_until_due(self) -> float:
+        """Return how long the executor may sleep [s]."""
+        return WAKE_UP
+
+    def work(self) -> None:
+        """Do what is due outside callbacks; called at least every 0.1 s."""
+
+
+def run_node(
+    make_node: Callable[[Context], ProcessNode], arguments: Sequence[str] | None, stop: StopRequest
+) -> int:
+    """Make a node, spin it until it has finished or a signal comes, and return the exit code.
+
+    Our own signal handlers only take note: rclpy's would make the context invalid in the middle of
+    a callback, and the next publish would raise.
+    """
+    try:
+        context = _initialised_context(arguments)
+    except RosError as error:
+        return _tell(error)
+    node: ProcessNode | None = None
+    executor = SingleThreadedExecutor(context=context)
+    try:
+        if not stop.requested:
+            node = make_node(context)
+            executor.add_node(node)
+            _spin(node, executor, stop)
+    except CableTrackerError as error:
+        return _tell(error)
+    except ParameterException as error:
+        # Of rclpy's own parameters, such as use_sim_time; those of our tables raise ParameterError.
+        return _tell(ParameterError(" ".join(str(error).split())))
+    except ExternalShutdownException:
+        pass  # Somebody else shut the context down; that is an orderly end.
+    finally:
+        executor.shutdown()
+        if node is not None:
+            node.destroy_node()
+        rclpy.try_shutdown(context=context)
+    return 0
+
+
+def _tell(error: CableTrackerError) -> int:
+    print(f"{type(error).__name__}: {error}", file=sys.stderr)
+    return EXIT_USER_ERROR
+
+
+def _initialised_context(arguments: Sequence[str] | None) -> Context:
+    context = Context()
+    try:
+        rclpy.init(
+            args=list(arguments) if arguments is not None else sys.argv,
+            context=context,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+    except RuntimeError as error:
+        # rclpy's own errors derive from it: a bad parameter file, unknown arguments.
+        reason = " ".join(str(error).split())
+        raise RosError(f"ROS does not start; look at the --ros-args ({reason})") from error
+    return context
+
+
+def _spin(node: ProcessNode, executor: SingleThreadedExecutor, stop: StopRequest) -> None:
+    while node.context.ok() and not stop.requested and not node.finished:
+        executor.spin_once(timeout_sec=min(max(node.seconds_until_due(), 0.0), WAKE_UP))
+        node.work()

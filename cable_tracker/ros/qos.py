@@ -1,0 +1,54 @@
+"""Quality of service of our topics."""
+
+from __future__ import annotations
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+RELIABILITIES = {
+    "best_effort": ReliabilityPolicy.BEST_EFFORT,
+    "reliable": ReliabilityPolicy.RELIABLE,
+}
+
+
+def image_input(reliability: str) -> QoSProfile:
+    """Return the profile of the image subscription.
+
+    Best effort takes the newest frame only: a tracker that is late must not work through a queue.
+    Reliable keeps a few, for a lockstep replay that must not lose any.
+    """
+    depth = 1 if reliability == "best_effort" else 10
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST, depth=depth, reliability=RELIABILITIES[reliability]
+    )
+
+
+RESULTS = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=50, reliability=ReliabilityPolicy.RELIABLE
+)
+"""Small results: every frame's."""
+
+LATEST_RESULT = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=50,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""`state`: whoever joins while frames pause, and asks for it, gets the last answers at once."""
+
+PICTURES = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=5, reliability=ReliabilityPolicy.RELIABLE
+)
+"""Pictures for people: rviz and recorders read them reliably or not, as they like."""
+
+NEWEST_RESULT = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""How a lockstep replay reads `state`: also the answer that was given before it was discovered."""
+
+EVERYTHING = QoSProfile(
+    history=HistoryPolicy.KEEP_ALL, depth=0, reliability=ReliabilityPolicy.RELIABLE
+)
+"""How a recorder reads."""

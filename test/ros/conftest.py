@@ -1,0 +1,346 @@
+"""Real nodes, each test in a context, a namespace and (per worker) a domain of its own."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.state import CableState
+from cable_tracker.ros.environment import PROFILE_VARIABLE, RANGE_VARIABLE, local_environment
+from cable_tracker.sequences.convert import ImageFormat, write_bag
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.simulation.scenario import SimulationSettings, simulate
+
+HAS_ROS = importlib.util.find_spec("rclpy") is not None
+MISSING_ROS = (
+    "ROS 2 IS MISSING: no node is tested; run `pip install cable_tracker[ros]` or source"
+    " /opt/ros/jazzy/setup.bash"
+)
+FIRST_DOMAIN = 40
+
+FIRST = 1_700_000_000_000_000_000
+STEP = 40_000_000
+TRUTH = CableState(12.0, 0.12, 40.0)
+NEAR = "9.0,0.08,36.0,0.0"
+PATIENCE = 20.0
+"""What should come at once gets this long on a busy machine [s]."""
+
+if HAS_ROS:
+    with warnings.catch_warnings():
+        # rclpy imports this when first needed; its parser library uses a deprecated module.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        import rosidl_generator_py  # noqa: F401
+
+    import rclpy
+    from rclpy.context import Context
+    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.node import Node
+    from rclpy.parameter import Parameter
+    from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+    from rclpy.signals import SignalHandlerOptions
+
+    from cable_tracker.ros.replay_node import ReplayNode
+    from cable_tracker.ros.tracker_node import TrackerNode
+
+
+class ModuleWithoutRos(pytest.Module):
+    """Stands for a test module that cannot be imported without ROS."""
+
+    def collect(self) -> Any:
+        pytest.skip(MISSING_ROS, allow_module_level=True)
+
+
+def pytest_pycollect_makemodule(module_path: Path, parent: Any) -> pytest.Module | None:
+    return None if HAS_ROS else ModuleWithoutRos.from_parent(parent, path=module_path)
+
+
+@pytest.fixture(scope="session")
+def domain() -> int:
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
+    number = FIRST_DOMAIN + int(worker)
+    assert number <= 101, "domain ids above 101 collide with ephemeral ports"
+    return number
+
+
+@pytest.fixture(scope="session", autouse=True)
+def ros_environment(
+    domain: int, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[pytest.MonkeyPatch]:
+    """Keep all traffic on this machine, in the domain of this worker, also of child processes."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(domain))
+        for name in (PROFILE_VARIABLE, RANGE_VARIABLE):
+            patch.delenv(name, raising=False)
+        for name, value in local_environment().items():
+            patch.setenv(name, value)
+        patch.setenv("ROS_LOG_DIR", str(tmp_path_factory.mktemp("ros_log")))
+        root = str(Path(__file__).resolve().parents[2])
+        inherited = os.environ.get("PYTHONPATH")
+        patch.setenv("PYTHONPATH", os.pathsep.join(filter(None, (root, inherited))))
+        yield patch
+
+
+NUMBERS = count()
+
+
+@pytest.fixture
+def namespace() -> str:
+    """A namespace in which nobody else's nodes live."""
+    return f"/test_{os.getpid()}_{next(NUMBERS)}"
+
+
+@pytest.fixture
+def context(domain: int) -> Iterator[Any]:
+    context = Context()
+    rclpy.init(
+        args=[], context=context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO
+    )
+    yield context
+    rclpy.try_shutdown(context=context)
+
+
+class World:
+    """Nodes that are spun together in this thread, and somebody who listens to them."""
+
+    def __init__(self, context: Any, namespace: str) -> None:
+        self.context = context
+        self.namespace = namespace
+        self.executor = SingleThreadedExecutor(context=context)
+        self.nodes: list[Any] = []
+        self.me = self.add(Node("me", context=context, namespace=namespace))
+
+    def add(self, node: Any) -> Any:
+        self.nodes.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def _arguments(self, parameters: dict[str, Any]) -> dict[str, Any]:
+        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+        return {
+            "context": self.context,
+            "namespace": self.namespace,
+            "parameter_overrides": overrides,
+        }
+
+    def tracker(self, **parameters: Any) -> Any:
+        return self.add(TrackerNode(**self._arguments(parameters)))
+
+    def replay(self, **parameters: Any) -> Any:
+        return self.add(ReplayNode(**self._arguments(parameters)))
+
+    def listen(self, kind: Any, topic: str) -> list[Any]:
+        """Return a list that grows with every message on a topic."""
+        heard: list[Any] = []
+
+        # A plain function: rclpy wants to see a callback's signature, and `append` has none.
+        def hear(message: Any) -> None:
+            heard.append(message)
+
+        profile = QoSProfile(
+            history=HistoryPolicy.KEEP_ALL, depth=0, reliability=ReliabilityPolicy.RELIABLE
+        )
+        self.me.create_subscription(kind, topic, hear, profile)
+        return heard
+
+    def spin(self, condition: Callable[[], Any], patience: float = PATIENCE) -> None:
+        """Run callbacks and the nodes' own work until a condition holds."""
+        deadline = time.monotonic() + patience
+        while not condition():
+            assert time.monotonic() < deadline, f"nothing happened for {patience} s"
+            self.turn()
+
+    def turn(self) -> None:
+        self.executor.spin_once(timeout_sec=0.005)
+        for node in self.nodes:
+            if hasattr(node, "work"):
+                node.work()
+
+    def pass_time(self, seconds: float) -> None:
+        """Spin for some time, to see that something does not happen."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.turn()
+
+    def call(self, kind: Any, service: str, **fields: Any) -> Any:
+        """Call a service and return its response."""
+        client = self.me.create_client(kind, service)
+        self.spin(client.service_is_ready)
+        future = client.call_async(kind.Request(**fields))
+        self.spin(future.done)
+        self.me.destroy_client(client)
+        return future.result()
+
+    def close(self) -> None:
+        self.executor.shutdown()
+        for node in self.nodes:
+            node.destroy_node()
+
+
+@pytest.fixture
+def world(context: Any, namespace: str) -> Iterator[World]:
+    world = World(context, namespace)
+    yield world
+    world.close()
+
+
+def draw_strip(state: CableState = TRUTH, size: tuple[int, int] = (320, 240)) -> Image:
+    """Draw a bright strip on a noisy ground, uint8."""
+    width, height = size
+    x = np.arange(width) - (width - 1) / 2
+    y = (height - 1) / 2 - np.arange(height)
+    along_normal = x[None, :] * np.cos(state.angle) + y[:, None] * np.sin(state.angle)
+    inside = np.clip(state.width / 2 - np.abs(along_normal - state.distance) + 0.5, 0.0, 1.0)
+    noise = np.random.default_rng(5).normal(0.0, 3.0, (height, width))
+    return np.clip(np.rint(70.0 + 100.0 * inside + noise), 0, 255).astype(np.uint8)
+
+
+@pytest.fixture
+def strip() -> Callable[..., Image]:
+    return draw_strip
+
+
+@pytest.fixture
+def truth() -> CableState:
+    """Where the strip of `strip` runs."""
+    return TRUTH
+
+
+@pytest.fixture
+def near() -> str:
+    """An initial state near the strip of `strip`."""
+    return NEAR
+
+
+@pytest.fixture
+def stamp_of_index() -> Callable[[int], int]:
+    return lambda index: FIRST + index * STEP
+
+
+def packed(pixels: Image, padding: int, bigendian: bool) -> bytes:
+    rows = pixels.astype(pixels.dtype.newbyteorder(">" if bigendian else "<"))
+    return b"".join(row.tobytes() + b"\xab" * padding for row in rows)
+
+
+def header_of(index: int) -> Any:
+    from builtin_interfaces.msg import Time  # noqa: PLC0415
+    from std_msgs.msg import Header  # noqa: PLC0415
+
+    sec, nanosec = divmod(FIRST + index * STEP, 1_000_000_000)
+    return Header(stamp=Time(sec=sec, nanosec=nanosec), frame_id="eye")
+
+
+@pytest.fixture
+def image_message() -> Callable[..., Any]:
+    """Make a sensor_msgs/Image of pixels in the form that the encoding asks for."""
+    from sensor_msgs.msg import Image as ImageMessage  # noqa: PLC0415
+
+    def make(
+        pixels: Image | None = None,
+        encoding: str = "mono8",
+        *,
+        index: int = 0,
+        padding: int = 0,
+        bigendian: bool = False,
+        **changes: Any,
+    ) -> Any:
+        pixels = draw_strip() if pixels is None else pixels
+        height, width = pixels.shape[:2]
+        fields: dict[str, Any] = {
+            "header": header_of(index),
+            "height": height,
+            "width": width,
+            "encoding": encoding,
+            "is_bigendian": int(bigendian),
+            "step": pixels[0].nbytes + padding,
+            "data": packed(pixels, padding, bigendian),
+        }
+        return ImageMessage(**{**fields, **changes})
+
+    return make
+
+
+@pytest.fixture
+def compressed_message() -> Callable[..., Any]:
+    """Make a sensor_msgs/CompressedImage."""
+    from sensor_msgs.msg import CompressedImage  # noqa: PLC0415
+
+    def make(suffix: str = "jpeg", *, index: int = 0, length: int | None = None) -> Any:
+        data = cv2.imencode(f".{suffix}", draw_strip())[1].tobytes()
+        return CompressedImage(header=header_of(index), format=suffix, data=data[:length])
+
+    return make
+
+
+@pytest.fixture
+def diagnostics(world: World) -> Callable[..., list[Any]]:
+    """Listen to the diagnostics of a node: pairs of status message and values by key."""
+    from diagnostic_msgs.msg import DiagnosticArray  # noqa: PLC0415
+
+    heard = world.listen(DiagnosticArray, "/diagnostics")
+
+    def of(node: Any) -> list[Any]:
+        name = node.get_fully_qualified_name()
+        own = [status for array in heard for status in array.status if status.hardware_id == name]
+        return [
+            (status.message, {pair.key: pair.value for pair in status.values}) for status in own
+        ]
+
+    return of
+
+
+def dive(frames: int, size: tuple[int, int] = (160, 120)) -> Iterator[Frame]:
+    return simulate(SimulationSettings(frame_count=frames, image_size=size, clutter=0.0, seed=3))
+
+
+@pytest.fixture(scope="session")
+def dive_frames() -> Callable[..., Iterator[Frame]]:
+    return dive
+
+
+@pytest.fixture
+def make_dive(tmp_path: Path) -> Callable[..., Path]:
+    """Write a simulated dive as a bag, with ground truth, and return its path."""
+
+    def make(
+        frames: int = 8,
+        *,
+        storage: Any = "mcap",
+        jpeg: bool = False,
+        size: tuple[int, int] = (160, 120),
+        name: str = "dive",
+    ) -> Path:
+        image_format = ImageFormat.JPEG if jpeg else ImageFormat.AS_IS
+        path = tmp_path / name
+        write_bag(path, dive(frames, size), storage=storage, image_format=image_format)
+        return path
+
+    return make
+
+
+@pytest.fixture
+def colour_bag(tmp_path: Path) -> Callable[[int, tuple[int, int]], Path]:
+    """Write frames of a strip that moves, in bgr8, and return the path of the bag."""
+
+    def make(frames: int, size: tuple[int, int]) -> Path:
+        def frame(index: int) -> Frame:
+            grey = draw_strip(CableState(10.0 + 5.0 * index, 0.1, 0.1 * size[0]), size)
+            image = raw_from_array(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), "bgr8")
+            return Frame(index, FIRST + index * STEP, image)
+
+        path = tmp_path / "colour"
+        write_bag(path, (frame(index) for index in range(frames)))
+        return path
+
+    return make

@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import pytest
+
+from cable_tracker.cable.estimate import TrackingStatus
+from cable_tracker.ros.diagnostics import (
+    DISABLED,
+    LATENCIES_KEPT,
+    LEVELS,
+    STALE_INPUT,
+    WINDOW,
+    FrameStatistics,
+    Level,
+    diagnostic_values,
+    make_diagnostics,
+)
+from cable_tracker.ros.rclpy_messages import RclpyMessages
+
+
+def test_every_status_has_a_level() -> None:
+    assert set(LEVELS) == {*(status.value for status in TrackingStatus), STALE_INPUT, DISABLED}
+
+
+@pytest.mark.parametrize(
+    ("status", "level"),
+    [("TRACKING", Level.OK), ("LOST", Level.ERROR), (STALE_INPUT, Level.STALE)],
+)
+def test_the_level_follows_from_the_status(status: str, level: Level) -> None:
+    factory = RclpyMessages()
+    header = factory.make("std_msgs/msg/Header")
+    message = make_diagnostics(factory, header, "/tracker", status, {"key": "value"})
+    entry = message.status[0]
+    assert entry.level == bytes([level])
+    assert (entry.name, entry.message, entry.hardware_id) == (
+        "/tracker: tracking",
+        status,
+        "/tracker",
+    )
+    assert [(pair.key, pair.value) for pair in entry.values] == [("key", "value")]
+
+
+def test_the_frame_rate_counts_the_last_seconds_only() -> None:
+    statistics = FrameStatistics()
+    for number in range(100):
+        statistics.arrived(number * 0.1)
+    assert statistics.frame_rate(9.9) == pytest.approx(10.0, abs=0.51)
+    assert statistics.frame_rate(9.9 + 2 * WINDOW) == 0.0
+    assert not statistics.arrivals
+
+
+def test_latencies_are_summed_up_as_median_and_95th_percentile() -> None:
+    statistics = FrameStatistics()
+    assert statistics.latency() == (0.0, 0.0)
+    for milliseconds in range(101):
+        statistics.finished(float(milliseconds))
+    assert statistics.latency() == (50.0, 95.0)
+    for _ in range(2 * LATENCIES_KEPT):
+        statistics.finished(7.0)
+    assert len(statistics.latencies) == LATENCIES_KEPT
+    assert statistics.latency() == (7.0, 7.0)
+
+
+def test_figures_before_the_first_frame_are_empty_not_wrong() -> None:
+    values = diagnostic_values(FrameStatistics(), None, 0.0)
+    assert values["N_eff"] == values["evidence"] == values["last bad frame"] == ""
+    assert values["frames tracked"] == "0"

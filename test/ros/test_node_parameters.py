@@ -1,0 +1,265 @@
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import pytest
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterType, ParameterValue
+from rcl_interfaces.srv import DescribeParameters, SetParametersAtomically
+from rclpy.parameter import Parameter
+
+from cable_tracker.cable.parameters import PARAMETER_TABLE
+from cable_tracker.cable.presets import preset
+from cable_tracker.errors import ParameterError
+from cable_tracker.node_parameter_tables import REPLAY_NODE_PARAMETERS, TRACKER_NODE_PARAMETERS
+from cable_tracker.ros import node_parameters
+from cable_tracker.sequences.messages import read_state
+
+ALL = (*PARAMETER_TABLE, *TRACKER_NODE_PARAMETERS)
+
+
+def values_of(node: Any) -> dict[str, object]:
+    return {spec.name: node.get_parameter(spec.name).value for spec in ALL}
+
+
+def set_one(node: Any, name: str, value: object) -> Any:
+    return node.set_parameters([Parameter(name, value=value)])[0]
+
+
+def set_together(node: Any, **values: object) -> Any:
+    return node.set_parameters_atomically(
+        [Parameter(name, value=value) for name, value in values.items()]
+    )
+
+
+class TestDescriptors:
+    def test_every_parameter_of_the_tables_is_declared_with_meaning_unit_and_range(
+        self, world: Any
+    ) -> None:
+        node = world.tracker()
+        for spec in ALL:
+            descriptor = node.describe_parameter(spec.name)
+            assert spec.meaning in descriptor.description
+            assert not spec.unit or f"[{spec.unit}]" in descriptor.description
+            ranges = [*descriptor.integer_range, *descriptor.floating_point_range]
+            limits = [(limit.from_value, limit.to_value) for limit in ranges]
+            bounded = spec.minimum is not None
+            assert limits == ([(spec.minimum, spec.maximum)] if bounded else [])
+            for choice in spec.choices:
+                assert choice in descriptor.additional_constraints
+
+    def test_the_defaults_are_those_of_the_tables(self, world: Any) -> None:
+        assert values_of(world.tracker()) == {spec.name: spec.default for spec in ALL}
+
+    def test_descriptors_are_served_over_ros(self, world: Any) -> None:
+        world.tracker()
+        response = world.call(
+            DescribeParameters, "tracker/describe_parameters", names=["distance_variance"]
+        )
+        assert "px²/frame" in response.descriptors[0].description
+
+    def test_the_replay_declares_its_own(self, world: Any, make_dive: Callable[..., Any]) -> None:
+        node = world.replay(source=str(make_dive(1)), paused=True)
+        for spec in REPLAY_NODE_PARAMETERS:
+            assert spec.meaning in node.describe_parameter(spec.name).description
+
+
+class TestStart:
+    def test_a_whole_number_is_taken_where_a_float_is_meant(self, world: Any) -> None:
+        node = world.tracker(width_maximum=120, input_timeout=2, particle_count=300.0)
+        assert node.get_parameter("width_maximum").value == 120.0
+        assert isinstance(node.get_parameter("width_maximum").value, float)
+        assert node.get_parameter("input_timeout").value == 2.0
+        assert node.get_parameter("particle_count").value == 300
+        assert isinstance(node.get_parameter("particle_count").value, int)
+        assert node.tracker.parameters.width_maximum == 120.0
+        assert node.tracker.parameters.particle_count == 300
+
+    @pytest.mark.parametrize(
+        ("name", "value"),
+        [
+            ("particle_count", 0),
+            ("particle_count", 2.5),
+            ("particle_count", "many"),
+            ("particle_count", []),
+            ("particle_count", True),
+            ("distance_variance", -1.0),
+            ("distance_variance", math.nan),
+            ("distance_variance", math.inf),
+            ("distance_variance", [1.0, 2.0]),
+            ("resampling", "sometimes"),
+            ("resampling", 3),
+            ("preset", "theses"),
+            ("image_transport", "theora"),
+            ("initial_state", "somewhere"),
+            ("initial_state", "1,2,3"),
+            ("initial_state", "nan,0,40,0"),
+            ("input_timeout", 0.0),
+        ],
+    )
+    def test_a_bad_value_stops_the_start_with_its_name(
+        self, world: Any, name: str, value: object
+    ) -> None:
+        with pytest.raises(ParameterError, match=name.replace("_", "[_ ]")):
+            world.tracker(**{name: value})
+
+    def test_contradictory_values_stop_the_start(self, world: Any) -> None:
+        with pytest.raises(ParameterError, match="width_minimum = 50 must not exceed"):
+            world.tracker(width_minimum=50.0, width_maximum=40.0)
+
+    def test_unknown_names_are_told(self, world: Any, capfd: pytest.CaptureFixture[str]) -> None:
+        node = world.tracker(partikel_count=3, **{"qos_overrides./x.publisher.depth": 1})
+        assert node_parameters.unknown_overrides(node) == ["partikel_count"]
+        assert "unknown parameter 'partikel_count' is ignored" in capfd.readouterr().err
+
+    def test_a_preset_sets_the_defaults_and_what_is_given_prevails(self, world: Any) -> None:
+        node = world.tracker(preset="thesis", width_variance=9.0)
+        expected = preset("thesis").replaced({"width_variance": 9.0})
+        assert node.tracker.parameters == expected
+        assert node.get_parameter("sample_spacing").value == 20.0
+        assert node.get_parameter("resampling").value == "multinomial"
+
+
+class TestRuntime:
+    def test_a_change_reaches_the_filter(self, world: Any) -> None:
+        node = world.tracker()
+        assert set_one(node, "distance_variance", 3.5).successful
+        assert node.tracker.parameters.distance_variance == 3.5
+        assert node.get_parameter("distance_variance").value == 3.5
+
+    def test_a_whole_number_is_taken_where_a_float_is_meant(self, world: Any) -> None:
+        node = world.tracker()
+        assert set_one(node, "distance_variance", 3).successful
+        assert node.get_parameter("distance_variance").value == 3.0
+        assert node.get_parameter("distance_variance").type_ == Parameter.Type.DOUBLE
+        assert set_one(node, "particle_count", 40.0).successful
+        assert node.tracker.parameters.particle_count == 40
+
+    @pytest.mark.parametrize(
+        ("name", "value", "reason"),
+        [
+            ("particle_count", 0, "particle_count.*range"),
+            ("particle_count", 10.5, "type"),
+            ("particle_count", "few", "type"),
+            ("distance_variance", 2e4, "distance_variance.*range"),
+            ("distance_variance", math.nan, "distance_variance.*range"),
+            ("distance_variance", math.inf, "distance_variance.*range"),
+            ("distance_variance", True, "type"),
+            ("distance_variance", "2.0", "type"),
+            ("distance_variance", [1.0], "type"),
+            ("distance_variance", None, "undeclared"),
+            ("width_minimum", 161.0, "width_minimum = 161 must not exceed"),
+            ("evidence_to_lose", 5.0, "evidence_to_lose = 5 must not exceed"),
+            ("resampling", "never", "resampling: 'never' is none of"),
+            ("initial_state", "there", "initial.state: 'there'"),
+            ("initial_state", 3, "type"),
+            ("input_timeout", -1.0, "input_timeout.*range"),
+            ("diagnostics_period", 0, "diagnostics_period.*range"),
+        ],
+    )
+    def test_a_refused_value_changes_nothing_and_the_reason_is_given(
+        self, world: Any, name: str, value: object, reason: str
+    ) -> None:
+        node = world.tracker()
+        before, parameters = values_of(node), node.tracker.parameters
+        result = set_one(node, name, value)
+        assert not result.successful
+        assert re.search(reason, result.reason)
+        assert values_of(node) == before
+        assert node.tracker.parameters is parameters
+
+    def test_a_contradiction_is_solved_by_setting_both_together(self, world: Any) -> None:
+        node = world.tracker()
+        assert set_together(node, width_minimum=200.0, width_maximum=300.0).successful
+        assert node.tracker.parameters.width_minimum == 200.0
+
+    def test_one_bad_value_of_a_set_changes_nothing(self, world: Any) -> None:
+        node = world.tracker()
+        before = values_of(node)
+        result = set_together(node, distance_variance=5.0, input_timeout=9.0, particle_count=0)
+        assert not result.successful and "particle_count" in result.reason
+        result = set_together(node, distance_variance=5.0, initial_state="0,0,40", seed=3)
+        assert not result.successful and result.reason
+        result = set_together(node, distance_variance=5.0, preset="thesis")
+        assert not result.successful and "preset" in result.reason
+        assert values_of(node) == before
+        assert node.tracker.parameters == preset("default")
+        assert node._input_timeout == 1.0
+
+    def test_sets_are_accepted_and_refused_over_ros(self, world: Any) -> None:
+        node = world.tracker()
+
+        def double(name: str, value: float) -> ParameterMessage:
+            content = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
+            return ParameterMessage(name=name, value=content)
+
+        service = "tracker/set_parameters_atomically"
+        values = [double("width_minimum", 200.0), double("width_maximum", 150.0)]
+        result = world.call(SetParametersAtomically, service, parameters=values).result
+        assert not result.successful and "must not exceed" in result.reason
+        assert node.tracker.parameters == preset("default")
+        values = [double("width_minimum", 5.0), double("width_maximum", 150.0)]
+        result = world.call(SetParametersAtomically, service, parameters=values).result
+        assert result.successful
+        assert node.tracker.parameters.width_maximum == 150.0
+
+    @pytest.mark.parametrize(
+        ("name", "value"),
+        [
+            ("preset", "thesis"),
+            ("image_transport", "compressed"),
+            ("image_reliability", "reliable"),
+        ],
+    )
+    def test_what_is_read_at_start_only_cannot_be_changed(
+        self, world: Any, name: str, value: str
+    ) -> None:
+        node = world.tracker()
+        result = set_one(node, name, value)
+        assert not result.successful and name in result.reason
+        assert node.get_parameter(name).value != value
+
+    def test_another_number_of_particles_keeps_the_estimate(
+        self, world: Any, near: str, image_message: Callable[..., Any]
+    ) -> None:
+        from sensor_msgs.msg import JointState  # noqa: PLC0415
+
+        node = world.tracker(initial_state=near)
+        states = world.listen(JointState, "state")
+        counts = []
+        for index in range(12):
+            if index in (6, 9):
+                assert set_one(node, "particle_count", 900 if index == 6 else 200).successful
+            node.on_image(image_message(index=index))
+            counts.append(node.tracker.particles.count)
+        world.spin(lambda: len(states) == 12)
+        assert counts == [500] * 6 + [900] * 3 + [200] * 3
+        estimates = [read_state(state) for state in states]
+        for before, after in pairwise(estimates[4:]):
+            assert before is not None and after is not None
+            assert abs(after.distance - before.distance) < 2.0
+
+    def test_the_initial_state_takes_effect_at_the_next_reset(
+        self, world: Any, image_message: Callable[..., Any]
+    ) -> None:
+        from std_srvs.srv import Trigger  # noqa: PLC0415
+
+        node = world.tracker()
+        node.on_image(image_message())
+        assert set_one(node, "initial_state", "-60,0.1,30,0").successful
+        node.on_image(image_message(index=1))
+        assert node.tracker.particles.states[:, 0].std() > 10.0
+        node.on_reset(Trigger.Request(), Trigger.Response())
+        node.on_image(image_message(index=2))
+        assert node.tracker.particles.states[:, 0].mean() == pytest.approx(-60.0, abs=1.0)
+
+    def test_the_timeouts_take_effect_at_once(self, world: Any) -> None:
+        node = world.tracker(input_timeout=3600.0)
+        world.pass_time(0.15)
+        assert node.status == "INITIALISING"
+        assert set_one(node, "input_timeout", 0.1).successful
+        world.spin(lambda: node.status == "STALE INPUT")

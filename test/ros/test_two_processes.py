@@ -1,0 +1,194 @@
+"""A tracker and a replay in processes of their own give what the core gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rosbags.rosbag2 import Reader
+
+from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.state import CableState
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.errors import RecordingError
+from cable_tracker.evaluation.result_folder import BAG, ESTIMATES, ResultFolder
+from cable_tracker.evaluation.track_recording import (
+    TRUTH,
+    initial_state_for,
+    start_from,
+    track_recording,
+)
+from cable_tracker.ros.track_recording import RecordingRequest, track_recording_over_ros
+from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.estimates import EstimateRow, write_estimates
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.messages import make_header, make_image
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.typestores import typestore
+
+PARAMETERS = TrackerParameters(seed=4, particle_count=200)
+OVERLAY = "/tracker/overlay/compressed"
+FOOTAGE = Path(__file__).resolve().parents[3] / "shared" / "data" / "strip"
+FOOTAGE_FRAMES = 20
+
+
+class TableAndBag(ResultFolder):
+    """Results as always, but for the pictures: those take their time, and are tested elsewhere."""
+
+    def _add_picture(self, frame: Frame, row: Any, picture: Any, cloud: Any) -> None:
+        self._video.add(np.zeros((32, 32, 3), np.uint8), frame.stamp)
+
+    def _write_summaries(self) -> None:
+        write_estimates(self._content / ESTIMATES, self.rows)
+
+
+@dataclass
+class Outcome:
+    """What is left of a tracked recording."""
+
+    rows: list[EstimateRow]
+    truths: dict[int, CableState]
+    bag: Path
+    damage: RecordingError | None
+    advanced: int
+
+
+@pytest.fixture
+def track(tmp_path: Path) -> Callable[..., Outcome]:
+    """Track a recording with the nodes or without."""
+
+    def tracked(path: Path, over_ros: bool, initial: CableState | None = None) -> Outcome:
+        folder = tmp_path / ("ros" if over_ros else "core")
+        steps: list[None] = []
+        with ExitStack() as stack:
+            source = stack.enter_context(open_source(path))
+            results = stack.enter_context(TableAndBag(folder))
+
+            def advance() -> None:
+                steps.append(None)
+
+            if over_ros:
+                request = RecordingRequest({"source": str(path)}, PARAMETERS, initial)
+                damage = track_recording_over_ros(source, request, results, advance)
+            else:
+                tracker = CableTracker(PARAMETERS)
+                start_from(tracker, initial)
+                damage = track_recording(source, tracker, results, advance)
+        return Outcome(results.rows, results.truths, folder / BAG, damage, len(steps))
+
+    return tracked
+
+
+def without_times(rows: list[EstimateRow]) -> list[EstimateRow]:
+    return [replace(row, ms=None) for row in rows]
+
+
+def messages_of(bag: Path, topic: str) -> list[tuple[int, bytes]]:
+    """Times and bytes of the messages on a topic, the gaps of the alignment filled with zeros."""
+    with Reader(bag) as reader:
+        connections = [c for c in reader.connections if c.topic == topic]
+        return [
+            (time, rewritten(data, connection.msgtype))
+            for connection, time, data in reader.messages(connections)
+        ]
+
+
+def rewritten(data: bytes, msgtype: str) -> bytes:
+    store = typestore()
+    return bytes(store.serialize_cdr(store.deserialize_cdr(data, msgtype), msgtype))
+
+
+def assert_same(ros: Outcome, core: Outcome, frames: int) -> None:
+    assert len(core.rows) == ros.advanced == core.advanced == frames
+    assert without_times(ros.rows) == without_times(core.rows)
+    assert ros.truths == core.truths
+    assert all(row.ms is not None and row.ms > 0.0 for row in ros.rows if row.n_eff)
+
+
+def test_a_simulated_dive_gives_the_same_table_and_the_same_messages(
+    make_dive: Callable[..., Path], track: Callable[..., Outcome]
+) -> None:
+    path = make_dive(15)
+    with open_source(path) as source:
+        first = initial_state_for(source, TRUTH)
+    ros, core = track(path, True, first), track(path, False, first)
+    assert_same(ros, core, 15)
+    assert any(row.state is not None for row in core.rows)
+    for topic in ("/state", "/centreline", "/particles", "/markers", "/ground_truth", OVERLAY):
+        recorded = messages_of(ros.bag, topic)
+        assert recorded
+        assert recorded == messages_of(core.bag, topic)
+    assert messages_of(ros.bag, "/diagnostics")
+
+
+def test_from_random_the_estimates_are_the_same_too(
+    make_dive: Callable[..., Path], track: Callable[..., Outcome]
+) -> None:
+    path = make_dive(15, storage="sqlite3")
+    assert_same(track(path, True), track(path, False), 15)
+
+
+def test_a_recording_of_jpegs_gives_the_same_table(
+    make_dive: Callable[..., Path], track: Callable[..., Outcome]
+) -> None:
+    path = make_dive(6, jpeg=True)
+    assert_same(track(path, True), track(path, False), 6)
+
+
+def test_large_frames_in_colour_arrive_whole(
+    colour_bag: Callable[..., Path], track: Callable[..., Outcome]
+) -> None:
+    path = colour_bag(4, (1280, 720))
+    assert_same(track(path, True), track(path, False), 4)
+
+
+def test_real_footage_gives_the_same_table(tmp_path: Path, track: Callable[..., Outcome]) -> None:
+    video, labels = FOOTAGE / "strip.mp4", FOOTAGE / "strip.txt"
+    if not (video.exists() and labels.exists()):
+        pytest.skip(f"REAL FOOTAGE IS MISSING: {FOOTAGE} holds no strip.mp4 and strip.txt")
+    with open_source(video, truth=labels) as source:
+        frames = list(islice(source.frames(), FOOTAGE_FRAMES))
+    labelled = [frame.truth for frame in frames if frame.truth is not None]
+    write_bag(tmp_path / "strip", frames)
+    initial = labelled[0]
+    ros, core = (track(tmp_path / "strip", over_ros, initial) for over_ros in (True, False))
+    assert_same(ros, core, FOOTAGE_FRAMES)
+    assert any(row.state is not None for row in core.rows)
+
+
+def test_frames_before_the_damage_are_tracked(
+    make_dive: Callable[..., Path], track: Callable[..., Outcome]
+) -> None:
+    path = make_dive(12)
+    storage = next(path.glob("*.mcap"))
+    content = bytearray(storage.read_bytes())
+    middle = len(content) // 2
+    content[middle : middle + 40_000] = b"\x55" * 40_000
+    storage.write_bytes(bytes(content))
+    ros, core = track(path, True), track(path, False)
+    assert_same(ros, core, len(core.rows))
+    assert 0 < len(core.rows) < 12
+    assert ros.damage is not None and str(ros.damage) == str(core.damage)
+
+
+def test_a_recording_whose_times_jump_back_is_tracked_to_its_end(
+    tmp_path: Path,
+    dive_frames: Callable[..., Iterator[Frame]],
+    track: Callable[..., Outcome],
+) -> None:
+    factory = RosbagsMessages()
+    with BagWriter(tmp_path / "jump") as bag:
+        for frame, milliseconds in zip(dive_frames(4), [2_000, 2_040, 500, 540], strict=True):
+            header = make_header(factory, milliseconds * 1_000_000, "camera")
+            message = make_image(factory, frame.image, header)  # type: ignore[arg-type]
+            bag.write("/image", "sensor_msgs/msg/Image", message, 10**9 + frame.index)
+    path = tmp_path / "jump"
+    assert_same(track(path, True), track(path, False), 4)
