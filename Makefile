@@ -1,0 +1,78 @@
+# `make demo` and `make test` set up everything they need in .venv, from the versions that
+# constraints.txt names. `make PYTHON=python3.12 ...` chooses the interpreter.
+
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+.PHONY: help install check-python test lint demo docs clean
+
+CANDIDATES := python3 python3.12 python3.11 python3.13 python3.14
+PYTHON ?= $(shell for p in $(CANDIDATES); do \
+	$$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' 2>/dev/null \
+	&& { echo $$p; break; }; done)
+VENV := .venv
+BIN := $(VENV)/bin
+SOURCE ?=
+DEMO := demo
+# A home that cannot be written to must not stop ROS from logging.
+export ROS_LOG_DIR ?= $(CURDIR)/$(VENV)/log/ros
+export MPLCONFIGDIR ?= $(CURDIR)/$(VENV)/cache/matplotlib
+
+help:
+	@echo "make demo                  simulate a dive, replay it over DDS, track it, show the errors"
+	@echo "make demo SOURCE=path      the same for a recording of yours"
+	@echo "make test                  run the whole suite, with linters and type checks"
+	@echo "make install               set up $(VENV); the others do it by themselves"
+	@echo "make docs                  write config/*.yaml and docs/parameters.md from the table"
+	@echo "make clean                 remove $(VENV) and what the demo wrote"
+
+check-python:
+	@if [ -z "$(PYTHON)" ]; then \
+		echo "error: Python 3.11 to 3.14 is needed and none of $(CANDIDATES) is one;" \
+			"install it (Debian, Ubuntu: apt install python3 python3-venv)" \
+			"or name it: make PYTHON=/path/to/python ..." >&2; exit 2; fi
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' || { \
+		echo "error: $(PYTHON) is not Python 3.11 to 3.14; name one with make PYTHON=..." >&2; \
+		exit 2; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { \
+		v=$$($(PYTHON) -c 'import sys; print("python%d.%d-venv" % sys.version_info[:2])'); \
+		echo "error: $(PYTHON) has no venv; install it (Debian, Ubuntu: apt install $$v)" >&2; \
+		exit 2; }
+
+install: $(VENV)/installed
+
+$(VENV)/installed: setup.py setup.cfg constraints.txt package.xml | check-python
+	@echo "setting up $(VENV) with $(PYTHON) ..."
+	@$(PYTHON) -m venv --clear $(VENV)
+	@mkdir -p $(ROS_LOG_DIR) $(MPLCONFIGDIR)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt \
+		--upgrade pip setuptools wheel
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt \
+		--no-build-isolation -e ".[ros,dev]"
+	@touch $@
+
+test: install lint
+	$(BIN)/python -m pytest -n 2 --timeout 300 -q
+
+lint: install
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+demo: install
+	@mkdir -p $(DEMO)
+ifeq ($(strip $(SOURCE)),)
+	@echo "simulating a dive over a cable ..."
+	@$(BIN)/cable-tracker simulate $(DEMO)/dive --frames 300 --seed 1 --force
+	@echo "replaying it to the tracker over DDS, in lockstep ..."
+	@$(BIN)/cable-tracker track $(DEMO)/dive --ros --init truth --output $(DEMO)/dive_tracked --force
+else
+	@echo "replaying $(SOURCE) to the tracker over DDS, in lockstep ..."
+	@$(BIN)/cable-tracker track "$(SOURCE)" --ros --output $(DEMO)/your_recording_tracked --force
+endif
+
+docs: install
+	$(BIN)/python docs/generate.py
+
+clean:
+	rm -rf $(VENV) $(DEMO) build install log *.egg-info .mypy_cache .ruff_cache .pytest_cache \
+		.hypothesis

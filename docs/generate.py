@@ -1,0 +1,104 @@
+"""Write config/*.yaml and docs/parameters.md from the tables of parameters.
+
+Run by `make docs`; a test sees to it that the files are up to date.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from cable_tracker.cable.parameter_files import format_parameter_file
+from cable_tracker.cable.parameters import PARAMETER_TABLE, ParameterSpec
+from cable_tracker.cable.presets import PRESETS
+from cable_tracker.node_parameter_tables import (
+    REPLAY_RUNTIME_PARAMETERS,
+    REPLAY_START_PARAMETERS,
+    TRACKER_RUNTIME_PARAMETERS,
+    TRACKER_START_PARAMETERS,
+)
+
+ROOT = Path(__file__).resolve().parents[1]
+
+TITLES = {
+    "default": "Preset `default`: what to begin with.",
+    "thesis": "Preset `thesis`: Wirth (2008), Tables 5.1 and 5.2, to the letter.",
+}
+
+INTRODUCTION = """\
+# Parameters
+
+Made from the tables in `cable_tracker/cable/parameters.py` and
+`cable_tracker/node_parameter_tables.py` by `make docs`; do not edit.
+
+Lengths are for an image 320 px wide and scale with the image. Variances and rates are per frame at
+25 frames per second and scale with the real time between frames. A whole number is accepted where
+a float is meant. A set of values is taken as a whole or not at all; a refusal says why and leaves
+the node as it was.
+
+## The filter
+
+Parameters of the node `tracker`, of `cable-tracker track --params FILE`, and of
+`TrackerParameters`. All can be changed while the node runs. `config/default.yaml` and
+`config/thesis.yaml` hold the two presets.
+
+"""
+
+
+def cell(value: object) -> str:
+    """Write a value into a table."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else str(value) or "(empty)"
+
+
+def filter_table() -> str:
+    """Return the table of the filter's parameters, with the values of both presets."""
+    lines = ["| name | default | thesis | unit | range | meaning |", "|---|---|---|---|---|---|"]
+    for spec in PARAMETER_TABLE:
+        default, thesis = (cell(PRESETS[name].as_mapping()[spec.name]) for name in TITLES)
+        lines.append(row(spec, default, thesis))
+    return "\n".join(lines) + "\n"
+
+
+def row(spec: ParameterSpec, *values: str) -> str:
+    """Return one row of a table."""
+    limits, meaning = (text.replace("|", "\\|") for text in (spec.range_text(), spec.meaning))
+    return f"| `{spec.name}` | {' | '.join(values)} | {spec.unit} | {limits} | {meaning} |"
+
+
+def node_table(specs: Iterable[ParameterSpec]) -> str:
+    """Return the table of a node's own parameters."""
+    lines = ["| name | default | unit | range | meaning |", "|---|---|---|---|---|"]
+    lines += [row(spec, cell(spec.default)) for spec in specs]
+    return "\n".join(lines) + "\n"
+
+
+def parameters_page() -> str:
+    """Return docs/parameters.md."""
+    parts = [INTRODUCTION, filter_table()]
+    for title, start, runtime in (
+        ("The node `tracker` besides", TRACKER_START_PARAMETERS, TRACKER_RUNTIME_PARAMETERS),
+        ("The node `replay`", REPLAY_START_PARAMETERS, REPLAY_RUNTIME_PARAMETERS),
+    ):
+        parts += [f"\n## {title}\n\nRead at start only:\n\n", node_table(start)]
+        parts += ["\nMay be changed while it runs:\n\n", node_table(runtime)]
+    return "".join(parts)
+
+
+def generated_files() -> dict[Path, str]:
+    """Return the content of every generated file by its path."""
+    files = {ROOT / "docs" / "parameters.md": parameters_page()}
+    for name, title in TITLES.items():
+        files[ROOT / "config" / f"{name}.yaml"] = format_parameter_file(PRESETS[name], title)
+    return files
+
+
+def main() -> None:
+    """Write all files."""
+    for path, content in generated_files().items():
+        path.write_text(content, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,67 @@
+"""Build description, for pip and for colcon (ament_python)."""
+
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+PACKAGE = "cable_tracker"
+ROOT = Path(__file__).parent
+VERSION = {}
+exec((ROOT / PACKAGE / "__init__.py").read_text(encoding="utf-8"), VERSION)
+
+
+def files(folder: str, pattern: str) -> list[str]:
+    """Return the files of a folder, as paths relative to this file."""
+    return sorted(str(path.relative_to(ROOT)) for path in (ROOT / folder).glob(pattern))
+
+
+setup(
+    name=PACKAGE,
+    version=VERSION["__version__"],
+    description="Follow an underwater cable or pipeline by camera, with a particle filter",
+    long_description=(ROOT / "README.md").read_text(encoding="utf-8"),
+    long_description_content_type="text/markdown",
+    maintainer="cable_tracker maintainers",
+    maintainer_email="maintainers@users.noreply.h-seed-c8828a9f.example",
+    license="Apache-2.0",
+    packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
+    package_data={PACKAGE: ["py.typed"]},
+    python_requires=">=3.11",
+    install_requires=[
+        "numpy>=1.26",
+        "opencv-python-headless>=4.6",
+        "matplotlib>=3.6",
+        "av>=12",
+        "mcap>=1.1",
+        "PyYAML>=6",
+        "rich>=13",
+        "rosbags>=0.11",
+        "typer>=0.9",
+    ],
+    extras_require={
+        "ros": ["ros-jazzy-rclpy[fastrtps]", "ros-jazzy-common-interfaces"],
+        "dev": [
+            "hypothesis",
+            "mypy",
+            "pytest",
+            "pytest-timeout",
+            "pytest-xdist",
+            "ruff",
+            "types-PyYAML",
+        ],
+    },
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}/config", files("config", "*")),
+        (f"share/{PACKAGE}/launch", files("launch", "*.launch.py")),
+    ],
+    entry_points={
+        "console_scripts": [
+            "cable-tracker = cable_tracker.cli:main",
+            "tracker = cable_tracker.ros.entry:tracker",
+            "replay = cable_tracker.ros.entry:replay",
+        ],
+    },
+    zip_safe=True,
+)

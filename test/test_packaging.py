@@ -1,0 +1,64 @@
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+import yaml
+
+import cable_tracker
+from cable_tracker.cable.parameter_files import read_parameter_file
+from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.presets import PRESETS
+
+ROOT = Path(__file__).resolve().parents[1]
+SETUP = (ROOT / "setup.py").read_text(encoding="utf-8")
+DDS = "{http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles}"
+
+
+def requirement_names() -> list[str]:
+    block = re.search(r"install_requires=\[(.*?)\]", SETUP, re.DOTALL).group(1)
+    return re.findall(r'"([A-Za-z0-9_.-]+)', block)
+
+
+def normalised(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def test_package_xml_has_the_version_of_the_package():
+    package = ElementTree.parse(ROOT / "package.xml").getroot()
+    assert package.findtext("version") == cable_tracker.__version__
+    assert package.findtext("name") == "cable_tracker"
+
+
+@pytest.mark.parametrize("name", requirement_names())
+def test_every_requirement_is_pinned_and_has_a_reason(name):
+    pinned = {
+        normalised(line.split("==")[0])
+        for line in (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+        if "==" in line
+    }
+    assert normalised(name) in pinned
+    reasons = (ROOT / "docs" / "dependencies.md").read_text(encoding="utf-8")
+    assert re.search(rf"^\| {re.escape(name)}\b", reasons, re.MULTILINE), name
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_preset_files_hold_the_presets(name):
+    values = read_parameter_file(ROOT / "config" / f"{name}.yaml")
+    assert TrackerParameters().replaced(values) == PRESETS[name]
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_preset_files_are_in_the_form_that_ros_reads(name):
+    content = yaml.safe_load((ROOT / "config" / f"{name}.yaml").read_text(encoding="utf-8"))
+    assert list(content) == ["/**"]
+    assert list(content["/**"]) == ["ros__parameters"]
+
+
+def test_the_dds_profile_has_room_for_large_frames_and_stays_on_loopback():
+    profile = ElementTree.parse(ROOT / "config" / "fastdds_loopback.xml").getroot()
+    sizes = [int(node.text) for node in profile.iter(f"{DDS}segment_size")]
+    addresses = {node.text for node in profile.iter(f"{DDS}address")}
+    assert min(sizes) >= 32 * 1024 * 1024
+    assert addresses == {"127.0.0.1"}
+    assert profile.find(f".//{DDS}useBuiltinTransports").text == "false"
