@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 import zstandard
+from rosbags.serde import SerdeError
 
 from cable_tracker.cable.state import CableState
 from cable_tracker.errors import RecordingError
@@ -41,6 +42,7 @@ _COMPRESSED = "sensor_msgs/msg/CompressedImage"
 _JOINT_STATE = "sensor_msgs/msg/JointState"
 _TRUTH = "ground_truth"
 _TRUTH_NAMES = ("d", "alpha", "w", "beta")
+_TAIL_LENGTHS = (4, 8)
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 _LARGEST_MESSAGE = 1 << 30
 
@@ -113,6 +115,26 @@ def _stamp(message: _Stamped, receive_time: int) -> int:
     return (int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)) or receive_time
 
 
+def deserialise_cdr(data: bytes, msgtype: str) -> object:
+    """Deserialise a ROS 2 message that may have a meaningless tail.
+
+    rclpy's own serialiser leaves up to eight bytes at the end, and bags that are written with it
+    hold them. rosbags passes over three.
+
+    Raises
+    ------
+    SerdeError
+        The bytes are no such message.
+    """
+    try:
+        return typestore().deserialize_cdr(data, msgtype)
+    except SerdeError:
+        for length in _TAIL_LENGTHS:
+            with suppress(SerdeError):
+                return typestore().deserialize_cdr(data[:-length], msgtype)
+        raise
+
+
 class BagSource(FrameSource):
     """Images of one topic of a bag.
 
@@ -167,7 +189,7 @@ class BagSource(FrameSource):
                 data = reader.read(_LARGEST_MESSAGE)
         if self._is_ros1:
             return ros1_typestore().deserialize_ros1(data, message.msgtype)
-        return typestore().deserialize_cdr(data, message.msgtype)
+        return deserialise_cdr(data, message.msgtype)
 
     def _read_truth(self) -> dict[int, CableState]:
         """Read the ground truth by stamp; what is damaged is said when the frames are read."""

@@ -290,3 +290,14 @@ def test_messages_that_a_recorder_left_unmerged_are_mentioned(make_bag):
     path = make_bag(storage="sqlite3")
     (path / "bag.db3-wal").write_bytes(b"x")
     assert "bag.db3-wal holds messages" in BagSource(path).note
+
+
+@pytest.mark.parametrize("tail", range(9))
+def test_bytes_that_a_serialiser_leaves_at_the_end_do_no_harm(tmp_path, maker, picture, tail):
+    kind = "sensor_msgs/msg/Image"
+    data = maker.serialise(maker.image(7, picture(0))) + b"\x99" * tail
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("image", kind, typestore=maker.store)
+        writer.write(connection, 7, data)
+    (frame,) = read(tmp_path / "bag")
+    assert np.array_equal(decode_grey(frame.image), picture(0))
