@@ -1,11 +1,13 @@
-"""Draw the pictures of the documentation; run by hand, after `make demo`.
+"""Draw the pictures of the documentation; run by hand, after `make demo`, for a minute.
 
-`python docs/generate_pictures.py` writes docs/images/demo.jpg: three frames of the overlay that
-`make demo` has left in demo/.
+`python docs/generate_pictures.py` writes docs/images/demo.jpg, three frames of the overlay that
+`make demo` has left in demo/; and docs/images/scenarios.jpg, a row of frames of every scenario, the
+true borders drawn as dashes in the second of each pair.
 """
 
 from __future__ import annotations
 
+from itertools import islice, pairwise
 from pathlib import Path
 
 import av
@@ -13,12 +15,71 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.cable.geometry import image_to_pixel, project_borders, segment_inside
+from cable_tracker.cable.state import CableState
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.simulation.dive import SimulatedFrame
+from cable_tracker.simulation.scenario import SCENARIO_SIZE, simulate_scenario
+from cable_tracker.simulation.scenarios import SCENARIOS
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "images"
 DEMO_VIDEO = ROOT / "demo" / "dive_tracked" / "overlay.webm"
 DEMO_FRAMES = (60, 130, 270)
-QUALITY = 80
+COLUMNS = 6
+GAP = 4
+TRUTH_COLOUR = (60, 160, 255)
+QUALITY = 72
+SIXTEENTHS = 4
+
+
+def draw_truth(picture: Image, truth: CableState) -> None:
+    """Draw both true borders as dashes."""
+    borders = project_borders(truth.to_array()[None, :])
+    for angle, offset in zip(borders.angles[0], borders.offsets[0], strict=True):
+        ends = segment_inside(float(angle), float(offset), SCENARIO_SIZE)
+        if ends is None:
+            continue
+        low, high = image_to_pixel(np.array(ends), SCENARIO_SIZE)
+        count = max(int(np.hypot(*(high - low)) / 6), 1)
+        stops = np.rint(16 * (low + np.linspace(0, 1, count + 1)[:, None] * (high - low)))
+        for first, second in list(pairwise(stops))[::2]:
+            start, end = ((int(x), int(y)) for x, y in (first, second))
+            cv2.line(picture, start, end, TRUTH_COLOUR, 1, cv2.LINE_AA, SIXTEENTHS)
+
+
+def label(picture: Image, text: str) -> None:
+    """Write a line into the lower left corner."""
+    corner = (5, picture.shape[0] - 7)
+    cv2.putText(picture, text, corner, cv2.FONT_HERSHEY_SIMPLEX, 0.42, (0, 0, 0), 3, cv2.LINE_AA)
+    white = (255, 255, 255)
+    cv2.putText(picture, text, corner, cv2.FONT_HERSHEY_SIMPLEX, 0.42, white, 1, cv2.LINE_AA)
+
+
+def cell(name: str, simulated: SimulatedFrame, *, with_truth: bool) -> Image:
+    """Return one picture of the sheet."""
+    frame = simulated.frame
+    picture = cv2.cvtColor(decode_grey(frame.image).astype(np.uint8), cv2.COLOR_GRAY2BGR)
+    if with_truth and frame.truth is not None:
+        draw_truth(picture, frame.truth)
+    label(picture, f"{name}  frame {frame.index}  {100 * simulated.visibility:.0f} % visible")
+    return cv2.copyMakeBorder(picture, 0, GAP, 0, GAP, cv2.BORDER_CONSTANT, value=(40, 40, 40))
+
+
+def scenario_row(name: str, seed: int) -> Image:
+    """Return a row of frames spread over a scenario."""
+    count = SCENARIOS[name].frame_count
+    places = [int((column + 0.5) * count / COLUMNS) for column in range(COLUMNS)]
+    frames = islice(simulate_scenario(name, seed), places[-1] + 1)
+    chosen = [each for each in frames if each.frame.index in places]
+    cells = [cell(name, each, with_truth=place % 2 == 1) for place, each in enumerate(chosen)]
+    return np.hstack(cells)
+
+
+def scenario_sheet(seed: int = 0) -> Image:
+    """Return the contact sheet of all scenarios, blue-green-red."""
+    sheet = np.vstack([scenario_row(name, seed) for name in SCENARIOS])
+    return cv2.resize(sheet, None, fx=0.75, fy=0.75, interpolation=cv2.INTER_AREA)
 
 
 def video_frames(path: Path, places: tuple[int, ...]) -> list[Image]:
@@ -36,12 +97,18 @@ def demo_row() -> Image:
     return np.hstack(video_frames(DEMO_VIDEO, DEMO_FRAMES))
 
 
+def write(name: str, picture: Image) -> None:
+    """Write a picture of the documentation."""
+    path = PICTURES / name
+    cv2.imwrite(str(path), picture, (cv2.IMWRITE_JPEG_QUALITY, QUALITY))
+    print(f"{path}: {path.stat().st_size / 1000:.0f} kB")
+
+
 def main() -> None:
     """Write all pictures."""
     PICTURES.mkdir(exist_ok=True)
-    path = PICTURES / "demo.jpg"
-    cv2.imwrite(str(path), demo_row(), (cv2.IMWRITE_JPEG_QUALITY, QUALITY))
-    print(f"{path}: {path.stat().st_size / 1000:.0f} kB")
+    write("demo.jpg", demo_row())
+    write("scenarios.jpg", scenario_sheet())
 
 
 if __name__ == "__main__":

@@ -1,8 +1,11 @@
-"""Straight things that are not the cable: ropes that cross it, furrows in the bottom beside it."""
+"""Straight things that are not the cable: ropes across it, furrows and tracks beside it.
+
+Places on the bottom are p across and q along the course of the cable, in its radii.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,11 +54,37 @@ def random_streaks(
 ) -> tuple[Streak, ...]:
     """Strew ropes and furrows along the cable from `start` to `end` [radii]."""
     count = int(rng.poisson(max(end - start, 0.0) / SPACING * clutter)) if clutter > 0 else 0
-    streaks = []
+    streaks: list[Streak] = []
     for place in np.sort(rng.uniform(start, end, count)):
-        make = _random_rope if rng.random() < 0.5 else _random_furrow
-        streaks.append(make(float(place), rng))
+        kind = rng.random()
+        if kind < 0.1:
+            streaks.extend(random_track(float(place), rng))
+        else:
+            make = _random_rope if kind < 0.5 else _random_furrow
+            streaks.append(make(float(place), rng))
     return tuple(streaks)
+
+
+def random_track(q: float, rng: np.random.Generator) -> tuple[Streak, Streak]:
+    """Return the two furrows that something dragged over the bottom has left."""
+    middle = float(rng.choice((-1, 1)) * rng.uniform(4, 11))
+    angle = float(rng.normal(0.0, np.deg2rad(25)))
+    half_width, apart = float(rng.uniform(0.2, 0.4)), float(rng.uniform(0.8, 2.0))
+    first = Streak(
+        p=middle - apart * float(np.cos(angle)),
+        q=q - apart * float(np.sin(angle)),
+        angle=angle,
+        half_width=half_width,
+        half_length=float(rng.uniform(20, 50)),
+        tone=float(rng.choice((0.13, 0.2))),
+        opacity=float(rng.uniform(0.35, 0.55)),
+        twist=0.0,
+        on_top=False,
+    )
+    second = replace(
+        first, p=middle + apart * float(np.cos(angle)), q=q + apart * float(np.sin(angle))
+    )
+    return first, second
 
 
 def _random_rope(q: float, rng: np.random.Generator) -> Streak:

@@ -1,4 +1,4 @@
-"""Pictures of a cable on the sea bed, seen by a camera in turbid water above it."""
+"""Pictures of the sea bed and the cables on it, seen by a camera in turbid water above them."""
 
 from __future__ import annotations
 
@@ -7,249 +7,258 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.geometry import project_borders
-from cable_tracker.cable.state import CableState
+from cable_tracker.arrays import BoolArray, FloatArray, Image
+from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.clutter import Streak, streak_cover
-from cable_tracker.simulation.seabed import CABLE_REACH, CHANNELS, make_bed, make_cable
+from cable_tracker.simulation.laid_cable import CableSkin, LaidCable
+from cable_tracker.simulation.look import Look
+from cable_tracker.simulation.seabed import BED_UNIT, CABLE_REACH
 from cable_tracker.simulation.texture import TiledTexture
-from cable_tracker.simulation.trajectory import REFERENCE_WIDTH
+from cable_tracker.simulation.tube import Sight
+from cable_tracker.simulation.water import Illumination, Snow, random_lamps
 
-FLAKES = 90
-"""Flakes of marine snow in the water below the camera at full clutter, whatever the image size."""
+LEAST_SLOPE = 0.03
+"""Lines of sight that go down less steeply, or up, end at the horizon."""
 
-TYPICAL_RADIUS = 18.0
-"""Radius of the cable that the flakes' speed goes by [px at the reference width]."""
+FARTHEST = 30.0
+"""Nothing is seen farther than this along the camera's axis [m]."""
 
-SPREAD = 1.3
-"""The flakes drift through a field this much larger than the image."""
+CELL = 8
+"""Where a cable may be seen is found on a grid this coarse [px]."""
+
+ROW = 1024
+"""Pixels near a cable are gathered into rows of this length."""
+
+MEAN_TONE = 0.3
+"""Mean grey that the camera's exposure aims at, 0 to 1."""
+
+EXPOSURE_LIMITS = (0.4, 1.8)
+"""Smallest and largest gain of the exposure."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
-    """Where each pixel of one frame looks, all float32 of shape (H, W).
+class Scene:
+    """What lies on the bottom.
 
     Attributes
     ----------
-    p, q : Image
-        World coordinates across and along the cable [radii], q without the way travelled.
-    footprint : Image
-        Extent of a pixel on the bottom [radii].
-    inside : Image
-        How much of the pixel lies between the two borders, 0 to 1.
+    bed : TiledTexture
+        The bottom.
+    cables : tuple of LaidCable
+        From the lowest to the topmost.
+    streaks : tuple of Streak
+        Ropes, furrows, tracks.
+    streak_unit : float
+        What their places are measured in [m].
     """
 
-    p: Image
-    q: Image
+    bed: TiledTexture
+    cables: tuple[LaidCable, ...]
+    streaks: tuple[Streak, ...]
+    streak_unit: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _View:
+    """Where each pixel of one frame looks, all float32 (H, W) but `rays` (3, H, W).
+
+    `x`, `y` are places on the bottom, relative to below the eye [m]; `footprint` is the extent of a
+    pixel there [m] and `depth` the distance along the camera's axis [m].
+    """
+
+    eye: FloatArray
+    rays: Image
+    x: Image
+    y: Image
+    depth: Image
     footprint: Image
-    inside: Image
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Snow:
-    """Flakes suspended in the water.
-
-    Attributes
-    ----------
-    places : FloatArray
-        Column and row at rest, shape (F, 2) [shares of the image size].
-    nearness : FloatArray
-        How many times faster than the bottom a flake passes, shape (F,).
-    radii : FloatArray
-        Shape (F,) [px at the reference width].
-    tones : FloatArray
-        Added light, shape (F,), 0 to 1.
-    """
-
-    places: FloatArray
-    nearness: FloatArray
-    radii: FloatArray
-    tones: FloatArray
-
-    @classmethod
-    def random(cls, count: int, rng: np.random.Generator) -> Snow:
-        """Draw flakes; those near the camera are large, faint and fast."""
-        nearness = 1 + rng.gamma(1.5, 0.5, count)
-        radii = 0.45 * nearness**1.3 * rng.uniform(0.7, 1.3, count)
-        tones = np.clip(rng.uniform(0.15, 0.5, count) / nearness, 0.05, 0.45)
-        return cls(rng.random((count, 2)), nearness, radii, tones)
-
-
-class SeabedRenderer:
-    """Renders frames of one dive.
+class SceneRenderer:
+    """Renders the frames of one dive, one after the other.
 
     Parameters
     ----------
-    image_size : (int, int)
-        Width and height of the frames [px].
-    clutter : float
-        0 (clean cable in clear water) to 1 (half hidden in turbid water).
-    noise : float
-        Standard deviation of the sensor's noise [grey levels].
-    streaks : tuple of Streak
-        Ropes and furrows along the way.
+    camera : Camera
+        The camera.
+    scene : Scene
+        What lies there.
+    look : Look
+        Water, light, and the camera's faults.
     rng : numpy.random.Generator
-        Draws textures and lamps once, and then the noise of frame after frame.
+        Draws lamps and flakes once, and then the noise of frame after frame.
     """
 
-    def __init__(
-        self,
-        image_size: tuple[int, int],
-        clutter: float,
-        noise: float,
-        streaks: tuple[Streak, ...],
-        rng: np.random.Generator,
-    ) -> None:
-        width, height = image_size
-        self._image_size = image_size
-        self._clutter = clutter
-        self._noise = noise
-        self._streaks = streaks
+    def __init__(self, camera: Camera, scene: Scene, look: Look, rng: np.random.Generator) -> None:
+        self._camera = camera
+        self._scene = scene
+        self._look = look
         self._rng = rng
-        self._scale = width / REFERENCE_WIDTH
-        resolution = int(np.clip(round(5 * self._scale), 2, 10)) * 4
-        self._bed: TiledTexture = make_bed(resolution, rng)
-        self._cable: TiledTexture = make_cable(resolution, clutter, rng)
-        self._snow = Snow.random(round(FLAKES * clutter), rng)
-        columns = np.arange(width, dtype=np.float32) - np.float32((width - 1) / 2)
-        rows = np.float32((height - 1) / 2) - np.arange(height, dtype=np.float32)
-        self._x, self._y = columns[None, :], rows[:, None]
-        self._lamps = self._make_lamps(rng)
+        self._rays = camera.rays()
+        lamps = random_lamps(rng) if look.lamps is None else look.lamps
+        self._light = Illumination(self._rays, lamps, look.water, look.daylight)
+        self._snow = Snow.random(look.water.flakes, rng)
 
-    def render(self, state: CableState, travel: float) -> Image:
+    def render(self, position: FloatArray, rotation: FloatArray, time: float) -> Image:
         """Render the next frame.
 
         Parameters
         ----------
-        state : CableState
-            Where the cable runs [px, rad].
-        travel : float
-            How far the vehicle has come along the cable [radii of the cable].
+        position, rotation : FloatArray
+            Of the camera in the world, (3,) [m] and (3, 3).
+        time : float
+            [s], for what moves by itself.
 
         Returns
         -------
         Image
             Grey, uint8, shape (H, W).
         """
-        view = self._look(state)
-        scene = self._ground(view, travel)
-        scene = self._lay_cable(scene, view, travel)
-        scene = self._lay_streaks(scene, view, travel, on_top=True)
-        light = self._through_water(scene)
-        self._add_snow(light, state, travel)
+        view = self._look_down(position, rotation)
+        scene = self._ground(view)
+        for cable in self._scene.cables:
+            self._lay_cable(scene, view, cable)
+        scene = self._lay_streaks(scene, view, on_top=True)
+        light = self._light.through_water(scene, view.depth)
+        flakes = self._snow.layer(self._camera, position, rotation, time)
+        if flakes is not None:
+            light += flakes * self._light.on(np.full_like(view.depth, 1.0))
         return self._expose(light)
 
-    def _look(self, state: CableState) -> View:
-        cos, sin = np.float32(np.cos(state.angle)), np.float32(np.sin(state.angle))
-        across = self._x * cos + self._y * sin - np.float32(state.distance)
-        along = self._y * cos - self._x * sin
-        half = np.float32(state.width / 2)
-        # The borders converge to a vanishing point, and so does everything parallel to them on
-        # the bottom. The limit only keeps pixels near the horizon finite.
-        radius = np.maximum(half - along * np.float32(np.tan(state.skew)), np.float32(0.04) * half)
-        borders = project_borders(state.to_array()[None, :])
-        (left, right), (rho_left, rho_right) = borders.angles[0], borders.offsets[0]
-        from_left = self._signed_distance(left, rho_left)
-        from_right = -self._signed_distance(right, rho_right)
-        inside = np.clip(from_left + 0.5, 0, 1) * np.clip(from_right + 0.5, 0, 1)
-        footprint = np.sqrt(half / radius) / radius
-        return View(across / radius, along / radius, footprint, inside)
+    def hidden(
+        self, cable: LaidCable, position: FloatArray, world: FloatArray, usable: BoolArray
+    ) -> BoolArray:
+        """Tell which points of a cable's borders something covers.
 
-    def _signed_distance(self, angle: float, offset: float) -> Image:
-        cos, sin = np.float32(np.cos(angle)), np.float32(np.sin(angle))
-        distance: Image = self._x * cos + self._y * sin - np.float32(offset)
-        return distance
+        Parameters
+        ----------
+        cable : LaidCable
+            One of the scene's.
+        position : FloatArray
+            Of the camera, (3,) [m].
+        world : FloatArray
+            Points of the two borders in the world, (2, K, 3) [m].
+        usable : BoolArray
+            Which to look at, (2, K); the others count as hidden.
+        """
+        hidden = np.ones(usable.shape, dtype=np.bool_)
+        if not usable.any():
+            return hidden
+        rays = np.ascontiguousarray((world[usable] - position).T, dtype=np.float32)[:, None]
+        fine = np.full(rays.shape[1:], 1e-3, dtype=np.float32)
+        skin = cable.skin(cable.tube.sight(position, rays), fine)
+        covered = np.maximum(skin.growth, skin.burial) > 0.5
+        for other in self._scene.cables[self._scene.cables.index(cable) + 1 :]:
+            sight = other.tube.sight(position, rays)
+            covered |= (np.abs(sight.p) < 1) & (other.skin(sight, fine).burial < 0.5)
+        reach = np.float32(-position[2]) / rays[2]
+        p, q = self._streak_places(reach * rays[0], reach * rays[1], position)
+        for streak in self._scene.streaks:
+            if streak.on_top:
+                start = float(position[1]) / self._scene.streak_unit
+                cover = streak_cover(streak, p, q, start, fine)
+                covered |= False if cover is None else cover > 0.5
+        hidden[usable] = covered[0]
+        return hidden
 
-    def _ground(self, view: View, travel: float) -> Image:
-        ground = self._bed.sample(view.p, view.q, travel, view.footprint)
-        return self._lay_streaks(ground, view, travel, on_top=False)
+    def _look_down(self, position: FloatArray, rotation: FloatArray) -> _View:
+        x, y, z = self._rays
+        rays = np.stack(
+            [row[0] * x + row[1] * y + row[2] * z for row in rotation.astype(np.float32)]
+        )
+        np.minimum(rays[2], np.float32(-LEAST_SLOPE), out=rays[2])
+        down = -rays[2]
+        depth = np.minimum(np.float32(position[2]) / down, np.float32(FARTHEST))
+        stretch = np.sqrt(self._light.length / down)
+        footprint = depth * stretch * np.float32(1 / self._camera.focal)
+        return _View(position, rays, depth * rays[0], depth * rays[1], depth, footprint)
 
-    def _lay_cable(self, ground: Image, view: View, travel: float) -> Image:
-        texels = self._cable.sample(view.p, view.q, travel, view.footprint)
-        beyond = np.abs(view.p) >= CABLE_REACH
-        texels[beyond] = 0.0
-        bare = 1 - texels[..., CHANNELS.burial]
-        side = np.clip(np.abs(view.p) - 1, 0, None)
-        lee = np.clip(view.p - 1, 0, None) + 9 * (view.p < 1)
-        shadow = 0.4 * np.exp(-side / np.float32(0.3)) + 0.25 * np.exp(-lee / np.float32(0.9))
-        shaded = ground * (1 - bare * shadow)
-        roundness = np.sqrt(np.clip(1 - view.p * view.p, 0, 1))
-        skin = texels[..., CHANNELS.surface] * (0.68 + 0.32 * roundness) * (1 - 0.08 * view.p)
-        cover = view.inside * bare
-        scene = shaded + (skin - shaded) * cover
-        growth = texels[..., CHANNELS.growth]
-        scene += (texels[..., CHANNELS.growth_tone] - scene) * growth
-        return np.asarray(scene)
+    def _ground(self, view: _View) -> Image:
+        unit = np.float32(1 / BED_UNIT)
+        across = (view.x + np.float32(view.eye[0])) * unit
+        ground = self._scene.bed.sample(
+            across, view.y * unit, float(view.eye[1]) / BED_UNIT, view.footprint * unit
+        )
+        return self._lay_streaks(ground, view, on_top=False)
 
-    def _lay_streaks(self, scene: Image, view: View, travel: float, *, on_top: bool) -> Image:
-        for streak in self._streaks:
-            if streak.on_top == on_top:
-                cover = streak_cover(streak, view.p, view.q, travel, view.footprint)
-                if cover is not None:
-                    scene = scene + (np.float32(streak.tone) - scene) * cover
+    def _lay_streaks(self, scene: Image, view: _View, *, on_top: bool) -> Image:
+        streaks = [streak for streak in self._scene.streaks if streak.on_top == on_top]
+        if not streaks:
+            return scene
+        p, q = self._streak_places(view.x, view.y, view.eye)
+        footprint = view.footprint * np.float32(1 / self._scene.streak_unit)
+        start = float(view.eye[1]) / self._scene.streak_unit
+        for streak in streaks:
+            cover = streak_cover(streak, p, q, start, footprint)
+            if cover is not None:
+                scene = scene + (np.float32(streak.tone) - scene) * cover
         return scene
 
-    def _make_lamps(self, rng: np.random.Generator) -> Image:
-        """Return the light that falls on each pixel: two pools of light, dark corners."""
-        width, height = self._image_size
-        reach = np.hypot(width, height) / 2
-        x, y = self._x / reach, self._y / reach
-        light = np.full((height, width), 0.42, dtype=np.float32)
-        for side in (-1, 1):
-            centre_x = side * rng.uniform(0.15, 0.4)
-            centre_y = rng.uniform(-0.25, 0.35)
-            spread = rng.uniform(0.45, 0.65)
-            strength = rng.uniform(0.35, 0.6)
-            square = (x - centre_x) ** 2 + (y - centre_y) ** 2
-            light += strength * np.exp(-square / (2 * spread**2))
-        vignette = 1 - 0.3 * (x * x + y * y)
-        return np.asarray(light * vignette, dtype=np.float32)
+    def _streak_places(self, x: Image, y: Image, eye: FloatArray) -> tuple[Image, Image]:
+        unit = np.float32(1 / self._scene.streak_unit)
+        return (x + np.float32(eye[0])) * unit, y * unit
 
-    def _through_water(self, scene: Image) -> Image:
-        """Dim and veil the scene as turbid water does, and blur it."""
-        haze = 0.12 + 0.38 * self._clutter
-        veil = 0.27 * np.sqrt(self._lamps)
-        light = (1 - haze) * scene * self._lamps + haze * veil
-        sigma = (0.6 + 0.5 * self._clutter) * max(self._scale, 0.5)
-        return cv2.GaussianBlur(light, (0, 0), sigma)
-
-    def _add_snow(self, light: Image, state: CableState, travel: float) -> None:
-        """Draw the flakes; they pass faster than the bottom, and come round again."""
-        if self._snow.radii.size == 0:
+    def _lay_cable(self, scene: Image, view: _View, cable: LaidCable) -> None:
+        """Draw a cable and its shadow into the scene."""
+        near = self._near(view, cable)
+        if near.size == 0:
             return
-        size = np.array(self._image_size, dtype=np.float64)
-        forward = travel * TYPICAL_RADIUS * self._scale * self._snow.nearness
-        sideways = np.full_like(forward, state.distance)
-        drift = np.stack((sideways, forward), axis=1) / size
-        share = np.mod(self._snow.places + drift / SPREAD, 1.0)
-        centres = (share - 0.5) * SPREAD * size + (size - 1) / 2
-        layer = np.zeros(light.shape, dtype=np.float32)
-        for centre, radius, tone in zip(
-            centres, self._snow.radii * self._scale, self._snow.tones, strict=True
-        ):
-            _draw_flake(layer, centre, radius, tone)
-        light += layer * self._lamps
+        rays = view.rays.reshape(3, -1)[:, near]
+        sight = cable.tube.sight(view.eye, rays)
+        pixel = sight.distance * np.float32(1 / (self._camera.focal * cable.tube.radius))
+        pixel /= self._light.length.reshape(-1)[near]
+        skin = cable.skin(sight, pixel)
+        flat = scene.reshape(-1)
+        flat[near] = _blend_cable(flat[near], sight, skin, pixel)
+
+    def _near(self, view: _View, cable: LaidCable) -> Image:
+        """Return the flat indices of the pixels that may show the cable, in rows of equal length.
+
+        The last one is repeated to fill up.
+        """
+        height, width = view.depth.shape
+        coarse = view.rays[:, ::CELL, ::CELL]
+        p = np.abs(cable.tube.sight(view.eye, np.ascontiguousarray(coarse)).p)
+        step = np.zeros_like(p)
+        step[:, 1:] = np.abs(np.diff(p, axis=1))
+        step[1:] = np.maximum(step[1:], np.abs(np.diff(p, axis=0)))
+        step = cv2.dilate(step, np.ones((3, 3), np.uint8))
+        near = (p < CABLE_REACH + 0.5 + 2 * step).astype(np.uint8)
+        cells = cv2.dilate(near, np.ones((3, 3), np.uint8))
+        pixels = np.repeat(np.repeat(cells, CELL, axis=0), CELL, axis=1)[:height, :width]
+        found = np.flatnonzero(pixels)
+        missing = -found.size % ROW
+        if found.size == 0:
+            return found
+        return np.concatenate((found, np.full(missing, found[-1]))).reshape(-1, ROW)
 
     def _expose(self, light: Image) -> Image:
-        grey = 255.0 * light
-        if self._noise > 0:
-            grey += np.float32(self._noise) * self._rng.standard_normal(
-                light.shape, dtype=np.float32
-            )
-        return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
+        scale = self._camera.image_size[0] / 320
+        sigma = self._look.water.blur * max(scale, 0.5)
+        light = cv2.GaussianBlur(light, (0, 0), sigma)
+        gain = np.clip(MEAN_TONE / max(float(light.mean()), 1e-3), *EXPOSURE_LIMITS) ** 0.7
+        grey = np.float32(255.0 * gain) * light
+        if self._look.noise > 0:
+            grain = self._rng.standard_normal(light.shape, dtype=np.float32)
+            grey += np.float32(self._look.noise) * grain
+        picture: Image = np.clip(np.rint(grey), 0, 255).astype(np.uint8)
+        if self._look.jpeg_quality is None:
+            return picture
+        _, data = cv2.imencode(".jpg", picture, (cv2.IMWRITE_JPEG_QUALITY, self._look.jpeg_quality))
+        return np.asarray(cv2.imdecode(data, cv2.IMREAD_GRAYSCALE))
 
 
-def _draw_flake(layer: Image, centre: FloatArray, radius: float, tone: float) -> None:
-    """Add a soft spot of light."""
-    reach = int(np.ceil(2.5 * radius)) + 1
-    height, width = layer.shape
-    column, row = int(centre[0]), int(centre[1])
-    left, right = max(column - reach, 0), min(column + reach + 1, width)
-    top, bottom = max(row - reach, 0), min(row + reach + 1, height)
-    if left >= right or top >= bottom:
-        return
-    x = np.arange(left, right) - centre[0]
-    y = np.arange(top, bottom) - centre[1]
-    spread = 2 * max(radius, 0.5) ** 2
-    spot = np.exp(-(y * y) / spread)[:, None] * np.exp(-(x * x) / spread)[None, :]
-    layer[top:bottom, left:right] += tone * spot
+def _blend_cable(ground: Image, sight: Sight, skin: CableSkin, pixel: Image) -> Image:
+    """Return the reflected light of pixels near a cable: shadow, round body, growth."""
+    p = sight.p
+    bare = 1 - skin.burial
+    side = np.clip(np.abs(p) - 1, 0, None)
+    lee = np.clip(p - 1, 0, None) + 9 * (p < 1)
+    shadow = 0.4 * np.exp(-side / np.float32(0.3)) + 0.25 * np.exp(-lee / np.float32(0.9))
+    shaded = ground * (1 - bare * shadow)
+    roundness = np.sqrt(np.clip(1 - p * p, 0, 1))
+    body = skin.surface * (0.68 + 0.32 * roundness) * (1 - 0.08 * p)
+    cover = np.clip((1 - np.abs(p)) / pixel + 0.5, 0, 1) * bare
+    scene = shaded + (body - shaded) * cover
+    growth = skin.growth * (np.abs(p) < CABLE_REACH)
+    return np.asarray(scene + (skin.growth_tone - scene) * growth)

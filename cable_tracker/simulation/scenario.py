@@ -1,30 +1,49 @@
-"""A simulated dive along a cable, frame by frame, with exact ground truth."""
+"""Simulated dives along a cable, frame by frame, with exact ground truth."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from cable_tracker.arrays import Image
-from cable_tracker.cable.state import CableState
+from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import ParameterError
-from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.simulation.clutter import random_streaks
-from cable_tracker.simulation.renderer import SeabedRenderer
-from cable_tracker.simulation.trajectory import Trajectory
-
-FIRST_STAMP = 1_000_000_000
-"""Stamp of the first frame [ns]; not 0, which ROS takes for "no time"."""
-
-NANOSECONDS = 1_000_000_000
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.simulation.camera import Camera
+from cable_tracker.simulation.dive import (
+    BATCH,
+    CABLE_RADIUS,
+    FOCAL,
+    Dive,
+    Seeds,
+    SimulatedFrame,
+    Surroundings,
+    frame_times,
+    run,
+)
+from cable_tracker.simulation.laid_cable import BuriedStretch
+from cable_tracker.simulation.look import Look
+from cable_tracker.simulation.routes import random_trajectory, scenario_trajectory
+from cable_tracker.simulation.scenarios import SCENARIO_RATE, Crossing, Scenario, find_scenario
+from cable_tracker.simulation.tube import Tube, random_bends
 
 SMALLEST_SIDE = 32
 LARGEST_SIDE = 4096
-VIEW_LENGTH = 80.0
-"""No frame looks farther than this along the cable [radii]."""
+
+SCENARIO_SIZE = (320, 240)
+"""Width and height of the frames of the scenarios [px]."""
+
+CURVATURE = 0.012
+"""The cable of `simulate` never bends more than this [1/m]."""
+
+BEND_LENGTHS = (12.0, 24.0)
+"""Shortest and longest bend of a cable [m]."""
+
+MOUNTING = float(np.deg2rad(20.0))
+"""How far the camera of `simulate` looks forward on the vehicle [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,17 +84,25 @@ class SimulationSettings:
             raise ParameterError(f"frame_count is {self.frame_count}: simulate at least 1 frame")
         if not (math.isfinite(self.rate) and 1e-3 <= self.rate <= 1e6):
             raise ParameterError(f"rate is {self.rate}: give 0.001 to 1000000 frames per second")
-        if not all(SMALLEST_SIDE <= side <= LARGEST_SIDE for side in self.image_size):
-            raise ParameterError(
-                f"image_size is {self.image_size[0]}x{self.image_size[1]}: "
-                f"give a width and height of {SMALLEST_SIDE} to {LARGEST_SIDE} px"
-            )
+        _check_size(self.image_size)
         if not 0.0 <= self.clutter <= 1.0:
             raise ParameterError(f"clutter is {self.clutter}: give a value from 0 to 1")
         if not 0.0 <= self.noise <= 64.0:
             raise ParameterError(f"noise is {self.noise}: give 0 to 64 grey levels")
-        if self.seed < 0:
-            raise ParameterError(f"seed is {self.seed}: give a number that is not negative")
+        _check_seed(self.seed)
+
+
+def _check_size(image_size: tuple[int, int]) -> None:
+    if not all(SMALLEST_SIDE <= side <= LARGEST_SIDE for side in image_size):
+        raise ParameterError(
+            f"image_size is {image_size[0]}x{image_size[1]}: "
+            f"give a width and height of {SMALLEST_SIDE} to {LARGEST_SIDE} px"
+        )
+
+
+def _check_seed(seed: int) -> None:
+    if seed < 0:
+        raise ParameterError(f"seed is {seed}: give a number that is not negative")
 
 
 def simulate(settings: SimulationSettings) -> Iterator[Frame]:
@@ -83,31 +110,130 @@ def simulate(settings: SimulationSettings) -> Iterator[Frame]:
 
     Stamps start at 1 s and follow the rate; the frame_id is "camera".
     """
-    route_rng, clutter_rng, picture_rng = (
-        np.random.default_rng(seed) for seed in np.random.SeedSequence(settings.seed).spawn(3)
+    seeds = Seeds.of(settings.seed)
+    dive = Dive(
+        camera=_camera(settings.image_size, MOUNTING),
+        tube=_random_tube(CURVATURE, seeds),
+        trajectory=random_trajectory(np.random.default_rng(seeds.route)),
     )
-    trajectory = Trajectory.random(settings.image_size, route_rng)
-    end = trajectory.travel((settings.frame_count - 1) / settings.rate)
-    streaks = random_streaks(-VIEW_LENGTH, end + VIEW_LENGTH, settings.clutter, clutter_rng)
-    renderer = SeabedRenderer(
-        settings.image_size, settings.clutter, settings.noise, streaks, picture_rng
-    )
-    for index in range(settings.frame_count):
-        time = index / settings.rate
-        state = trajectory.state(time)
-        image = renderer.render(state, trajectory.travel(time))
-        stamp = FIRST_STAMP + round(index * NANOSECONDS / settings.rate)
-        yield _make_frame(index, stamp, image, state)
+    surroundings = Surroundings(Look.for_clutter(settings.clutter, settings.noise))
+    for simulated in run(dive, surroundings, settings.frame_count, settings.rate, seeds):
+        yield simulated.frame
 
 
-def _make_frame(index: int, stamp: int, image: Image, truth: CableState) -> Frame:
-    height, width = image.shape
-    raw = RawImage(
-        encoding="mono8",
-        height=height,
-        width=width,
-        step=width,
-        is_bigendian=False,
-        data=memoryview(image.tobytes()),
+def simulate_scenario(
+    scenario: str | Scenario,
+    seed: int = 0,
+    image_size: tuple[int, int] = SCENARIO_SIZE,
+    *,
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
+    photographs: Path | None = None,
+) -> Iterator[SimulatedFrame]:
+    """Yield the frames of a scenario at 25 frames per second, bit for bit the same each time.
+
+    Parameters
+    ----------
+    scenario : str or Scenario
+        One of `SCENARIOS`, or one's own.
+    seed : int
+        Not negative: draws motion, course, surfaces and noise.
+    image_size : (int, int)
+        Width and height [px], each 32 to 4096; lengths scale with the width.
+    distortion : tuple of 5 float
+        Of the camera: k1, k2, p1, p2, k3 of the model "plumb_bob"; all 0 is none.
+    photographs : Path or None
+        A folder of photographs of a sea bed that the bottom is made of; None: made of noise.
+
+    Raises
+    ------
+    ParameterError
+        A scenario of that name is unknown, or a value is out of its range.
+    RecordingError
+        There are no photographs in the folder.
+    """
+    chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
+    _check_size(image_size)
+    _check_seed(seed)
+    seeds = Seeds.of(seed)
+    dive = _scenario_dive(chosen, seeds, image_size, distortion)
+    surroundings = Surroundings(
+        chosen.look,
+        chosen.has_cable,
+        () if chosen.buried is None else (_bury(dive, chosen.buried),),
+        () if chosen.crossing is None else ((_cross(dive, chosen.crossing), chosen.crossing.skin),),
+        photographs,
     )
-    return Frame(index=index, stamp=stamp, image=raw, truth=truth)
+    return run(dive, surroundings, chosen.frame_count, SCENARIO_RATE, seeds)
+
+
+def scenario_states(
+    scenario: str | Scenario, seed: int = 0, image_size: tuple[int, int] = SCENARIO_SIZE
+) -> FloatArray:
+    """Return the geometry of a scenario without its pictures.
+
+    Returns
+    -------
+    FloatArray
+        Exact d, alpha, w, beta and the rates of d and alpha in each frame, shape (N, 6) [px, rad,
+        per second]; NaN where no border of the cable is inside the image. Sand and growth are not
+        asked.
+
+    Raises
+    ------
+    ParameterError
+        As `simulate_scenario`.
+    """
+    chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
+    _check_size(image_size)
+    _check_seed(seed)
+    if not chosen.has_cable:
+        return np.full((chosen.frame_count, 6), np.nan)
+    dive = _scenario_dive(chosen, Seeds.of(seed), image_size)
+    starts = range(0, chosen.frame_count, BATCH)
+    batches = [dive.views(frame_times(start, SCENARIO_RATE)).states for start in starts]
+    return np.concatenate(batches)[: chosen.frame_count]
+
+
+def _camera(
+    image_size: tuple[int, int],
+    mounting: float,
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
+) -> Camera:
+    return Camera(image_size, FOCAL * image_size[0] / 320, mounting, distortion)
+
+
+def _random_tube(curvature: float, seeds: Seeds) -> Tube:
+    rng = np.random.default_rng(seeds.course)
+    return Tube(CABLE_RADIUS, random_bends(curvature, BEND_LENGTHS, 2, rng))
+
+
+def _scenario_dive(
+    scenario: Scenario,
+    seeds: Seeds,
+    image_size: tuple[int, int],
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
+) -> Dive:
+    return Dive(
+        camera=_camera(image_size, float(np.deg2rad(scenario.mounting)), distortion),
+        tube=_random_tube(scenario.curvature, seeds),
+        trajectory=scenario_trajectory(scenario, np.random.default_rng(seeds.route)),
+    )
+
+
+def _bury(dive: Dive, frames: tuple[int, int]) -> BuriedStretch:
+    """Return the stretch that hides the cable from all of the frames from first to last."""
+    times = np.arange(frames[0], frames[1] + 1) / SCENARIO_RATE
+    projected = dive.views(times).projected
+    inside = projected.inside.any(axis=1)
+    seen = projected.along[inside]
+    margin = 0.5 * dive.tube.radius
+    return BuriedStretch(float(seen.min()) - margin, float(seen.max()) + margin, 0.1)
+
+
+def _cross(dive: Dive, crossing: Crossing) -> Tube:
+    """Return the cable that crosses the other one in the middle of the view of a frame."""
+    projected = dive.views(np.array([crossing.frame / SCENARIO_RATE])).projected
+    along = projected.along[projected.inside.any(axis=1)]
+    middle, _ = dive.tube.axis(np.array([np.median(along)]))
+    origin = (float(middle[0, 0]), float(middle[0, 1]))
+    return Tube(crossing.radius, (), origin, float(np.deg2rad(crossing.angle)))

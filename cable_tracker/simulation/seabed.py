@@ -1,16 +1,18 @@
-"""The sea bed: sand with ripples, stones that cast shadows, algae; and the surface of the cable.
+"""The sea bed: sand with ripples, stones that cast shadows, algae, gravel; and a cable's surface.
 
-World coordinates belong to the cable: p across it and q along it, both in radii of the cable, so
-that its borders lie at p = -1 and p = 1 whatever the altitude of the camera.
+Coordinates on the bottom are in multiples of `BED_UNIT`. On a cable they are p across and q along
+it, both in radii of the cable, so that its borders lie at p = -1 and p = 1.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.simulation.look import Bottom, Skin
 from cable_tracker.simulation.texture import (
     TiledTexture,
     cloud_response,
@@ -19,8 +21,11 @@ from cable_tracker.simulation.texture import (
     spectral_noise,
 )
 
+BED_UNIT = 0.08
+"""What the structures of the bottom are measured in [m]."""
+
 BED_SIZE = 64
-"""Extent of the tile of the bottom, across and along [radii]."""
+"""Extent of the tile of the bottom, across and along [units]."""
 
 CABLE_LENGTH = 160
 """Length after which the surface of the cable repeats [radii]."""
@@ -29,7 +34,16 @@ CABLE_REACH = 2
 """The texture of the cable covers p = -2 to 2, so that growth can stand out over the borders."""
 
 STONES_PER_AREA = 0.22
-"""Stones on a square of one radius."""
+"""Stones on a square of one unit."""
+
+PEBBLES_PER_AREA = 7.0
+"""Pebbles on a square of one unit where the bottom is gravel."""
+
+LAY_SPACING = 0.5
+"""Distance between the wires wound around the cable [radii]; divides `CABLE_LENGTH`."""
+
+NEVER_BURIED = -3.0
+"""Level of sand on a cable that lies free everywhere."""
 
 LIGHT = (-0.8, 0.6)
 """Where the light comes from, across and along; stones are bright on that side."""
@@ -37,12 +51,16 @@ LIGHT = (-0.8, 0.6)
 
 @dataclass(frozen=True, slots=True)
 class CableChannels:
-    """Names of the channels of the cable's texture, each between 0 and 1."""
+    """Names of the channels of the cable's texture.
+
+    All are between 0 and 1 except the level of the sand, which covers the cable where it is
+    positive; see `burial_cover`.
+    """
 
     surface: int = 0
     growth: int = 1
     growth_tone: int = 2
-    burial: int = 3
+    sand: int = 3
 
 
 CHANNELS = CableChannels()
@@ -57,7 +75,7 @@ class Stone:
     row, column : float
         Its middle in the tile [texels].
     radius : float
-        Of its longer axis [radii of the cable].
+        Of its longer axis [units].
     tone : float
         Its reflected light, relative to the bottom's.
     turn : float
@@ -74,13 +92,15 @@ class Stone:
     stretch: float
 
 
-def make_bed(resolution: int, rng: np.random.Generator) -> TiledTexture:
+def make_bed(resolution: int, bottom: Bottom, rng: np.random.Generator) -> TiledTexture:
     """Make a bottom.
 
     Parameters
     ----------
     resolution : int
-        Texels per radius of the cable.
+        Texels per unit.
+    bottom : Bottom
+        What it consists of.
 
     Returns
     -------
@@ -90,48 +110,55 @@ def make_bed(resolution: int, rng: np.random.Generator) -> TiledTexture:
     side = BED_SIZE * resolution
     shape = (side, side)
     sediment = spectral_noise(cloud_response(shape, resolution, (9.0, 9.0), 0.12), shape, rng)
-    height = 0.05 * sediment + _ripples(shape, resolution, rng)
-    albedo = 0.31 + 0.045 * sediment
-    _strew_stones(height, albedo, resolution, rng)
-    algae = _algae(shape, resolution, rng)
+    height = 0.05 * sediment + bottom.ripples * _ripples(shape, resolution, rng)
+    albedo = bottom.tone * (1 + 0.145 * sediment)
+    if bottom.gravel > 0:
+        _spread_gravel(height, albedo, resolution, bottom.gravel, rng)
+    _strew_stones(height, albedo, resolution, bottom, rng)
+    algae = bottom.algae * _algae(shape, resolution, rng)
     grain = spectral_noise(cloud_response(shape, resolution, (0.25, 0.25), 0.04, 1.0), shape, rng)
     height += 0.012 * grain + 0.05 * algae * grain
     albedo += 0.012 * grain
-    albedo *= 1 - algae * (0.45 - 0.1 * grain)
+    albedo *= 1 - np.minimum(algae, 1.3) * (0.45 - 0.1 * grain)
     tile = np.clip(albedo * _relief(height, resolution), 0.03, 0.95)
     return TiledTexture.from_tile(tile.astype(np.float32), resolution)
 
 
-def make_cable(resolution: int, clutter: float, rng: np.random.Generator) -> TiledTexture:
-    """Make the surface of a cable with what grows on it and the sand that buries it.
+def make_cable(resolution: int, skin: Skin, rng: np.random.Generator) -> TiledTexture:
+    """Make the surface of a cable with what grows on it and beside it and the sand that buries it.
 
     Parameters
     ----------
     resolution : int
         Texels per radius of the cable.
-    clutter : float
-        0 (a clean cable, free everywhere) to 1 (about four tenths of the borders hidden).
+    skin : Skin
+        What the cable is like.
 
     Returns
     -------
     TiledTexture
-        Four channels, see `CableChannels`.
+        Four channels, see `CableChannels`; p = -1 and p = 1 are at 1 and 3 across.
     """
     shape = (CABLE_LENGTH * resolution, 2 * CABLE_REACH * resolution)
-    small = _cover(shape, resolution, (0.8, 1.5), 0.10 * clutter, rng)
-    large = _cover(shape, resolution, (3.0, 4.0), 0.18 * clutter, rng)
-    growth = np.maximum(small, large)
-    burial = _cover(shape, resolution, (3.0, 9.0), 0.18 * clutter, rng)
+    small = _patches(shape, resolution, (0.8, 1.5), share=0.10 * skin.cover, crest=0.3, rng=rng)
+    large = _patches(shape, resolution, (3.0, 4.0), share=0.18 * skin.cover, crest=0.6, rng=rng)
+    sand = _patches(shape, resolution, (3.0, 9.0), share=0.18 * skin.cover, crest=1.4, rng=rng)
+    growth = burial_cover(np.maximum(small, large))
     tufts = spectral_noise(cloud_response(shape, resolution, (0.6, 0.6), 0.1, 1.2), shape, rng)
     kinds = spectral_noise(cloud_response(shape, resolution, (5.0, 5.0), 1.0), shape, rng)
     tone = np.clip(0.25 + 0.1 * tufts + 0.05 * kinds, 0.05, 0.7)
-    surface = _cable_surface(shape, resolution, clutter, rng)
-    channels = np.stack((surface, growth, tone, burial), axis=-1)
+    surface = _cable_surface(shape, resolution, skin, rng)
+    channels = np.stack((surface, growth, tone, sand), axis=-1)
     return TiledTexture.from_tile(np.ascontiguousarray(channels, dtype=np.float32), resolution)
 
 
+def burial_cover(level: Image) -> Image:
+    """Return how much something of a given level covers, 0 to 1."""
+    return smooth_step(level, -0.12, 0.12)
+
+
 def _relief(height: Image, resolution: float) -> Image:
-    """Shade a height map [radii] that repeats, by a light that stands obliquely."""
+    """Shade a height map [units] that repeats, by a light that stands obliquely."""
     across = (np.roll(height, -1, 1) - np.roll(height, 1, 1)) * (resolution / 2)
     along = (np.roll(height, -1, 0) - np.roll(height, 1, 0)) * (resolution / 2)
     slope = -(LIGHT[0] * across + LIGHT[1] * along)
@@ -139,7 +166,7 @@ def _relief(height: Image, resolution: float) -> Image:
 
 
 def _ripples(shape: tuple[int, int], resolution: float, rng: np.random.Generator) -> Image:
-    """Return the height of sand ripples, which come and go over the bottom [radii]."""
+    """Return the height of sand ripples, which come and go over the bottom [units]."""
     direction = rng.uniform(0.0, np.pi)
     wavelength = rng.uniform(1.3, 2.0)
     across, along = frequencies(shape, resolution)
@@ -152,10 +179,43 @@ def _ripples(shape: tuple[int, int], resolution: float, rng: np.random.Generator
     return 0.045 * waves * smooth_step(patches, -0.5, 1.2)
 
 
-def _strew_stones(height: Image, albedo: Image, resolution: int, rng: np.random.Generator) -> None:
+def _spread_gravel(
+    height: Image, albedo: Image, resolution: int, share: float, rng: np.random.Generator
+) -> None:
+    """Cover part of the bottom with pebbles side by side; changes both maps in place."""
+    side = height.shape[0]
+    margin = 2 * resolution
+    seeds = np.full((side, side), 255, dtype=np.uint8)
+    places = rng.integers(0, side, (int(PEBBLES_PER_AREA * BED_SIZE**2), 2))
+    seeds[places[:, 0], places[:, 1]] = 0
+    wrapped = cv2.copyMakeBorder(seeds, margin, margin, margin, margin, cv2.BORDER_WRAP)
+    distance, labels = cv2.distanceTransformWithLabels(
+        wrapped, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    middle = slice(margin, margin + side)
+    # A pebble at the tile's edge has another label on the far side: its tone goes by its place.
+    rows, columns = np.nonzero(wrapped == 0)
+    tones = rng.normal(1.0, 0.28, (side, side)).clip(0.4, 1.8)
+    by_label = np.ones(int(labels.max()) + 1)
+    by_label[labels[rows, columns]] = tones[(rows - margin) % side, (columns - margin) % side]
+    size = resolution / np.sqrt(PEBBLES_PER_AREA)
+    apart = distance[middle, middle] / size
+    dome = np.sqrt(np.clip(1 - (apart / 0.85) ** 2, 0.0, 1.0))
+    beds = spectral_noise(
+        cloud_response((side, side), resolution, (14.0, 14.0), 1.0), (side, side), rng
+    )
+    where = smooth_step(beds, 1.6 - 3.2 * share, 2.2 - 3.2 * share)
+    tone = by_label[labels[middle, middle]] * (0.55 + 0.45 * dome)
+    height += where * 0.12 * dome
+    albedo *= 1 + where * (tone - 1)
+
+
+def _strew_stones(
+    height: Image, albedo: Image, resolution: int, bottom: Bottom, rng: np.random.Generator
+) -> None:
     """Lay stones of all sizes on the bottom, small ones most; changes both maps in place."""
     side = height.shape[0]
-    count = int(STONES_PER_AREA * BED_SIZE**2)
+    count = int(STONES_PER_AREA * BED_SIZE**2 * bottom.stones)
     radii = np.minimum(0.1 * (1 + rng.pareto(1.9, count)), 1.6)
     # Stones gather in fields and leave sand between them.
     field = rng.uniform(0, side, (10, 2))
@@ -198,37 +258,45 @@ def _algae(shape: tuple[int, int], resolution: float, rng: np.random.Generator) 
     return smooth_step(patches, 0.75, 1.9)
 
 
-def _cover(
+def _patches(
     shape: tuple[int, int],
     resolution: float,
     size: tuple[float, float],
+    *,
     share: float,
+    crest: float,
     rng: np.random.Generator,
 ) -> Image:
-    """Return patches, 0 to 1, that hide the given share of the two borders' length."""
+    """Return the level of patches that hide the given share of the two borders' length.
+
+    `crest` is how much higher they must be to cover the top of the cable.
+    """
     noise = spectral_noise(cloud_response(shape, resolution, size, 0.15, 2.2), shape, rng)
     if share <= 0.0:
-        return np.zeros(shape, dtype=np.float32)
+        return np.asarray(NEVER_BURIED + np.float32(0.3) * np.clip(noise, -2, 2))
     borders = noise[:, [shape[1] // 4, 3 * shape[1] // 4]]
-    threshold = float(np.quantile(borders, 1 - share))
+    threshold = np.float32(np.quantile(borders, 1 - share))
     # Fade out to the rim of the texture, where it would be cut off along a straight line.
     across = np.abs((np.arange(shape[1]) + 0.5) / resolution - CABLE_REACH)
-    noise = noise - (4 * smooth_step(across, 1.3, 1.95)).astype(np.float32)
-    return smooth_step(noise, threshold - 0.12, threshold + 0.12)
+    lowered = 4 * smooth_step(across, 1.3, 1.95) + crest * np.sqrt(np.clip(1 - across**2, 0, 1))
+    return np.asarray(noise - threshold - lowered.astype(np.float32))
 
 
 def _cable_surface(
-    shape: tuple[int, int], resolution: float, clutter: float, rng: np.random.Generator
+    shape: tuple[int, int], resolution: float, skin: Skin, rng: np.random.Generator
 ) -> Image:
-    """Return the reflected light of the cable's skin: stained, scratched, thinly overgrown."""
-    stains = spectral_noise(cloud_response(shape, resolution, (1.5, 5.0), 0.2), shape, rng)
-    specks = spectral_noise(cloud_response(shape, resolution, (0.3, 0.5), 0.06, 1.0), shape, rng)
-    thin = smooth_step(
-        spectral_noise(cloud_response(shape, resolution, (1.0, 3.0), 0.12, 1.4), shape, rng),
-        0.2,
-        1.4,
-    )
-    contrast = 0.4 + 0.6 * clutter
-    clean = 0.66 - 0.18 * clutter
-    surface = clean * (1 + contrast * (0.12 * stains + 0.07 * specks - 0.3 * thin))
-    return np.clip(surface, 0.15, 0.95)
+    """Return the reflected light of the cable's skin: wound, stained, thinly overgrown."""
+    stains = spectral_noise(cloud_response(shape, resolution, (1.2, 2.5), 0.15), shape, rng)
+    specks = spectral_noise(cloud_response(shape, resolution, (0.3, 0.4), 0.06, 1.0), shape, rng)
+    fouled = spectral_noise(cloud_response(shape, resolution, (1.5, 4.0), 0.1, 1.3), shape, rng)
+    thin = smooth_step(fouled, 0.3, 1.6)
+    pattern = 0.09 * stains + 0.06 * specks - 0.25 * thin + 0.05 * _lay(shape, resolution)
+    return np.asarray(np.clip(skin.tone * (1 + skin.stains * pattern), 0.04, 0.95))
+
+
+def _lay(shape: tuple[int, int], resolution: float) -> Image:
+    """Return the pattern of wires wound around the cable, -1 to 1."""
+    p = (np.arange(shape[1]) + 0.5) / resolution - CABLE_REACH
+    q = (np.arange(shape[0]) + 0.5) / resolution
+    turn = np.arcsin(np.clip(p, -1.0, 1.0))
+    return np.asarray(np.sin(2 * np.pi * (q[:, None] / LAY_SPACING + 1.2 * turn[None, :])))

@@ -1,48 +1,27 @@
 """How the cable moves through the image while a vehicle follows it.
 
-The camera sways over the cable: distance, angle, width and the tilt of the camera are sums of a few
-slow sinusoids, so that position and velocity are known exactly at every instant.
+The motion is prescribed as the cable shows it: d, alpha, w and beta are smooth functions of time,
+sums of slow sinusoids and single moves, so that position and velocity are known at every instant.
+`steering` finds the way of the vehicle that makes the camera see it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.state import CableState
+from cable_tracker.errors import ParameterError
 
 REFERENCE_WIDTH = 320
 """The image width that lengths in pixels are given for."""
 
-DISTANCE_LIMIT = 70.0
-"""Largest |d| [px at the reference width]."""
+RATE_STEP = 1e-4
+"""Half the interval over which velocities are taken [s]."""
 
-ANGLE_LIMIT = np.deg2rad(25.0)
-"""Largest |alpha| [rad]."""
-
-WIDTH_LIMITS = (24.0, 48.0)
-"""Smallest and largest w [px at the reference width]."""
-
-HORIZON_LIMITS = (1.15, 3.3)
-"""Nearest and farthest vanishing point of the borders [half diagonals of the image].
-
-Borders that meet at the distance s have the skew atan(w / 2 s). The point stays outside the image,
-where the bottom would end; at 4:3 the skews lie between 1 and 6 degrees.
-"""
-
-SPEED_LIMITS = (2.5, 4.5)
-"""Forward speed over the bottom [radii of the cable per second]."""
-
-SWAY_AMPLITUDES = (0.3, 0.4, 0.2, 0.1)
-"""Shares of the limit that the sinusoids take: slow wandering first, then faster and smaller."""
-
-SWAY_BANDS = ((0.008, 0.03), (0.12, 0.2), (0.25, 0.45), (0.5, 0.75))
-"""Frequencies of the sinusoids of d and alpha [Hz], lowest and highest of each."""
-
-DRIFT_BANDS = ((0.008, 0.02), (0.03, 0.06), (0.07, 0.12), (0.15, 0.2))
-"""Frequencies of the sinusoids of altitude and tilt [Hz], lowest and highest of each."""
+Bands = tuple[tuple[float, float], ...]
+"""Lowest and highest frequency of each sinusoid [Hz]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,93 +44,196 @@ class Harmonics:
 
     @classmethod
     def random(
-        cls, limit: float, bands: tuple[tuple[float, float], ...], rng: np.random.Generator
+        cls,
+        limit: float,
+        bands: Bands,
+        rng: np.random.Generator,
+        shares: tuple[float, ...] | None = None,
     ) -> Harmonics:
-        """Draw frequencies from bands [Hz], and phases; the sum never exceeds +-limit."""
+        """Draw frequencies from bands [Hz], and phases; the sum never exceeds +-limit.
+
+        `shares` says what part of the limit each sinusoid takes. Without, they have equal
+        velocities: slow wandering is large, fast shaking small.
+        """
         low, high = np.array(bands).T
+        frequencies = rng.uniform(low, high)
+        parts = 1 / frequencies if shares is None else np.array(shares)
         return cls(
-            amplitudes=limit * np.array(SWAY_AMPLITUDES),
-            frequencies=2 * np.pi * rng.uniform(low, high),
+            amplitudes=limit * parts / parts.sum(),
+            frequencies=2 * np.pi * frequencies,
             phases=rng.uniform(0.0, 2 * np.pi, len(bands)),
         )
 
-    def value(self, time: float) -> float:
-        """Return the sum at a time [s]."""
-        return float(np.sum(self.amplitudes * np.sin(self.frequencies * time + self.phases)))
+    def values(self, times: FloatArray) -> FloatArray:
+        """Return the sum at times [s], of the same shape."""
+        phases = self.frequencies * times[..., None] + self.phases
+        total: FloatArray = np.sum(self.amplitudes * np.sin(phases), axis=-1)
+        return total
 
-    def rate(self, time: float) -> float:
-        """Return the derivative of the sum at a time [s], per second."""
-        phases = self.frequencies * time + self.phases
-        return float(np.sum(self.amplitudes * self.frequencies * np.cos(phases)))
+    def scaled(self, factor: float) -> Harmonics:
+        """Return the same motion, larger or smaller."""
+        return replace(self, amplitudes=factor * self.amplitudes)
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A single smooth change of a value from one level to another.
+
+    Attributes
+    ----------
+    start, duration : float
+        [s].
+    amount : float
+        In the unit of the value.
+    """
+
+    start: float
+    duration: float
+    amount: float
+
+    def values(self, times: FloatArray) -> FloatArray:
+        """Return the change at times [s]: 0 before the move, `amount` after it."""
+        share = np.clip((times - self.start) / self.duration, 0.0, 1.0)
+        risen: FloatArray = share**3 * (10 - share * (15 - 6 * share))
+        return self.amount * risen
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """A vehicle stands still for a while.
+
+    Attributes
+    ----------
+    start, end : float
+        Speed is 0 from here to here [s].
+    ramp : float
+        How long it takes to stop, and to get up to speed again [s].
+    """
+
+    start: float
+    end: float
+    ramp: float
+
+    def lost(self, times: FloatArray) -> FloatArray:
+        """Return the time lost until `times` [s]."""
+        stopping = _integral_of_move((times - self.start + self.ramp) / self.ramp)
+        starting = _integral_of_move((times - self.end) / self.ramp)
+        return self.ramp * (stopping - starting)
+
+
+def _integral_of_move(share: FloatArray) -> FloatArray:
+    """Return the integral of a unit `Move` of unit duration from 0 to `share`."""
+    risen = np.clip(share, 0.0, 1.0)
+    integral: FloatArray = risen**4 * (2.5 - risen * (3 - risen)) + np.maximum(share - 1, 0.0)
+    return integral
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Signal:
+    """A quantity that changes with time.
+
+    Attributes
+    ----------
+    mean : float
+        The level it starts from.
+    harmonics : Harmonics
+        What goes on all the time.
+    moves : tuple of Move
+        What happens once.
+    strength : tuple of Move
+        How the harmonics' strength departs from 1 in the course of time.
+    """
+
+    mean: float
+    harmonics: Harmonics
+    moves: tuple[Move, ...] = ()
+    strength: tuple[Move, ...] = ()
+
+    def steady(self, times: FloatArray) -> FloatArray:
+        """Return the mean and the moves, without the harmonics, at times [s]."""
+        return self.mean + sum((move.values(times) for move in self.moves), np.zeros_like(times))
+
+    def wavering(self, times: FloatArray) -> FloatArray:
+        """Return the harmonics alone at times [s]."""
+        strength = sum((move.values(times) for move in self.strength), np.ones_like(times))
+        wavering: FloatArray = strength * self.harmonics.values(times)
+        return wavering
+
+    def values(self, times: FloatArray) -> FloatArray:
+        """Return the quantity at times [s], of the same shape."""
+        return self.steady(times) + self.wavering(times)
+
+    def with_increment_variance(self, variance: float, times: FloatArray) -> Signal:
+        """Scale the harmonics so that steps between `times` have the given sample variance.
+
+        Raises
+        ------
+        ParameterError
+            The moves alone have more.
+        """
+        moves, waves = np.diff(self.steady(times)), np.diff(self.wavering(times))
+        both = np.cov(np.stack((moves, waves)))
+        surplus = variance - both[0, 0]
+        if surplus < 0:
+            raise ParameterError(
+                f"increment variance {variance:g} is less than the scripted moves alone cause "
+                f"({both[0, 0]:g}): make them smaller or slower"
+            )
+        share = both[0, 1] / both[1, 1]
+        factor = -share + float(np.sqrt(share**2 + surplus / both[1, 1]))
+        return replace(self, harmonics=self.harmonics.scaled(factor))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
-    """The motion of a cable in the image, exact at any time.
+    """The motion of a cable in the image, and of the vehicle along it.
 
     Attributes
     ----------
-    image_size : (int, int)
-        Width and height of the image [px]; lengths scale with the width.
-    distance, angle : Harmonics
-        d [px] and alpha [rad].
-    altitude : Harmonics
-        Between -1 (widest cable) and 1 (narrowest).
-    tilt : Harmonics
-        Between -1 (looking straight down) and 1 (looking ahead most).
-    surge : Harmonics
-        Deviation from the steady forward motion [radii of the cable].
+    distance, width : Signal
+        d and w [px at the reference width].
+    angle, skew : Signal
+        alpha and beta [rad].
+    lean : Signal
+        How far the vehicle's right side hangs down [rad].
+    travel : Signal
+        The way along the cable without the steady speed [m].
     speed : float
-        Steady forward speed [radii of the cable per second].
+        Steady speed [m/s].
+    pause : Pause or None
+        When the vehicle stands still.
     """
 
-    image_size: tuple[int, int]
-    distance: Harmonics
-    angle: Harmonics
-    altitude: Harmonics
-    tilt: Harmonics
-    surge: Harmonics
+    distance: Signal
+    angle: Signal
+    width: Signal
+    skew: Signal
+    lean: Signal
+    travel: Signal
     speed: float
+    pause: Pause | None = None
 
-    @classmethod
-    def random(cls, image_size: tuple[int, int], rng: np.random.Generator) -> Trajectory:
-        """Draw a trajectory for images of the given width and height [px]."""
-        scale = image_size[0] / REFERENCE_WIDTH
-        return cls(
-            image_size=image_size,
-            distance=Harmonics.random(DISTANCE_LIMIT * scale, SWAY_BANDS, rng),
-            angle=Harmonics.random(ANGLE_LIMIT, SWAY_BANDS, rng),
-            altitude=Harmonics.random(1.0, DRIFT_BANDS, rng),
-            tilt=Harmonics.random(1.0, DRIFT_BANDS, rng),
-            surge=Harmonics.random(1.0, DRIFT_BANDS, rng),
-            speed=float(rng.uniform(*SPEED_LIMITS)),
-        )
+    def states(self, times: FloatArray, image_width: int) -> FloatArray:
+        """Return d, alpha, w, beta and the rates of d and alpha, shape (N, 6) [px, rad, 1/s].
 
-    def state(self, time: float) -> CableState:
-        """Return where the cable is at a time [s], with its velocities per second."""
-        width = self._width(time)
-        return CableState(
-            distance=self.distance.value(time),
-            angle=self.angle.value(time),
-            width=width,
-            skew=float(np.arctan(width / 2 / self._horizon(time))),
-            distance_rate=self.distance.rate(time),
-            angle_rate=self.angle.rate(time),
-        )
+        The angle is not wrapped.
+        """
+        scale = image_width / REFERENCE_WIDTH
+        states = np.empty((times.size, 6))
+        states[:, 0] = scale * self.distance.values(times)
+        states[:, 1] = self.angle.values(times)
+        states[:, 2] = scale * self.width.values(times)
+        states[:, 3] = self.skew.values(times)
+        states[:, 4] = scale * _rate(self.distance, times)
+        states[:, 5] = _rate(self.angle, times)
+        return states
 
-    def travel(self, time: float) -> float:
-        """Return the way along the cable since the start [radii of the cable]; never backwards."""
-        return self.speed * time + self.surge.value(time) - self.surge.value(0.0)
+    def way(self, times: FloatArray) -> FloatArray:
+        """Return the way along the cable since time 0 [m], shape (N,)."""
+        start = self.travel.values(np.zeros(1))
+        lost = 0.0 if self.pause is None else self.pause.lost(times)
+        return self.speed * (times - lost) + self.travel.values(times) - start
 
-    def _width(self, time: float) -> float:
-        narrowest, widest = WIDTH_LIMITS
-        middle, swing = (widest + narrowest) / 2, (widest - narrowest) / 2
-        width = middle - swing * self.altitude.value(time)
-        return width * self.image_size[0] / REFERENCE_WIDTH
 
-    def _horizon(self, time: float) -> float:
-        """Return the distance from the foot point to where the borders meet [px]."""
-        nearest, farthest = HORIZON_LIMITS
-        share = (1 + self.tilt.value(time)) / 2
-        curvature = 1 / farthest + share * (1 / nearest - 1 / farthest)
-        return float(np.hypot(*self.image_size) / 2 / curvature)
+def _rate(signal: Signal, times: FloatArray) -> FloatArray:
+    return (signal.values(times + RATE_STEP) - signal.values(times - RATE_STEP)) / (2 * RATE_STEP)

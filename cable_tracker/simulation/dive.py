@@ -1,0 +1,241 @@
+"""One dive: where the vehicle goes, what it sees, and the truth about the cable."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.geometry import wrap_states
+from cable_tracker.cable.state import CableState
+from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.simulation.borders import (
+    ProjectedBorders,
+    fit_states,
+    project_tube,
+    visible_share,
+)
+from cable_tracker.simulation.camera import Camera, CameraPoses
+from cable_tracker.simulation.clutter import random_streaks
+from cable_tracker.simulation.laid_cable import BuriedStretch, LaidCable, random_gaps
+from cable_tracker.simulation.look import Look, Skin
+from cable_tracker.simulation.photographs import make_photographed_bed
+from cable_tracker.simulation.renderer import Scene, SceneRenderer
+from cable_tracker.simulation.seabed import make_bed, make_cable
+from cable_tracker.simulation.steering import steer
+from cable_tracker.simulation.texture import TiledTexture
+from cable_tracker.simulation.trajectory import Trajectory
+from cable_tracker.simulation.tube import Tube
+
+FIRST_STAMP = 1_000_000_000
+"""Stamp of the first frame [ns]; not 0, which ROS takes for "no time"."""
+
+NANOSECONDS = 1_000_000_000
+
+FOCAL = 280.0
+"""Focal length of all cameras [px at a width of 320]."""
+
+CABLE_RADIUS = 0.08
+"""[m]."""
+
+BATCH = 32
+"""Frames whose geometry is worked out at once, whatever the length of the dive: arrays of one shape
+give the same numbers, bit for bit."""
+
+VIEW_LENGTH = 7.0
+"""Clutter is strewn this far beyond both ends of the way [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SimulatedFrame:
+    """A frame and how much of the cable can be seen in it.
+
+    Attributes
+    ----------
+    frame : Frame
+        A mono8 `RawImage` with its true `CableState`; no truth where no cable can be seen.
+    visibility : float
+        Share of the two borders inside the image that nothing hides, 0 to 1; 0 without any.
+    """
+
+    frame: Frame
+    visibility: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Views:
+    """The geometry of N frames.
+
+    Attributes
+    ----------
+    times : FloatArray
+        Shape (N,) [s].
+    poses : CameraPoses
+        Of the camera.
+    projected : ProjectedBorders
+        Of the cable.
+    states : FloatArray
+        Exact d, alpha, w, beta and the rates of d and alpha, shape (N, 6); NaN where no border is
+        inside the image.
+    """
+
+    times: FloatArray
+    poses: CameraPoses
+    projected: ProjectedBorders
+    states: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dive:
+    """A camera that is carried along a cable.
+
+    Attributes
+    ----------
+    camera : Camera
+        The camera.
+    tube : Tube
+        The cable's course.
+    trajectory : Trajectory
+        How the cable is to move through the image.
+    """
+
+    camera: Camera
+    tube: Tube
+    trajectory: Trajectory
+
+    def views(self, times: FloatArray) -> Views:
+        """Work out where the camera is and where it sees the cable at some times [s]."""
+        wanted = self.trajectory.states(times, self.camera.image_size[0])
+        lean, way = self.trajectory.lean.values(times), self.trajectory.way(times)
+        poses = steer(self.tube, self.camera, wanted, lean, way)
+        projected = project_tube(self.tube, self.camera, poses)
+        states = fit_states(projected, self.camera.image_size)
+        # Where the line is written the other way round, so is the sense of its distance.
+        states[:, 4:] = wanted[:, 4:]
+        turned = np.abs(wrap_states(wanted)[:, 1] - wanted[:, 1]) > np.pi / 2
+        states[turned, 4] *= -1
+        states[~projected.in_view()] = np.nan
+        return Views(times, poses, projected, states)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surroundings:
+    """What lies on the bottom besides the first cable's course.
+
+    Attributes
+    ----------
+    look : Look
+        How it looks.
+    has_cable : bool
+        Whether the cable is there.
+    stretches : tuple of BuriedStretch
+        Where the cable is buried.
+    others : tuple of (Tube, Skin)
+        Further cables, on top of it.
+    photographs : Path or None
+        A folder of pictures that the bottom is made of.
+    """
+
+    look: Look
+    has_cable: bool = True
+    stretches: tuple[BuriedStretch, ...] = ()
+    others: tuple[tuple[Tube, Skin], ...] = ()
+    photographs: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Seeds:
+    """One source of randomness for each part, so that changing one leaves the others alone."""
+
+    route: np.random.SeedSequence
+    course: np.random.SeedSequence
+    clutter: np.random.SeedSequence
+    picture: np.random.SeedSequence
+
+    @classmethod
+    def of(cls, seed: int) -> Seeds:
+        """Derive all from one number."""
+        return cls(*np.random.SeedSequence(seed).spawn(4))
+
+
+def frame_times(start: int, rate: float) -> FloatArray:
+    """Return the times of a batch of frames, shape (BATCH,) [s]."""
+    return np.arange(start, start + BATCH, dtype=np.float64) / rate
+
+
+def run(
+    dive: Dive, surroundings: Surroundings, frame_count: int, rate: float, seeds: Seeds
+) -> Iterator[SimulatedFrame]:
+    """Render the frames of a dive, with their truths."""
+    length = float(dive.trajectory.way(np.array([(frame_count - 1) / rate]))[0])
+    clutter_rng = np.random.default_rng(seeds.clutter)
+    picture_rng = np.random.default_rng(seeds.picture)
+    scene, cable = _lay_out(dive, surroundings, length, clutter_rng, picture_rng)
+    renderer = SceneRenderer(dive.camera, scene, surroundings.look, picture_rng)
+    for start in range(0, frame_count, BATCH):
+        views = dive.views(frame_times(start, rate))
+        for place in range(min(BATCH, frame_count - start)):
+            position, rotation = views.poses.positions[place], views.poses.rotations[place]
+            image = renderer.render(position, rotation, float(views.times[place]))
+            visibility = 0.0
+            if cable is not None:
+                projected = views.projected
+                hidden = renderer.hidden(
+                    cable, position, projected.world[place], projected.inside[place]
+                )
+                visibility = visible_share(projected, place, hidden)
+            truth = CableState.from_array(views.states[place]) if visibility > 0 else None
+            yield SimulatedFrame(_make_frame(start + place, rate, image, truth), visibility)
+
+
+def _lay_out(
+    dive: Dive,
+    surroundings: Surroundings,
+    length: float,
+    clutter_rng: np.random.Generator,
+    picture_rng: np.random.Generator,
+) -> tuple[Scene, LaidCable | None]:
+    look, radius = surroundings.look, dive.tube.radius
+    streaks = random_streaks(
+        -VIEW_LENGTH / radius, (length + VIEW_LENGTH) / radius, look.clutter, clutter_rng
+    )
+    gaps = random_gaps(-VIEW_LENGTH, length + VIEW_LENGTH, radius, look.skin.cover, clutter_rng)
+    scale = dive.camera.image_size[0] / 320
+    resolution = int(np.clip(round(5 * scale), 2, 10)) * 4
+    bed = _make_bed(surroundings, resolution, picture_rng)
+    own = LaidCable(
+        dive.tube, make_cable(resolution, look.skin, picture_rng), gaps + surroundings.stretches
+    )
+    others = tuple(
+        LaidCable(tube, make_cable(resolution, skin, picture_rng))
+        for tube, skin in surroundings.others
+    )
+    cable = own if surroundings.has_cable else None
+    cables = others if cable is None else (cable, *others)
+    return Scene(bed, cables, streaks, radius), cable
+
+
+def _make_bed(
+    surroundings: Surroundings, resolution: int, rng: np.random.Generator
+) -> TiledTexture:
+    bottom = surroundings.look.bottom
+    if surroundings.photographs is not None:
+        return make_photographed_bed(surroundings.photographs, resolution, bottom.tone, rng)
+    return make_bed(resolution, bottom, rng)
+
+
+def _make_frame(index: int, rate: float, image: Image, truth: CableState | None) -> Frame:
+    height, width = image.shape
+    raw = RawImage(
+        encoding="mono8",
+        height=height,
+        width=width,
+        step=width,
+        is_bigendian=False,
+        data=memoryview(image.tobytes()),
+    )
+    stamp = FIRST_STAMP + round(index * NANOSECONDS / rate)
+    return Frame(index=index, stamp=stamp, image=raw, truth=truth)

@@ -1,0 +1,140 @@
+"""How a scene looks: the bottom, the cable, the water and the light."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Bottom:
+    """What the sea bed consists of.
+
+    Attributes
+    ----------
+    tone : float
+        Mean reflected light, 0 to 1.
+    ripples, stones, algae, gravel : float
+        How much of each there is; 1 is usual for the first three, 0 none.
+    """
+
+    tone: float = 0.31
+    ripples: float = 1.0
+    stones: float = 1.0
+    algae: float = 1.0
+    gravel: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Skin:
+    """The outside of a cable.
+
+    Attributes
+    ----------
+    tone : float
+        Reflected light, 0 to 1.
+    stains : float
+        How blotchy it is, 0 to 1.
+    cover : float
+        How much grows on it and beside it and how much sand lies on it, 0 to 1; at 1 about four
+        tenths of the borders are hidden.
+    """
+
+    tone: float = 0.57
+    stains: float = 0.7
+    cover: float = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Lamp:
+    """A lamp on the vehicle.
+
+    Attributes
+    ----------
+    place : (float, float, float)
+        In the camera frame [m]: right, up, back.
+    aim : (float, float)
+        Where it points: to the right and up from the camera's view [rad].
+    spread : float
+        Angle from its axis at which the light has fallen to 1/e [rad].
+    strength : float
+        Relative to the others.
+    """
+
+    place: tuple[float, float, float]
+    aim: tuple[float, float]
+    spread: float
+    strength: float
+
+
+@dataclass(frozen=True, slots=True)
+class Water:
+    """What the water does to light.
+
+    Attributes
+    ----------
+    absorption : float
+        Share lost [1/m].
+    scatter : float
+        How fast the veil of scattered light closes with distance [1/m].
+    veil : float
+        Brightness of the closed veil, 0 to 1.
+    blur : float
+        Standard deviation of the blur [px at a width of 320].
+    flakes : float
+        Marine snow, 0 (none) to 1 (much).
+    """
+
+    absorption: float = 0.18
+    scatter: float = 0.16
+    veil: float = 0.3
+    blur: float = 0.8
+    flakes: float = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """Everything about a scene but where things are.
+
+    Attributes
+    ----------
+    bottom : Bottom
+        The sea bed.
+    skin : Skin
+        The cable's.
+    water : Water
+        Between camera and bottom.
+    daylight : float
+        Even light from above, relative to the lamps.
+    lamps : tuple of Lamp or None
+        None: two lamps drawn at random.
+    clutter : float
+        How many ropes, furrows and tracks lie about, 0 to 1.
+    noise : float
+        Standard deviation of the sensor's noise [grey levels].
+    jpeg_quality : int or None
+        Frames go through JPEG compression of this quality, 1 to 100; None: they do not.
+    """
+
+    bottom: Bottom = field(default_factory=Bottom)
+    skin: Skin = field(default_factory=Skin)
+    water: Water = field(default_factory=Water)
+    daylight: float = 0.42
+    lamps: tuple[Lamp, ...] | None = None
+    clutter: float = 0.5
+    noise: float = 3.0
+    jpeg_quality: int | None = None
+
+    @classmethod
+    def for_clutter(cls, clutter: float, noise: float) -> Look:
+        """Return the look of a scene between clean (0) and hardly passable (1)."""
+        return cls(
+            skin=Skin(tone=0.66 - 0.18 * clutter, stains=0.4 + 0.6 * clutter, cover=clutter),
+            water=Water(
+                absorption=0.05 + 0.2 * clutter,
+                scatter=0.08 + 0.26 * clutter,
+                blur=0.6 + 0.5 * clutter,
+                flakes=clutter,
+            ),
+            clutter=clutter,
+            noise=noise,
+        )

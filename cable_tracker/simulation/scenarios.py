@@ -1,0 +1,366 @@
+"""The built-in scenarios, by name.
+
+S1 to S6 have the length and the frame-to-frame variances of the sequences of the thesis (Tables 4.2
+and 4.3), and their characters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+from cable_tracker.errors import ParameterError
+from cable_tracker.simulation.look import Bottom, Lamp, Look, Skin, Water
+from cable_tracker.simulation.trajectory import Bands
+
+SCENARIO_RATE = 25.0
+"""Frames per second of all scenarios."""
+
+CALM: Bands = ((0.12, 0.2), (0.3, 0.45), (0.6, 0.8))
+BRISK: Bands = ((0.25, 0.4), (0.5, 0.7), (0.9, 1.2))
+ROUGH: Bands = ((0.5, 0.7), (0.9, 1.2), (1.5, 1.9))
+SHAKY: Bands = ((0.8, 1.0), (1.3, 1.6), (1.9, 2.3))
+SWELL: Bands = ((0.45, 0.55), (1.0, 1.3))
+
+
+@dataclass(frozen=True, slots=True)
+class FrameMove:
+    """A single smooth move.
+
+    Attributes
+    ----------
+    frame : int
+        Where it begins.
+    frames : int
+        How long it takes.
+    amount : float
+        In the unit of what moves.
+    """
+
+    frame: int
+    frames: int
+    amount: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sway:
+    """How one of d, alpha, w, beta moves; lengths in px at a width of 320, angles in degrees.
+
+    Attributes
+    ----------
+    mean : float
+        Where it starts from.
+    limit : float
+        The wavering stays within +-limit.
+    bands : Bands
+        Frequencies of the wavering.
+    variance : float or None
+        Wanted variance of the steps from frame to frame [px² or deg²]; None: the wavering takes all
+        of its limit.
+    moves : tuple of FrameMove
+        Besides the wavering.
+    strength : tuple of FrameMove
+        How the strength of the wavering departs from 1.
+    """
+
+    mean: float
+    limit: float
+    bands: Bands = BRISK
+    variance: float | None = None
+    moves: tuple[FrameMove, ...] = ()
+    strength: tuple[FrameMove, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How the cable moves through the image.
+
+    Attributes
+    ----------
+    distance, width : Sway
+        d and w [px at a width of 320].
+    angle, skew : Sway
+        alpha and beta [deg].
+    speed : float
+        Along the cable [m/s].
+    stop : (int, int) or None
+        First and last frame between which the vehicle stands still.
+    """
+
+    distance: Sway
+    angle: Sway
+    width: Sway
+    skew: Sway
+    speed: float = 0.35
+    stop: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """A second cable that lies over the first.
+
+    Attributes
+    ----------
+    frame : int
+        When the crossing is in the middle of the view.
+    angle : float
+        Between the two cables [deg].
+    radius : float
+        [m].
+    skin : Skin
+        Its outside.
+    """
+
+    frame: int
+    angle: float = 52.0
+    radius: float = 0.06
+    skin: Skin = field(default_factory=lambda: Skin(tone=0.5, cover=0.3))
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A scene and what happens in it.
+
+    Attributes
+    ----------
+    name : str
+        In the table of scenarios.
+    description : str
+        What is hard about it.
+    frame_count : int
+        At 25 frames per second.
+    motion : Motion
+        Of the cable in the image.
+    look : Look
+        Of the scene.
+    curvature : float
+        The cable never bends more than this [1/m].
+    mounting : float
+        How far the camera looks forward on the vehicle [deg].
+    has_cable : bool
+        Whether there is any.
+    buried : (int, int) or None
+        First and last frame of those in which all of the cable in view is buried.
+    crossing : Crossing or None
+        A second cable.
+    """
+
+    name: str
+    description: str
+    frame_count: int
+    motion: Motion
+    look: Look = field(default_factory=Look)
+    curvature: float = 0.012
+    mounting: float = 20.0
+    has_cable: bool = True
+    buried: tuple[int, int] | None = None
+    crossing: Crossing | None = None
+
+
+USUAL_MOTION = Motion(
+    distance=Sway(0.0, 55.0, CALM),
+    angle=Sway(0.0, 14.0, CALM),
+    width=Sway(38.0, 7.0, CALM),
+    skew=Sway(2.2, 0.9, CALM),
+)
+
+_STOPPING = (FrameMove(70, 25, -0.93), FrameMove(170, 25, 0.93))
+
+_ALL = (
+    Scenario(
+        "S1",
+        "much clutter; tilt and pitch waver in the first 120 frames",
+        248,
+        Motion(
+            distance=Sway(0.0, 95.0, BRISK, 16.92),
+            angle=Sway(0.0, 28.0, BRISK, 0.627, strength=(FrameMove(105, 30, -0.6),)),
+            width=Sway(40.0, 14.0, BRISK, 0.26),
+            skew=Sway(2.4, 2.6, BRISK, 0.008, strength=(FrameMove(105, 30, -0.75),)),
+        ),
+        Look(
+            bottom=Bottom(stones=1.8, algae=1.4, gravel=0.4),
+            skin=Skin(tone=0.52, stains=0.9, cover=0.7),
+            water=Water(absorption=0.2, scatter=0.24, veil=0.28, blur=0.9, flakes=0.7),
+            clutter=1.0,
+        ),
+    ),
+    Scenario(
+        "S2",
+        "continuous pitch oscillation; a rapid move near frame 430",
+        499,
+        Motion(
+            distance=Sway(-15.0, 45.0, BRISK, 2.07, moves=(FrameMove(424, 14, 42.0),)),
+            angle=Sway(0.0, 18.0, BRISK, 0.286, moves=(FrameMove(424, 14, -14.0),)),
+            width=Sway(58.0, 36.0, ROUGH, 5.19),
+            skew=Sway(3.2, 3.0, SWELL, 0.034),
+        ),
+        Look(
+            bottom=Bottom(ripples=2.2, stones=0.4, algae=0.6),
+            skin=Skin(tone=0.6, stains=0.7, cover=0.45),
+        ),
+    ),
+    Scenario(
+        "S3",
+        "calm",
+        409,
+        Motion(
+            distance=Sway(8.0, 65.0, BRISK, 4.92),
+            angle=Sway(2.0, 15.0, BRISK, 0.160),
+            width=Sway(44.0, 18.0, BRISK, 0.51),
+            skew=Sway(2.0, 1.8, BRISK, 0.004),
+        ),
+        Look(
+            bottom=Bottom(stones=0.5, algae=0.8),
+            skin=Skin(tone=0.62, stains=0.6, cover=0.35),
+            water=Water(absorption=0.12, scatter=0.14, flakes=0.25),
+            clutter=0.3,
+        ),
+    ),
+    Scenario(
+        "S4",
+        "pitch moves near frames 70 and 125",
+        172,
+        Motion(
+            distance=Sway(0.0, 60.0, BRISK, 4.93),
+            angle=Sway(-4.0, 22.0, BRISK, 0.486),
+            width=Sway(
+                62.0,
+                38.0,
+                ROUGH,
+                8.59,
+                moves=(FrameMove(62, 18, -16.0), FrameMove(117, 18, 16.0)),
+            ),
+            skew=Sway(
+                2.4,
+                1.4,
+                BRISK,
+                0.009,
+                moves=(FrameMove(62, 18, 1.9), FrameMove(117, 18, -1.9)),
+            ),
+        ),
+        Look(
+            bottom=Bottom(tone=0.27, stones=2.2, gravel=0.75, algae=0.5),
+            skin=Skin(tone=0.6, stains=0.8, cover=0.45),
+        ),
+    ),
+    Scenario(
+        "S5",
+        "a dark cable on bright ground",
+        171,
+        Motion(
+            distance=Sway(5.0, 70.0, BRISK, 10.21),
+            angle=Sway(0.0, 16.0, BRISK, 0.199),
+            width=Sway(34.0, 11.0, BRISK, 0.21),
+            skew=Sway(2.4, 2.6, BRISK, 0.021),
+        ),
+        Look(
+            bottom=Bottom(tone=0.62, ripples=1.6, stones=0.5, algae=0.35),
+            skin=Skin(tone=0.13, stains=0.8, cover=0.4),
+            water=Water(absorption=0.1, scatter=0.2, veil=0.34, blur=0.7, flakes=0.2),
+            daylight=0.8,
+        ),
+    ),
+    Scenario(
+        "S6",
+        "a hard move from looking down to looking forward near frame 20",
+        129,
+        Motion(
+            distance=Sway(0.0, 75.0, BRISK, 10.31),
+            angle=Sway(0.0, 24.0, BRISK, 0.599),
+            width=Sway(62.0, 33.0, ROUGH, 7.50, moves=(FrameMove(16, 10, -8.0),)),
+            skew=Sway(0.8, 3.4, SHAKY, 0.177, moves=(FrameMove(16, 9, 6.4),)),
+        ),
+        Look(
+            bottom=Bottom(stones=0.9, algae=1.3),
+            skin=Skin(tone=0.55, stains=0.9, cover=0.5),
+        ),
+        mounting=35.0,
+    ),
+    Scenario(
+        "leaves",
+        "the cable leaves the image to the right and comes back",
+        300,
+        Motion(
+            distance=Sway(
+                20.0,
+                30.0,
+                CALM,
+                moves=(FrameMove(90, 40, 235.0), FrameMove(190, 40, -245.0)),
+            ),
+            angle=Sway(0.0, 8.0, CALM),
+            width=Sway(38.0, 6.0, CALM),
+            skew=Sway(2.0, 0.8, CALM),
+        ),
+    ),
+    Scenario(
+        "buried",
+        "all of the cable in view is buried for 3 s",
+        300,
+        # A steady view and little else on the cable: it goes and comes back at the sand's edge.
+        replace(
+            USUAL_MOTION,
+            width=Sway(38.0, 4.0, CALM),
+            skew=Sway(2.2, 0.3, CALM),
+            speed=0.7,
+        ),
+        Look(skin=Skin(cover=0.15)),
+        buried=(110, 184),
+    ),
+    Scenario(
+        "crossing",
+        "a second cable lies across the first",
+        250,
+        USUAL_MOTION,
+        crossing=Crossing(frame=120),
+    ),
+    Scenario(
+        "no_cable",
+        "no cable at all, but ropes and tracks",
+        250,
+        USUAL_MOTION,
+        Look(clutter=1.0),
+        has_cable=False,
+    ),
+    Scenario(
+        "night",
+        "no light but one narrow lamp",
+        250,
+        USUAL_MOTION,
+        Look(
+            water=Water(absorption=0.28, scatter=0.22, veil=0.16, flakes=0.9),
+            daylight=0.012,
+            lamps=(Lamp((0.18, 0.05, 0.0), (-0.12, 0.06), 0.28, 1.6),),
+            noise=4.5,
+            jpeg_quality=70,
+        ),
+    ),
+    Scenario(
+        "stop",
+        "the vehicle stops over the cable for 3 s",
+        250,
+        Motion(
+            distance=Sway(10.0, 45.0, CALM, strength=_STOPPING),
+            angle=Sway(0.0, 12.0, CALM, strength=_STOPPING),
+            width=Sway(40.0, 6.0, CALM, strength=_STOPPING),
+            skew=Sway(2.2, 0.8, CALM, strength=_STOPPING),
+            stop=(95, 170),
+        ),
+    ),
+)
+
+SCENARIOS: Mapping[str, Scenario] = MappingProxyType({each.name: each for each in _ALL})
+"""All scenarios by name."""
+
+
+def find_scenario(name: str) -> Scenario:
+    """Return the scenario of a name.
+
+    Raises
+    ------
+    ParameterError
+        There is none.
+    """
+    if name not in SCENARIOS:
+        raise ParameterError(f"scenario {name!r} is unknown: choose from {', '.join(SCENARIOS)}")
+    return SCENARIOS[name]
