@@ -1,0 +1,1 @@
+"""Whole-image cable detectors: they give a prior, never the answer."""

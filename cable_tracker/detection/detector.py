@@ -1,0 +1,72 @@
+"""What every whole-image cable detector looks like."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Protocol
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.parameters import REFERENCE_WIDTH
+from cable_tracker.cable.state import CableState
+from cable_tracker.cable.working_image import check_frame, make_working_image
+from cable_tracker.detection.search_region import SearchRegion, scaled_state
+
+
+@dataclass(frozen=True, slots=True)
+class Detection:
+    """One cable that a detector believes to see.
+
+    Attributes
+    ----------
+    state : CableState
+        Where it runs [px, rad]; a single picture tells no rates, they are 0.
+    score : float
+        How well it is seen, from 0 to 1. Comparable within one detector only.
+    """
+
+    state: CableState
+    score: float
+
+
+class CableDetector(Protocol):
+    """Finds cables in one picture, without a memory."""
+
+    def detect(self, image: Image, region: SearchRegion | None = None) -> list[Detection]:
+        """Return the cables in a picture, best first; an empty list if there are none.
+
+        Parameters
+        ----------
+        image : Image
+            Grey levels, uint8 or float32 (0..255), shape (H, W).
+        region : SearchRegion or None
+            Look here only, in the frame of `image`; everywhere if None.
+
+        Raises
+        ------
+        FrameError
+            The picture cannot be used.
+        """
+        ...
+
+
+class ReducedImageDetector(ABC):
+    """A detector that works on a picture of the reference width at most.
+
+    Wider pictures are reduced as the tracker reduces them, so that all methods see the same.
+    """
+
+    def detect(self, image: Image, region: SearchRegion | None = None) -> list[Detection]:
+        """Return the cables in a picture, best first; see `CableDetector.detect`."""
+        check_frame(image)
+        working = make_working_image(image, round(REFERENCE_WIDTH))
+        reduction = working.reduction
+        reduced = region.scaled(reduction) if region is not None else None
+        return [
+            Detection(scaled_state(found.state, 1.0 / reduction), found.score)
+            for found in self._detect(working.pixels, reduced)
+        ]
+
+    @abstractmethod
+    def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:
+        """Return the cables in float32 grey levels of shape (h, w), best first."""

@@ -1,0 +1,90 @@
+"""Where a detector has to look: a region of interest around an expected cable."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.cable.geometry import image_to_pixel, unwrap_states
+from cable_tracker.cable.state import CableState, StateColumn
+
+
+@dataclass(frozen=True, slots=True)
+class SearchRegion:
+    """A box of cables around an expected one.
+
+    Attributes
+    ----------
+    state : CableState
+        The expected cable [px, rad].
+    distance : float
+        How far d may be from it [px].
+    angle : float
+        How far alpha may be from it [rad].
+    width : float
+        How far w may be from it [px].
+    """
+
+    state: CableState
+    distance: float
+    angle: float
+    width: float
+
+    def scaled(self, factor: float) -> SearchRegion:
+        """Return the region for an image enlarged by a factor."""
+        return SearchRegion(
+            state=scaled_state(self.state, factor),
+            distance=self.distance * factor,
+            angle=self.angle,
+            width=self.width * factor,
+        )
+
+    def admits(self, states: FloatArray) -> BoolArray:
+        """Tell which cables (N, 6) lie in the box, also across the wrap; shape (N,)."""
+        expected = self.state
+        chart = unwrap_states(states, expected.angle)
+        inside: BoolArray = (
+            (np.abs(chart[:, StateColumn.DISTANCE] - expected.distance) <= self.distance)
+            & (np.abs(chart[:, StateColumn.ANGLE] - expected.angle) <= self.angle)
+            & (np.abs(chart[:, StateColumn.WIDTH] - expected.width) <= self.width)
+        )
+        return inside
+
+    def covers(self, points: FloatArray) -> BoolArray:
+        """Tell which points some border of a cable in the box may pass through.
+
+        Parameters
+        ----------
+        points : FloatArray
+            x, y in the image frame [px], shape (..., 2).
+        """
+        expected = self.state
+        cos, sin = np.cos(expected.angle), np.sin(expected.angle)
+        across = points[..., 0] * cos + points[..., 1] * sin - expected.distance
+        along = points[..., 1] * cos - points[..., 0] * sin
+        turn = min(self.angle + abs(expected.skew), np.deg2rad(80.0))
+        reach = (expected.width + self.width) / 2 + self.distance + np.abs(along) * np.tan(turn)
+        covered: BoolArray = np.abs(across) <= reach
+        return covered
+
+
+def scaled_state(state: CableState, factor: float) -> CableState:
+    """Return the cable as it looks in an image enlarged by a factor."""
+    return replace(
+        state,
+        distance=state.distance * factor,
+        width=state.width * factor,
+        distance_rate=state.distance_rate * factor,
+    )
+
+
+def pixel_to_image(pixels: FloatArray, image_size: tuple[int, int]) -> FloatArray:
+    """Turn pixel coordinates (..., 2) = (column, row from the top) into points of the image frame.
+
+    The inverse of `geometry.image_to_pixel`.
+    """
+    origin = image_to_pixel(np.zeros(2), image_size)
+    points: FloatArray = (pixels - origin) * np.array([1.0, -1.0])
+    return points

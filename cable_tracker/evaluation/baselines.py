@@ -1,0 +1,244 @@
+"""Trackers that people would use instead: a detector, a Kalman filter, a region of interest.
+
+Every detector of `detection` is followed by the same filter and the same rules, so that a
+comparison shows what the detectors are worth. The numbers were chosen on simulated dives of the
+seeds 100 to 109 and on nothing else; other seeds are for reporting.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.cable.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.working_image import check_frame
+from cable_tracker.detection.detector import CableDetector, Detection
+from cable_tracker.detection.search_region import SearchRegion
+from cable_tracker.errors import FrameError
+from cable_tracker.evaluation.kalman import MEASURED, CableKalmanFilter, KalmanNoise
+
+NANOSECONDS = 1e9
+
+UNKNOWN_VARIANCE = 1e6
+"""Large but finite: what is said where nothing is known."""
+
+USUAL_WIDTH = 0.1
+"""Share of the image width that w is given as while nothing is known."""
+
+
+@dataclass(frozen=True, slots=True)
+class BaselineSettings:
+    """Rules of a `DetectorTracker`.
+
+    Attributes
+    ----------
+    hits_to_track : int
+        Consecutive frames with a fitting detection after which a cable is claimed.
+    misses_to_forget : int
+        Consecutive frames without one after which a cable that is not claimed yet is forgotten.
+    misses_to_lose : int
+        Consecutive frames without one after which a claimed cable is given up.
+    gate : float
+        Largest squared Mahalanobis distance of a fitting detection; 18.5 is the 99.9 % quantile of
+        chi squared with four degrees of freedom.
+    region_sigmas : float
+        Half size of the region of interest in standard deviations of the prediction.
+    region_distance, region_angle, region_width : float
+        Smallest half size of the region of interest [px at the reference width, deg].
+    maximum_gap : float
+        A longer pause between frames starts the search anew [s].
+    """
+
+    hits_to_track: int = 3
+    misses_to_forget: int = 2
+    misses_to_lose: int = 10
+    gate: float = 18.5
+    region_sigmas: float = 3.0
+    region_distance: float = 20.0
+    region_angle: float = 10.0
+    region_width: float = 15.0
+    maximum_gap: float = 5.0
+
+
+class DetectorTracker:
+    """Follow the cable that a detector finds, with a Kalman filter and a region of interest.
+
+    Parameters
+    ----------
+    detector : CableDetector
+        Looks at every frame: at the region of interest while a cable is claimed, else everywhere.
+    noise : KalmanNoise
+        How the cable moves, and how well the detector measures it.
+    settings : BaselineSettings
+        When to claim, when to give up, where to look.
+    """
+
+    def __init__(
+        self,
+        detector: CableDetector,
+        noise: KalmanNoise,
+        settings: BaselineSettings = BaselineSettings(),
+    ) -> None:
+        self._detector = detector
+        self._noise = noise
+        self._settings = settings
+        self._filter: CableKalmanFilter | None = None
+        self._prior: CableState | None = None
+        self._status = TrackingStatus.INITIALISING
+        self._hits = 0
+        self._misses = 0
+        self._frame_size: tuple[int, int] | None = None
+        self._stamp: int | None = None
+
+    def initialise(self, state: CableState) -> None:
+        """Start the next frame from a cable; it is claimed at once if the detector finds it there.
+
+        Raises
+        ------
+        FrameError
+            The state is not finite.
+        """
+        if not state.is_finite():
+            raise FrameError("the initial state must be finite")
+        self._prior = state
+
+    def process(self, image: Image, stamp: int) -> CableEstimate:
+        """Take one frame into account.
+
+        Parameters
+        ----------
+        image : Image
+            Grey levels, uint8 or float32 (0..255), shape (H, W).
+        stamp : int
+            Time of the frame [ns].
+
+        Returns
+        -------
+        CableEstimate
+            State and covariance of the Kalman filter. The evidence is the score of the detection,
+            zero without a fitting one; the effective sample size of a single Gaussian is 1.
+
+        Raises
+        ------
+        FrameError
+            The frame cannot be used, or has the same time as the frame before. Nothing has changed.
+        """
+        check_frame(image)
+        if stamp == self._stamp:
+            raise FrameError(f"the stamp {stamp / NANOSECONDS:.9f} s is that of the frame before")
+        frame_size = (image.shape[1], image.shape[0])
+        event = self._reason_to_start_anew(frame_size, stamp)
+        dt = 1.0 / REFERENCE_RATE
+        if event:
+            self._forget(TrackingStatus.INITIALISING)
+        elif self._stamp is not None:
+            dt = (stamp - self._stamp) / NANOSECONDS
+        self._frame_size, self._stamp = frame_size, stamp
+        self._predict(dt, frame_size[0])
+        found = self._look(image)
+        self._count(found is not None)
+        return self._estimate(found, event)
+
+    def _reason_to_start_anew(self, frame_size: tuple[int, int], stamp: int) -> str:
+        if self._frame_size is None or self._stamp is None:
+            return ""
+        if frame_size != self._frame_size:
+            before, now = (f"{width}x{height}" for width, height in (self._frame_size, frame_size))
+            return f"the image size changed from {before} to {now}"
+        gap = (stamp - self._stamp) / NANOSECONDS
+        if gap < 0:
+            return f"time went back by {-gap:.3f} s"
+        if gap > self._settings.maximum_gap:
+            return f"no frame for {gap:.3f} s"
+        return ""
+
+    def _forget(self, status: TrackingStatus) -> None:
+        self._filter, self._status = None, status
+        self._hits = self._misses = 0
+
+    def _predict(self, dt: float, image_width: int) -> None:
+        if self._prior is not None:
+            self._forget(TrackingStatus.INITIALISING)
+            self._filter = CableKalmanFilter.start(self._prior, self._noise, image_width)
+            # As good as claimed: one hit confirms, and all misses of a claimed cable are allowed.
+            self._hits = self._settings.hits_to_track - 1
+            self._status = TrackingStatus.TRACKING
+            self._prior = None
+        elif self._filter is not None:
+            self._filter = self._filter.predicted(dt)
+
+    def _look(self, image: Image) -> Detection | None:
+        """Find the cable in the frame and correct the belief by it."""
+        claimed = self._status is TrackingStatus.TRACKING
+        region = self._region(self._filter) if claimed and self._filter is not None else None
+        detections = self._detector.detect(image, region)
+        if self._filter is None:
+            return self._begin(detections, image.shape[1])
+        # A cable that is not claimed yet has to be the best in the whole image again and again.
+        fitting = self._best_fitting(self._filter, detections if claimed else detections[:1])
+        if fitting is not None:
+            self._filter = self._filter.updated(fitting.state)
+        return fitting
+
+    def _begin(self, detections: list[Detection], image_width: int) -> Detection | None:
+        if not detections:
+            return None
+        self._filter = CableKalmanFilter.start(detections[0].state, self._noise, image_width)
+        return detections[0]
+
+    def _region(self, belief: CableKalmanFilter) -> SearchRegion:
+        settings = self._settings
+        scale = belief.image_width / REFERENCE_WIDTH
+        sigmas = settings.region_sigmas * np.sqrt(np.diag(belief.covariance)[:MEASURED])
+        return SearchRegion(
+            state=belief.state,
+            distance=max(float(sigmas[StateColumn.DISTANCE]), settings.region_distance * scale),
+            angle=max(float(sigmas[StateColumn.ANGLE]), math.radians(settings.region_angle)),
+            width=max(float(sigmas[StateColumn.WIDTH]), settings.region_width * scale),
+        )
+
+    def _best_fitting(
+        self, belief: CableKalmanFilter, detections: list[Detection]
+    ) -> Detection | None:
+        """Return the detection inside the gate that is seen best and expected most."""
+        best, highest = None, 0.0
+        for detection in detections:
+            squared = belief.squared_distance(detection.state)
+            merit = detection.score * math.exp(-squared / (2 * MEASURED))
+            if squared <= self._settings.gate and merit > highest:
+                best, highest = detection, merit
+        return best
+
+    def _count(self, hit: bool) -> None:
+        """Keep the score of hits and misses, and draw the consequences."""
+        self._hits = self._hits + 1 if hit else 0
+        self._misses = 0 if hit else self._misses + 1
+        if self._status is TrackingStatus.TRACKING:
+            if self._misses >= self._settings.misses_to_lose:
+                self._forget(TrackingStatus.LOST)
+        elif self._hits >= self._settings.hits_to_track:
+            self._status = TrackingStatus.TRACKING
+        elif self._misses >= self._settings.misses_to_forget:
+            self._forget(self._status)
+
+    def _estimate(self, found: Detection | None, event: str) -> CableEstimate:
+        assert self._frame_size is not None and self._stamp is not None
+        state = CableState(0.0, 0.0, USUAL_WIDTH * self._frame_size[0])
+        covariance: FloatArray = UNKNOWN_VARIANCE * np.eye(STATE_SIZE)
+        if self._filter is not None:
+            state, covariance = self._filter.state, self._filter.state_covariance
+        return CableEstimate(
+            stamp=self._stamp,
+            status=self._status,
+            state=state,
+            covariance=covariance,
+            effective_sample_size=1.0,
+            evidence=found.score if found is not None else 0.0,
+            image_size=self._frame_size,
+            event=event,
+        )

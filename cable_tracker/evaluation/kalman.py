@@ -1,0 +1,184 @@
+"""A Kalman filter over the four parameters of a cable and their rates.
+
+The constant-velocity filter that detectors of cables are usually followed by (J. Antich and
+A. Ortiz (2003), "Underwater Cable Tracking by Visual Feedback"; B. A. A. P. Balasuriya et al.
+(1997), "Vision based autonomous underwater vehicle navigation: underwater cable tracking").
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.geometry import unwrap_states, wrap_angle
+from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.cable.state import STATE_SIZE, CableState
+
+MEASURED = 4
+"""d, alpha, w, beta."""
+
+SIZE = 8
+"""d, alpha, w, beta and their rates, so that the first six are those of `StateColumn`."""
+
+_TURNED = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0])
+"""Signs by which the components change when the normal of the line is turned round."""
+
+
+@dataclass(frozen=True, slots=True)
+class FourSigmas:
+    """A standard deviation for each of d, alpha, w, beta.
+
+    Attributes
+    ----------
+    distance, width : float
+        [px at the reference width].
+    angle, skew : float
+        [deg].
+    """
+
+    distance: float
+    angle: float
+    width: float
+    skew: float
+
+    def variances(self, image_width: int) -> FloatArray:
+        """Return the variances for images of a width [px], shape (4,) [px², rad²]."""
+        scale = image_width / REFERENCE_WIDTH
+        sigmas = np.array(
+            [
+                self.distance * scale,
+                np.deg2rad(self.angle),
+                self.width * scale,
+                np.deg2rad(self.skew),
+            ]
+        )
+        return sigmas**2
+
+
+@dataclass(frozen=True, slots=True)
+class KalmanNoise:
+    """How a cable moves, and how well it is measured.
+
+    Attributes
+    ----------
+    measurement : FourSigmas
+        Of one detection.
+    diffusion : FourSigmas
+        What the parameters do by themselves in a frame at 25 frames per second.
+    rate_diffusion : FourSigmas
+        How much the rates, per frame at 25 frames per second, change in such a frame.
+    initial_rate : FourSigmas
+        The rates of a cable seen for the first time, per frame at 25 frames per second.
+    """
+
+    measurement: FourSigmas
+    diffusion: FourSigmas = FourSigmas(1.5, 0.3, 1.0, 0.3)
+    rate_diffusion: FourSigmas = FourSigmas(2.0, 0.4, 0.6, 0.2)
+    initial_rate: FourSigmas = FourSigmas(2.0, 0.5, 0.6, 0.2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CableKalmanFilter:
+    """A Gaussian belief about a cable. Never changed in place.
+
+    Attributes
+    ----------
+    mean : FloatArray
+        d, alpha, w, beta and their rates, shape (8,) [px, rad, per second]; alpha in
+        (-pi/2, pi/2].
+    covariance : FloatArray
+        Shape (8, 8).
+    noise : KalmanNoise
+        Of movement and measurement.
+    image_width : int
+        Width of the frames [px]; lengths of the noise scale with it.
+    """
+
+    mean: FloatArray
+    covariance: FloatArray
+    noise: KalmanNoise
+    image_width: int
+
+    @classmethod
+    def start(cls, state: CableState, noise: KalmanNoise, image_width: int) -> CableKalmanFilter:
+        """Begin with a cable as it was detected once; its rates count for nothing.
+
+        Parameters
+        ----------
+        state : CableState
+            The first measurement [px, rad].
+        noise : KalmanNoise
+            Of movement and measurement.
+        image_width : int
+            Width of the frames [px].
+        """
+        mean = np.zeros(SIZE)
+        mean[:MEASURED] = state.to_array()[:MEASURED]
+        rates = noise.initial_rate.variances(image_width) * REFERENCE_RATE**2
+        variances = np.concatenate((noise.measurement.variances(image_width), rates))
+        return cls(mean, np.diag(variances), noise, image_width)._wrapped()
+
+    @property
+    def state(self) -> CableState:
+        """The mean as a cable."""
+        return CableState.from_array(self.mean[:STATE_SIZE])
+
+    @property
+    def state_covariance(self) -> FloatArray:
+        """The covariance of the columns of `StateColumn`, shape (6, 6)."""
+        return self.covariance[:STATE_SIZE, :STATE_SIZE].copy()
+
+    def predicted(self, dt: float) -> CableKalmanFilter:
+        """Return the belief `dt` seconds later: the rates go on, and uncertainty grows."""
+        transition = np.eye(SIZE)
+        transition[:MEASURED, MEASURED:] = dt * np.eye(MEASURED)
+        covariance = transition @ self.covariance @ transition.T + self._process_noise(dt)
+        return replace(self, mean=transition @ self.mean, covariance=covariance)._wrapped()
+
+    def squared_distance(self, measured: CableState) -> float:
+        """Return the squared Mahalanobis distance of a measurement from what is expected."""
+        innovation = self._innovation(measured)
+        return float(innovation @ np.linalg.solve(self._innovation_covariance(), innovation))
+
+    def updated(self, measured: CableState) -> CableKalmanFilter:
+        """Return the belief after a measurement of d, alpha, w, beta."""
+        gain = np.linalg.solve(self._innovation_covariance(), self.covariance[:MEASURED]).T
+        mean = self.mean + gain @ self._innovation(measured)
+        # Joseph's form stays symmetric and positive whatever the rounding.
+        keep = np.eye(SIZE)
+        keep[:, :MEASURED] -= gain
+        covariance = keep @ self.covariance @ keep.T + gain @ self._measurement_noise() @ gain.T
+        return replace(self, mean=mean, covariance=covariance)._wrapped()
+
+    def _innovation(self, measured: CableState) -> FloatArray:
+        """Return measured minus expected, with the line written as the expected one is."""
+        chart = unwrap_states(measured.to_array()[None, :], float(self.mean[1]))[0]
+        innovation: FloatArray = chart[:MEASURED] - self.mean[:MEASURED]
+        return innovation
+
+    def _innovation_covariance(self) -> FloatArray:
+        return self.covariance[:MEASURED, :MEASURED] + self._measurement_noise()
+
+    def _measurement_noise(self) -> FloatArray:
+        return np.diag(self.noise.measurement.variances(self.image_width))
+
+    def _process_noise(self, dt: float) -> FloatArray:
+        """Return what white noise on the parameters and on their rates adds in `dt` seconds."""
+        own = self.noise.diffusion.variances(self.image_width) * REFERENCE_RATE
+        rate = self.noise.rate_diffusion.variances(self.image_width) * REFERENCE_RATE**3
+        result = np.zeros((SIZE, SIZE))
+        result[:MEASURED, :MEASURED] = np.diag(own * dt + rate * dt**3 / 3)
+        result[:MEASURED, MEASURED:] = result[MEASURED:, :MEASURED] = np.diag(rate * dt**2 / 2)
+        result[MEASURED:, MEASURED:] = np.diag(rate * dt)
+        return result
+
+    def _wrapped(self) -> CableKalmanFilter:
+        """Write the line with alpha in (-pi/2, pi/2]."""
+        angle = float(wrap_angle(np.asarray(self.mean[1])))
+        mean, covariance = self.mean.copy(), self.covariance
+        if round((mean[1] - angle) / np.pi) % 2:
+            mean, covariance = mean * _TURNED, covariance * np.outer(_TURNED, _TURNED)
+        mean[1] = angle
+        return replace(self, mean=mean, covariance=covariance)

@@ -1,0 +1,118 @@
+"""The methods that are compared, behind one interface.
+
+The measurement noise of each detector, like all constants of the baselines, was chosen on simulated
+dives of the seeds 100 to 109; report results on other seeds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Protocol
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.estimate import CableEstimate
+from cable_tracker.cable.initialisation import StatePrior
+from cable_tracker.cable.presets import preset
+from cable_tracker.cable.state import CableState
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.evaluation.baselines import DetectorTracker
+from cable_tracker.evaluation.kalman import FourSigmas, KalmanNoise
+
+
+class Method(Protocol):
+    """Tracks one cable through a sequence of frames."""
+
+    def initialise(self, state: CableState) -> None:
+        """Start from this cable at the next frame."""
+        ...
+
+    def process(self, image: Image, stamp: int) -> CableEstimate:
+        """Take a frame into account: grey uint8 of shape (H, W), and its time [ns]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class MethodSpec:
+    """One method.
+
+    Attributes
+    ----------
+    name : str
+        What it is called in reports and on the command line.
+    description : str
+        What it does, in a few words.
+    make : callable
+        Makes a fresh tracker from a seed. The same seed gives the same results; methods without
+        random numbers do not mind it.
+    """
+
+    name: str
+    description: str
+    make: Callable[[int], Method]
+
+
+class ParticleFilterMethod:
+    """The tracker of this project as a `Method`.
+
+    Parameters
+    ----------
+    preset_name : str
+        A name in `presets.PRESETS`.
+    seed : int
+        Of its random numbers.
+    """
+
+    def __init__(self, preset_name: str, seed: int) -> None:
+        self._tracker = CableTracker(preset(preset_name).replaced({"seed": seed}))
+
+    def initialise(self, state: CableState) -> None:
+        """Start from this cable at the next frame."""
+        self._tracker.initialise(StatePrior.around(state))
+
+    def process(self, image: Image, stamp: int) -> CableEstimate:
+        """Take a frame into account; see `CableTracker.process`."""
+        return self._tracker.process(image, stamp)
+
+
+def _particle_filter(name: str, description: str) -> MethodSpec:
+    return MethodSpec(name, description, lambda seed: ParticleFilterMethod(name, seed))
+
+
+def _detector(name: str, description: str, measurement: FourSigmas) -> MethodSpec:
+    noise = KalmanNoise(measurement)
+    return MethodSpec(name, description, lambda _seed: DetectorTracker(DETECTORS[name](), noise))
+
+
+METHODS: Mapping[str, MethodSpec] = MappingProxyType(
+    {
+        spec.name: spec
+        for spec in (
+            _particle_filter("default", "particle filter of this project"),
+            _particle_filter("thesis", "particle filter with the parameters of Wirth's thesis"),
+            _detector(
+                "hough",
+                "Laplacian of Gaussian, Hough lines, Kalman filter (Matsumoto and Ito 1995)",
+                FourSigmas(1.0, 0.5, 2.0, 0.5),
+            ),
+            _detector(
+                "segmentation",
+                "histogram segmentation, contours, Kalman filter (Antich and Ortiz 2003)",
+                FourSigmas(1.2, 0.7, 2.2, 0.7),
+            ),
+            _detector(
+                "lsd",
+                "line segment detector of OpenCV, Kalman filter (Grompone von Gioi et al. 2010)",
+                FourSigmas(1.0, 0.5, 2.0, 0.5),
+            ),
+            _detector(
+                "texture",
+                "texture descriptors of cells, Kalman filter (Grau et al. 1998)",
+                FourSigmas(1.0, 0.8, 2.0, 0.8),
+            ),
+        )
+    }
+)
+"""All methods by name."""
