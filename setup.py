@@ -25,9 +25,10 @@ setup(
     maintainer_email="maintainers@users.noreply.h-seed-c8828a9f.example",
     license="Apache-2.0",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed"]},
+    package_data={PACKAGE: ["py.typed"], f"{PACKAGE}.evaluation": ["templates/*.j2"]},
     python_requires=">=3.11",
     install_requires=[
+        "Jinja2>=3.1",
         "numpy>=1.26",
         "opencv-python-headless>=4.6",
         "matplotlib>=3.6",

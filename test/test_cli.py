@@ -5,6 +5,8 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 from rich.console import Console
 from rosbags.highlevel import AnyReader
@@ -12,6 +14,9 @@ from rosbags.highlevel import AnyReader
 from cable_tracker import __version__, cli
 from cable_tracker.cable.parameter_files import known_names, read_parameter_file
 from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.commands import parameters
+from cable_tracker.commands.simulate import parse_size
+from cable_tracker.commands.track import chosen_parameters, default_output
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.sequences.source import open_source
@@ -104,9 +109,9 @@ def test_earlier_results_are_replaced_only_with_force(run, bag):
 def test_preset_parameter_file_and_seed_add_up(tmp_path):
     file = tmp_path / "p.yaml"
     file.write_text("particle_count: 77\nseed: 3\nimage_transport: raw\n")
-    parameters = cli.chosen_parameters("thesis", read_parameter_file(file), 9)
+    parameters = chosen_parameters("thesis", read_parameter_file(file), 9)
     assert (parameters.particle_count, parameters.seed, parameters.rate_damping) == (77, 9, 1.0)
-    assert cli.chosen_parameters(None, {}, None) == TrackerParameters()
+    assert chosen_parameters(None, {}, None) == TrackerParameters()
 
 
 def test_a_missing_recording_is_refused(run):
@@ -293,18 +298,18 @@ def test_a_dive_that_cannot_be_simulated_is_refused(run, options, words):
     ("text", "size"), [("320x240", (320, 240)), ("64X48", (64, 48)), ("1x1", (1, 1))]
 )
 def test_sizes(text, size):
-    assert cli.parse_size(text) == size
+    assert parse_size(text) == size
 
 
 @pytest.mark.parametrize("text", ["", "x", "3x", "x3", "3.5x4", "3x4x5", "²x3"])
 def test_what_is_no_size(text):
     with pytest.raises(ParameterError, match="320x240"):
-        cli.parse_size(text)
+        parse_size(text)
 
 
 @pytest.mark.parametrize("width", [60, 80, 200])
 def test_parameters_are_printed_as_a_table_with_whole_names(run, monkeypatch, width):
-    monkeypatch.setattr(cli, "console", Console(width=width))
+    monkeypatch.setattr(parameters, "console", Console(width=width))
     outcome = run("parameters")
     assert outcome.code == 0
     assert all(name in outcome.out for name in known_names())
@@ -314,8 +319,8 @@ def test_parameters_are_printed_as_a_file_for_track(run, bag):
     outcome = run("parameters", "--preset", "thesis", "--format", "yaml")
     Path("thesis.yaml").write_text(outcome.out, encoding="utf-8")
     assert set(read_parameter_file(Path("thesis.yaml"))) == known_names()
-    chosen = cli.chosen_parameters(None, read_parameter_file(Path("thesis.yaml")), None)
-    assert chosen == cli.chosen_parameters("thesis", {}, None)
+    chosen = chosen_parameters(None, read_parameter_file(Path("thesis.yaml")), None)
+    assert chosen == chosen_parameters("thesis", {}, None)
 
 
 def test_help_and_version(run):
@@ -327,8 +332,8 @@ def test_help_and_version(run):
 
 
 def test_results_of_a_bag_folder_are_named_after_it():
-    assert cli.default_output(Path("dives/third.mcap")) == Path("third_tracked")
-    assert cli.default_output(Path(__file__).parent) == Path("test_tracked")
+    assert default_output(Path("dives/third.mcap")) == Path("third_tracked")
+    assert default_output(Path(__file__).parent) == Path("test_tracked")
 
 
 def test_it_runs_as_a_process_without_ros_and_without_a_traceback(tmp_path):
@@ -344,3 +349,32 @@ def test_it_runs_as_a_process_without_ros_and_without_a_traceback(tmp_path):
     )
     assert (result.returncode, result.stdout) == (2, "")
     assert result.stderr == "error: missing: there is no such file or folder; check the path\n"
+
+
+def test_a_scenario_of_the_evaluation_is_simulated(run):
+    outcome = run("simulate", "night", "--scenario", "stop", "--size", "64x48", "--seed", 2)
+    assert outcome == Outcome(0, "250 frames: night\n", "")
+
+
+def test_an_unknown_scenario_is_refused_with_the_known_ones(run):
+    run("simulate", "out", "--scenario", "S9").assert_refused("S9")
+    assert "S1, S2" in run("simulate", "out", "--scenario", "S9").err
+
+
+def test_photographs_need_a_scenario(run, tmp_path):
+    run("simulate", "out", "--photographs", tmp_path).assert_refused("--scenario")
+
+
+@pytest.mark.parametrize("detector", ["hough", "lsd"])
+def test_a_detector_can_say_where_to_start(run, detector):
+    run("simulate", "clear", "--frames", 8, "--clutter", 0.1)
+    outcome = run("track", "clear", "--init", detector)
+    assert outcome.code == 0
+    rows = read_estimates(Path("clear_tracked/estimates.csv"))
+    assert rows[0].status == "TRACKING"
+
+
+def test_a_detector_that_sees_nothing_is_no_start(run):
+    Path("dark").mkdir()
+    cv2.imwrite("dark/0.png", np.zeros((48, 64), np.uint8))
+    run("track", "dark", "--init", "lsd").assert_refused("the detector lsd sees no cable")

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
+from statistics import NormalDist
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.geometry import unwrap_states
 from cable_tracker.cable.state import CableState
+from cable_tracker.evaluation.trace import COMPONENTS, LOST_ANGLE, Trace, spans
 from cable_tracker.sequences.estimates import EstimateRow
 
-ANGLE_TOLERANCE = float(np.deg2rad(8.0))
-"""An estimate that is turned by more is off."""
+ANGLE_TOLERANCE = LOST_ANGLE
+"""An estimate that is turned by more is off [rad]."""
+
+START_FRAMES = 30
+"""A start succeeds if the cable is claimed, and rightly, within so many frames that show it."""
+
+NANOSECONDS = 1e9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,3 +84,336 @@ def summarise_errors(rows: Sequence[EstimateRow], truths: Mapping[int, CableStat
         percentile_95=np.percentile(np.abs(errors), 95, axis=0),
         share_off=float(np.mean(off)),
     )
+
+
+class StartOutcome(str, Enum):
+    """How a start without knowledge of the cable went."""
+
+    RIGHT = "right"
+    """The cable was claimed, and rightly, within `START_FRAMES` frames."""
+
+    WRONG = "wrong"
+    """Within that time there were claims, but only of something else: a wrong lock."""
+
+    NONE = "none"
+    """There was no claim in time."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ErrorStatistics:
+    """Errors of d, alpha, w, beta over some frames, shape (4,) each [px, rad]; NaN over none.
+
+    Attributes
+    ----------
+    bias, rmse : FloatArray
+        Mean and root mean square of estimate minus truth.
+    median, percentile_95 : FloatArray
+        Of the absolute errors.
+    """
+
+    bias: FloatArray
+    rmse: FloatArray
+    median: FloatArray
+    percentile_95: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class LossEpisode:
+    """A stretch of visible frames in which the cable was missed.
+
+    Attributes
+    ----------
+    start : int
+        Place of its first frame in the run.
+    frame_count : int
+        Number of its frames.
+    seconds : float
+        From its first frame to the first one on the cable again, or to the end [s].
+    recovered : bool
+        Whether the method found back while the cable remained visible.
+    """
+
+    start: int
+    frame_count: int
+    seconds: float
+    recovered: bool
+
+
+@dataclass(frozen=True, slots=True)
+class LossStatistics:
+    """How much of a visible cable was missed; NaN where no frame shows one.
+
+    Attributes
+    ----------
+    share : float
+        Share of the visible frames that are lost, 0 to 1.
+    longest_frames : float
+        Frames of the longest loss.
+    longest_seconds : float
+        Its duration [s].
+    recovery_seconds : float
+        Mean duration of the losses that were recovered from [s]; NaN if there was none.
+    unrecovered : float
+        Number of losses that lasted until the cable left or the run ended.
+    """
+
+    share: float
+    longest_frames: float
+    longest_seconds: float
+    recovery_seconds: float
+    unrecovered: float
+
+
+@dataclass(frozen=True, slots=True)
+class ClaimStatistics:
+    """Whether the method says rightly that there is a cable; NaN where there is no such frame.
+
+    Attributes
+    ----------
+    false_tracking : float
+        Share of the frames without a visible cable in which one is claimed, 0 to 1.
+    silence : float
+        Share of the frames with a visible cable in which none is claimed, 0 to 1.
+    wrong_claims : float
+        Share of the claims on frames with a visible cable that are lost, 0 to 1.
+    """
+
+    false_tracking: float
+    silence: float
+    wrong_claims: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ConsistencyStatistics:
+    """Whether errors are as large as the covariance says, over claimed and visible frames.
+
+    Attributes
+    ----------
+    nees_mean, nees_median : float
+        Normalised squared error of (d, alpha, w, beta): 4 and 3.36 if the covariance is right,
+        larger if it is too small; NaN over no frames.
+    inside : FloatArray
+        Share of the truths inside two sigma, shape (4,): 0.954 if the covariance is right.
+    """
+
+    nees_mean: float
+    nees_median: float
+    inside: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class StartStatistics:
+    """How a start at random went.
+
+    Attributes
+    ----------
+    outcome : StartOutcome or None
+        None if no frame shows a cable.
+    frames_to_right : float
+        Number of visible frames until the first right claim, from 1; NaN if there was none.
+    """
+
+    outcome: StartOutcome | None
+    frames_to_right: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunMetrics:
+    """Everything that is measured about one run.
+
+    Attributes
+    ----------
+    frame_count, visible_count : int
+        Frames of the run, and those of them that show a cable.
+    errors : ErrorStatistics
+        Over all visible frames, also those that are lost.
+    held_errors : ErrorStatistics
+        Over the visible frames that are not lost.
+    loss, claims, consistency, start : see there
+        `start` is None where the method was told where the cable is.
+    ms_median, ms_95 : float
+        Median and 95th percentile of the time per frame [ms].
+    """
+
+    frame_count: int
+    visible_count: int
+    errors: ErrorStatistics
+    held_errors: ErrorStatistics
+    loss: LossStatistics
+    claims: ClaimStatistics
+    consistency: ConsistencyStatistics
+    start: StartStatistics | None
+    ms_median: float
+    ms_95: float
+
+
+def run_metrics(trace: Trace, *, started_at_random: bool) -> RunMetrics:
+    """Measure a run.
+
+    Parameters
+    ----------
+    trace : Trace
+        At least one frame.
+    started_at_random : bool
+        Whether the method had to find the cable by itself.
+    """
+    visible, lost = trace.visible, trace.lost
+    return RunMetrics(
+        frame_count=len(trace),
+        visible_count=int(visible.sum()),
+        errors=error_statistics(trace.errors[visible]),
+        held_errors=error_statistics(trace.errors[visible & ~lost]),
+        loss=loss_statistics(trace),
+        claims=claim_statistics(trace),
+        consistency=consistency_statistics(trace),
+        start=start_statistics(trace) if started_at_random else None,
+        ms_median=float(np.median(trace.ms)),
+        ms_95=float(np.percentile(trace.ms, 95)),
+    )
+
+
+def error_statistics(errors: FloatArray) -> ErrorStatistics:
+    """Summarise errors of shape (K, 4); rows that are not finite are left out."""
+    finite = errors[np.isfinite(errors).all(axis=1)]
+    if not len(finite):
+        unknown = np.full(COMPONENTS, np.nan)
+        return ErrorStatistics(unknown, unknown, unknown, unknown)
+    return ErrorStatistics(
+        bias=finite.mean(axis=0),
+        rmse=np.sqrt((finite**2).mean(axis=0)),
+        median=np.median(np.abs(finite), axis=0),
+        percentile_95=np.percentile(np.abs(finite), 95, axis=0),
+    )
+
+
+def loss_episodes(trace: Trace) -> list[LossEpisode]:
+    """Return the losses of a run, in order.
+
+    Frames that are not judged do not interrupt a loss; frames without a cable end it.
+    """
+    judged = np.flatnonzero(trace.visible | trace.hidden)
+    lost, visible = trace.lost[judged], trace.visible[judged]
+    stamps = trace.stamps[judged] / NANOSECONDS
+    period = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
+    episodes = []
+    for start, end in spans(lost):
+        recovered = end < len(judged) and bool(visible[end])
+        until = stamps[end] if recovered else stamps[end - 1] + period
+        episodes.append(
+            LossEpisode(int(judged[start]), end - start, float(until - stamps[start]), recovered)
+        )
+    return episodes
+
+
+def loss_statistics(trace: Trace) -> LossStatistics:
+    """Summarise the losses of a run."""
+    visible = trace.visible
+    if not visible.any():
+        return LossStatistics(math.nan, math.nan, math.nan, math.nan, math.nan)
+    episodes = loss_episodes(trace)
+    recoveries = [episode.seconds for episode in episodes if episode.recovered]
+    return LossStatistics(
+        share=float(trace.lost[visible].mean()),
+        longest_frames=float(max((episode.frame_count for episode in episodes), default=0)),
+        longest_seconds=max((episode.seconds for episode in episodes), default=0.0),
+        recovery_seconds=float(np.mean(recoveries)) if recoveries else math.nan,
+        unrecovered=float(len(episodes) - len(recoveries)),
+    )
+
+
+def _share(flags: np.typing.NDArray[np.bool_]) -> float:
+    return float(flags.mean()) if flags.size else math.nan
+
+
+def claim_statistics(trace: Trace) -> ClaimStatistics:
+    """Summarise the claims of a run."""
+    claimed, visible = trace.claimed, trace.visible
+    return ClaimStatistics(
+        false_tracking=_share(claimed[trace.hidden]),
+        silence=_share(~claimed[visible]),
+        wrong_claims=_share(trace.lost[visible & claimed]),
+    )
+
+
+def nees(errors: FloatArray, covariances: FloatArray) -> FloatArray:
+    """Return the normalised squared errors, shape (K,).
+
+    Infinite where the covariance is no such thing: singular, or with a negative variance.
+
+    Parameters
+    ----------
+    errors : FloatArray
+        Shape (K, n).
+    covariances : FloatArray
+        Shape (K, n, n); finite.
+    """
+    result = np.full(len(errors), np.inf)
+    for index, (error, covariance) in enumerate(zip(errors, covariances, strict=True)):
+        sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        if not (sigma > 0.0).all():
+            continue
+        # px and rad differ by orders of magnitude; correlations do not.
+        values, vectors = np.linalg.eigh(covariance / np.outer(sigma, sigma))
+        if values[0] > 1e-12:
+            result[index] = float(((vectors.T @ (error / sigma)) ** 2 / values).sum())
+    return result
+
+
+def consistency_statistics(trace: Trace) -> ConsistencyStatistics:
+    """Compare the errors of the claimed and visible frames with the stated covariances."""
+    chosen = trace.claimed & trace.visible & np.isfinite(trace.errors).all(axis=1)
+    errors, covariances = trace.errors[chosen], trace.covariances[chosen]
+    if not len(errors):
+        return ConsistencyStatistics(math.nan, math.nan, np.full(COMPONENTS, np.nan))
+    squares = nees(errors, covariances)
+    return ConsistencyStatistics(
+        nees_mean=float(squares.mean()),
+        nees_median=float(np.median(squares)),
+        inside=(np.abs(errors) <= 2.0 * trace.sigmas[chosen]).mean(axis=0),
+    )
+
+
+def coverage(traces: Iterable[Trace], nominal: FloatArray) -> FloatArray:
+    """Return how often the truth lies inside the central interval of a nominal probability.
+
+    Parameters
+    ----------
+    traces : iterable of Trace
+        Runs whose claimed and visible frames are taken together.
+    nominal : FloatArray
+        Probabilities, each above 0 and below 1, shape (P,).
+
+    Returns
+    -------
+    FloatArray
+        Shares for d, alpha, w, beta, shape (P, 4); NaN if no frame is claimed.
+    """
+    ratios = [np.full((0, COMPONENTS), np.nan)]
+    for trace in traces:
+        chosen = trace.claimed & trace.visible
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios.append(np.abs(trace.errors[chosen]) / trace.sigmas[chosen])
+    pooled = np.concatenate(ratios)
+    if not len(pooled):
+        return np.full((len(nominal), COMPONENTS), np.nan)
+    normal = NormalDist()
+    limits = np.array([normal.inv_cdf((1.0 + probability) / 2.0) for probability in nominal])
+    shares: FloatArray = (pooled[None, :, :] <= limits[:, None, None]).mean(axis=1)
+    return shares
+
+
+def start_statistics(trace: Trace) -> StartStatistics:
+    """Tell how the first `START_FRAMES` frames that show a cable went."""
+    visible = np.flatnonzero(trace.visible)
+    if not len(visible):
+        return StartStatistics(None, math.nan)
+    claimed, right = trace.claimed[visible], ~trace.lost[visible]
+    found = np.flatnonzero(claimed & right)
+    to_right = float(found[0] + 1) if len(found) else math.nan
+    if to_right <= START_FRAMES:
+        outcome = StartOutcome.RIGHT
+    elif claimed[:START_FRAMES].any():
+        outcome = StartOutcome.WRONG
+    else:
+        outcome = StartOutcome.NONE
+    return StartStatistics(outcome, to_right)

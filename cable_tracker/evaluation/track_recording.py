@@ -11,6 +11,7 @@ from cable_tracker.cable.initial_state_text import parse_initial_state
 from cable_tracker.cable.initialisation import StatePrior
 from cable_tracker.cable.state import CableState
 from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.result_folder import ResultFolder
 from cable_tracker.sequences import output_topics
@@ -40,20 +41,40 @@ TRUTH = "truth"
 
 
 def initial_state_for(source: Source, init: str) -> CableState | None:
-    """Return where to start: from the words `random`, `truth`, or `d,alpha,w,beta`.
+    """Return where to start: from `random`, `truth`, a detector's name, or `d,alpha,w,beta`.
 
     Raises
     ------
     ParameterError
-        The words are none of these, or the first frame has no ground truth to start from.
+        The words are none of these, or the first frame has no ground truth, or shows no cable to
+        the detector.
     RecordingError
         The recording cannot be read.
     """
-    if init != TRUTH:
+    if init != TRUTH and init not in DETECTORS:
         return parse_initial_state(init)
     first = next(source.frames(), None)
     if first is None:
         raise RecordingError(f"{source.path}: holds no frames; record it again")
+    return _true_state(source, first) if init == TRUTH else _detected_state(source, first, init)
+
+
+def _detected_state(source: Source, first: Frame, detector: str) -> CableState:
+    try:
+        found = DETECTORS[detector]().detect(decode_grey(first.image))
+    except FrameError as error:
+        raise ParameterError(
+            f"{source.path}: no start from its first frame ({error}); use --init random"
+        ) from error
+    if not found:
+        raise ParameterError(
+            f"{source.path}: the detector {detector} sees no cable in its first frame; start with"
+            " another detector, with --init random or with --init d,alpha,w,beta"
+        )
+    return found[0].state
+
+
+def _true_state(source: Source, first: Frame) -> CableState:
     if first.truth is None:
         raise ParameterError(
             f"{source.path}: its first frame has no ground truth to start from; give labels with"

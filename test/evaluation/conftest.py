@@ -1,12 +1,112 @@
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
+import numpy as np
 import pytest
 
+from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.state import CableState
+from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.frames import JudgedFrame, JudgedSequence
+from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
+
+FRAME_NS = 40_000_000
+
+
+CABLE = CableState(10.0, 0.1, 40.0, 0.02)
+
+
+def _outcome(
+    index: int,
+    truth: CableState | None = CABLE,
+    error: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
+    *,
+    visibility: float | None = None,
+    claimed: bool = True,
+    sigma: tuple[float, float, float, float] = (2.0, 0.02, 3.0, 0.01),
+    ms: float = 5.0,
+    width: int = 320,
+) -> FrameOutcome:
+    base = truth if truth is not None else CableState(0.0, 0.0, 30.0, 0.0)
+    values = base.to_array()
+    values[:4] += error
+    estimate = CableEstimate(
+        stamp=1_000_000_000 + index * FRAME_NS,
+        status=TrackingStatus.TRACKING if claimed else TrackingStatus.LOST,
+        state=CableState.from_array(values),
+        covariance=np.diag(np.square((*sigma, 1.0, 1.0))),
+        effective_sample_size=100.0,
+        evidence=2.0,
+        image_size=(width, width * 3 // 4),
+    )
+    if visibility is None:
+        visibility = 0.0 if truth is None else 1.0
+    return FrameOutcome(index, truth, visibility, estimate, ms)
+
+
+@pytest.fixture
+def outcome() -> Callable[..., FrameOutcome]:
+    """Make what came of one frame; the estimate is the truth plus an error."""
+    return _outcome
+
+
+@pytest.fixture
+def trace() -> Callable[[str], Trace]:
+    """Make a run from letters, one for each frame.
+
+    h held, l lost, s silent but held, x lost and silent; of a visible cable. f claimed and n silent
+    where there is no cable. u: nobody knows.
+    """
+    kinds = {
+        "h": {},
+        "l": {"error": (50.0, 0.0, 0.0, 0.0)},
+        "s": {"claimed": False},
+        "x": {"error": (50.0, 0.0, 0.0, 0.0), "claimed": False},
+        "f": {"truth": None},
+        "n": {"truth": None, "claimed": False},
+        "u": {"truth": None, "visibility": float("nan")},
+    }
+    return lambda letters: trace_of([_outcome(i, **kinds[k]) for i, k in enumerate(letters)])
+
+
+@dataclass(frozen=True)
+class _StripeSequence:
+    """A bright stripe that moves a little; labelled in every frame."""
+
+    name: str = "stripe"
+    description: str = "a stripe"
+    length: int = 12
+
+    def frame_count(self) -> int | None:
+        return self.length
+
+    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+        rng = np.random.default_rng(seed)
+        for index in range(self.length):
+            image = rng.integers(60, 80, (240, 320)).astype(np.uint8)
+            left = 140 + index
+            image[:, left : left + 40] += 90
+            truth = CableState(left + 19.5 - 159.5, 0.0, 40.0, 0.0)
+            yield JudgedFrame(index, 1_000_000_000 + index * FRAME_NS, image, truth, 1.0)
+
+
+@pytest.fixture(scope="session")
+def stripe() -> JudgedSequence:
+    """An easy sequence of 12 frames."""
+    return _StripeSequence()
+
+
+@pytest.fixture(scope="session")
+def results(stripe: JudgedSequence) -> list[RunResult]:
+    """What came of two methods on two sequences with two seeds."""
+    sequences = (stripe, _StripeSequence("<other> & more"))
+    campaign = Campaign(("default", "thesis"), sequences, (0, 1), Start.RANDOM, with_sheets=True)
+    return run_campaign(campaign)
 
 
 class Recording:

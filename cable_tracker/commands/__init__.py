@@ -1,0 +1,1 @@
+"""The commands of `cable-tracker`, one file each."""

@@ -1,0 +1,39 @@
+"""What a report says about how and where it was made."""
+
+from __future__ import annotations
+
+import os
+import platform
+import shlex
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from cable_tracker import __version__
+
+CPU_INFORMATION = Path("/proc/cpuinfo")
+
+
+def typed_command() -> str:
+    """Return the command line as it was typed."""
+    return shlex.join(("cable-tracker", *sys.argv[1:]))
+
+
+def machine() -> str:
+    """Describe processor, system and versions in one line."""
+    return (
+        f"{_processor()}, {os.cpu_count()} processors, {platform.system()};"
+        f" cable_tracker {__version__}, Python {platform.python_version()}, NumPy {np.__version__},"
+        f" OpenCV {cv2.__version__}"
+    )
+
+
+def _processor() -> str:
+    if CPU_INFORMATION.is_file():
+        for line in CPU_INFORMATION.read_text(encoding="utf-8", errors="replace").splitlines():
+            name, _, value = line.partition(":")
+            if name.strip() == "model name":
+                return value.strip()
+    return platform.processor() or platform.machine()

@@ -1,0 +1,48 @@
+"""`cable-tracker parameters`."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from cable_tracker.cable.parameter_files import format_parameter_file
+from cable_tracker.cable.parameters import PARAMETER_TABLE, ParameterSpec, TrackerParameters
+from cable_tracker.cable.presets import preset
+from cable_tracker.commands.options import PresetName
+from cable_tracker.commands.terminal import console
+
+
+class ParameterFormat(str, Enum):
+    """How `parameters` prints."""
+
+    TABLE = "table"
+    YAML = "yaml"
+
+
+def parameters(
+    preset_name: Annotated[
+        PresetName, typer.Option("--preset", help="Whose values to print.")
+    ] = PresetName.default,  # type: ignore[attr-defined]
+    output_format: Annotated[
+        ParameterFormat, typer.Option("--format", help="A table to read, or a file for the node.")
+    ] = ParameterFormat.TABLE,
+) -> None:
+    """Print all parameters of the filter, with unit, range and meaning."""
+    values = preset(preset_name.value)
+    if output_format is ParameterFormat.YAML:
+        print(format_parameter_file(values, f"Preset `{preset_name.value}`."), end="")
+        return
+    table = Table(show_lines=False)
+    for heading in ("name", "value", "unit", "range", "meaning"):
+        table.add_column(heading, no_wrap=heading == "name")
+    for spec in PARAMETER_TABLE:
+        table.add_row(*_cells(spec, values))
+    console.print(table)
+
+
+def _cells(spec: ParameterSpec, values: TrackerParameters) -> tuple[str, str, str, str, str]:
+    value = str(values.as_mapping()[spec.name])
+    return spec.name, value, spec.unit, spec.range_text(), spec.meaning

@@ -1,0 +1,90 @@
+"""`cable-tracker simulate`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cable_tracker.commands.options import ForceOption, Storage
+from cable_tracker.commands.terminal import console, counted, progress_bar
+from cable_tracker.errors import ParameterError
+from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulate_scenario
+from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
+
+
+class SimulationFormat(str, Enum):
+    """What `simulate` writes."""
+
+    BAG = "bag"
+    SEQUENCE = "sequence"
+
+
+def simulate_command(  # noqa: PLR0917
+    output: Annotated[Path, typer.Argument(help="Folder to write.")],
+    output_format: Annotated[
+        SimulationFormat,
+        typer.Option("--format", help="A ROS 2 bag, or PNGs with a sequence file."),
+    ] = SimulationFormat.BAG,
+    frames: Annotated[int, typer.Option(help="Number of frames.")] = 300,
+    rate: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
+    size: Annotated[str, typer.Option(help="Width and height in px.")] = "320x240",
+    clutter: Annotated[
+        float, typer.Option(help="How overgrown, buried and distracting it is, 0 to 1.")
+    ] = 0.5,
+    seed: Annotated[int, typer.Option(help="Seed: the same one gives the same frames.")] = 0,
+    scenario: Annotated[
+        str | None,
+        typer.Option(
+            help=f"A scenario of the evaluation instead ({', '.join(SCENARIOS)}); it has its own"
+            " length, rate and clutter."
+        ),
+    ] = None,
+    photographs: Annotated[
+        Path | None,
+        typer.Option(help="Folder of photographs to cover the bottom of a scenario with."),
+    ] = None,
+    storage: Annotated[Storage, typer.Option(help="Format of the bag.")] = Storage.MCAP,
+    force: ForceOption = False,
+) -> None:
+    """Simulate a dive over a cable on a textured sea bed, with exact ground truth."""
+    image_size = parse_size(size)
+    source: Iterator[Frame]
+    if scenario is not None:
+        frames = find_scenario(scenario).frame_count
+        simulated = simulate_scenario(scenario, seed, image_size, photographs=photographs)
+        source = (each.frame for each in simulated)
+    elif photographs is not None:
+        raise ParameterError("photographs cover the bottom of a scenario; name one with --scenario")
+    else:
+        settings = SimulationSettings(
+            frame_count=frames, rate=rate, image_size=image_size, clutter=clutter, seed=seed
+        )
+        source = simulate(settings)
+    with progress_bar("simulating", frames) as progress:
+        dive = counted(source, progress)
+        if output_format is SimulationFormat.BAG:
+            count = write_bag(output, dive, storage=storage.value, overwrite=force).count
+        else:
+            count = write_sequence(output, dive, overwrite=force)
+    console.print(f"{count} frames: {output}", soft_wrap=True)
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Read an image size such as 320x240.
+
+    Raises
+    ------
+    ParameterError
+        It is none.
+    """
+    width, separator, height = text.lower().partition("x")
+    if not separator or not width.isdecimal() or not height.isdecimal():
+        raise ParameterError(f"size: {text!r} is not of the form 320x240")
+    return int(width), int(height)

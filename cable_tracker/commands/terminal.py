@@ -1,0 +1,50 @@
+"""What commands print, and how they show that they are at work."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+from cable_tracker.sequences.frame import Frame
+
+console = Console(markup=False, highlight=False)
+messages = Console(stderr=True, markup=False, highlight=False)
+
+
+@contextmanager
+def progress_bar(description: str, total: int | None) -> Iterator[Progress]:
+    """Show a progress bar on the terminal; nothing where there is none."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    # Off a terminal the bar would leave an empty line among the messages.
+    hidden = not messages.is_terminal
+    with Progress(*columns, console=messages, transient=True, disable=hidden) as progress:
+        progress.add_task(description, total=total)
+        yield progress
+
+
+def advance(progress: Progress, count: int = 1) -> None:
+    """Move the only task of a progress bar."""
+    progress.advance(progress.task_ids[0], count)
+
+
+def counted(frames: Iterable[Frame], progress: Progress) -> Iterator[Frame]:
+    """Move the progress bar with every frame that passes."""
+    for frame in frames:
+        yield frame
+        advance(progress)

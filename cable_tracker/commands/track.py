@@ -1,0 +1,205 @@
+"""`cable-tracker track`."""
+
+from __future__ import annotations
+
+import math
+from contextlib import ExitStack
+from pathlib import Path
+from types import ModuleType
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from cable_tracker.cable.initial_state_text import RANDOM
+from cable_tracker.cable.parameter_files import filter_parameters, read_parameter_file
+from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.presets import preset
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.commands.options import (
+    ForceOption,
+    PresetName,
+    RateOption,
+    SkipOption,
+    SourceArgument,
+    TopicOption,
+    TruthOption,
+    open_recording,
+)
+from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.errors import RecordingError, RosError
+from cable_tracker.evaluation.metrics import ErrorSummary, summarise_errors
+from cable_tracker.evaluation.result_folder import (
+    BAG,
+    CONTACT_SHEET,
+    ESTIMATES,
+    PLOTS,
+    VIDEO,
+    ResultFolder,
+)
+from cable_tracker.evaluation.track_recording import (
+    initial_state_for,
+    start_from,
+    track_recording,
+)
+from cable_tracker.node_parameter_tables import TRACKER_NODE_PARAMETERS
+from cable_tracker.sequences.estimates import REFUSED
+
+
+def track(  # noqa: PLR0917
+    source: SourceArgument,
+    ros: Annotated[
+        bool,
+        typer.Option(
+            "--ros", help="Use the ROS nodes `replay` and `tracker`, in lockstep over DDS."
+        ),
+    ] = False,
+    init: Annotated[
+        str | None,
+        typer.Option(
+            help="Where to start: `random`, `truth` (label of the first frame), the name of a"
+            f" detector ({', '.join(DETECTORS)}), or `d,alpha,w,beta` in px and rad."
+            "  [default: random]"
+        ),
+    ] = None,
+    preset_name: Annotated[
+        PresetName | None,
+        typer.Option("--preset", help="Values to start from.  [default: default]"),
+    ] = None,
+    params: Annotated[
+        Path | None, typer.Option(help="YAML file with parameters, as the node reads them.")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Seed of the random numbers, instead of the preset's.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Folder for the results.  [default: SOURCE_tracked]")
+    ] = None,
+    force: ForceOption = False,
+    topic: TopicOption = None,
+    rate: RateOption = 25.0,
+    truth: TruthOption = None,
+    skip_bad_frames: SkipOption = False,
+    timing: Annotated[
+        bool,
+        typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
+    ] = True,
+) -> None:
+    """Track a recording and write table, pictures, video and bag into one folder.
+
+    With ground truth, a table of errors is printed. The same recording, parameters and seed give
+    the same estimates, with --ros and without.
+    """
+    values = read_parameter_file(params) if params is not None else {}
+    parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
+    folder = output if output is not None else default_output(source)
+    with ExitStack() as stack:
+        recording = stack.enter_context(open_recording(source, topic, rate, truth, skip_bad_frames))
+        state = initial_state_for(recording, chosen_start(init, values))
+        results = stack.enter_context(ResultFolder(folder, overwrite=force, timing=timing))
+        progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
+        if ros:
+            ros_module = _ros_tracking()
+            request = ros_module.RecordingRequest(
+                source={
+                    "source": str(source.resolve()),
+                    "topic": topic or "",
+                    "frame_rate": rate,
+                    "truth": str(truth.resolve()) if truth else "",
+                    "skip_bad_frames": skip_bad_frames,
+                },
+                parameters=parameters,
+                initial_state=state,
+            )
+            damage = ros_module.track_recording_over_ros(
+                recording, request, results, lambda: advance(progress)
+            )
+        else:
+            tracker = CableTracker(parameters)
+            start_from(tracker, state)
+            damage = track_recording(recording, tracker, results, lambda: advance(progress))
+        _need_usable_frames(results, damage)
+    _print_results(results)
+    if damage is not None:
+        raise damage
+
+
+def chosen_parameters(
+    preset_name: str | None, values: dict[str, object], seed: int | None
+) -> TrackerParameters:
+    """Combine preset, the values of a parameter file, and seed; options win over the file."""
+    node_only = {spec.name for spec in TRACKER_NODE_PARAMETERS}
+    base = preset(preset_name or str(values.get("preset", "default")))
+    parameters = filter_parameters(base, values, node_only)
+    if seed is not None:
+        parameters = parameters.replaced({"seed": seed})
+    return parameters
+
+
+def chosen_start(init: str | None, values: dict[str, object]) -> str:
+    """Return the words that say where to start; the option wins over the parameter file."""
+    return init if init is not None else str(values.get("initial_state", RANDOM))
+
+
+def default_output(source: Path) -> Path:
+    """Return the folder for results when the user names none."""
+    resolved = source.resolve()
+    stem = resolved.name if resolved.is_dir() else resolved.stem
+    return Path(f"{stem}_tracked")
+
+
+def _ros_tracking() -> ModuleType:
+    """Import the ROS part only when it is asked for: everything else works without ROS."""
+    try:
+        from cable_tracker.ros import track_recording as module  # noqa: PLC0415
+    except ModuleNotFoundError as error:
+        raise RosError(
+            f"ROS 2 is not installed (no module {error.name}); run"
+            " `pip install cable_tracker[ros]` or source /opt/ros/jazzy/setup.bash"
+        ) from error
+    return module
+
+
+def _need_usable_frames(results: ResultFolder, damage: RecordingError | None) -> None:
+    if any(row.status != REFUSED for row in results.rows):
+        return
+    reason = "holds no frames"
+    if results.rows:
+        reason = f"none of the {len(results.rows)} frames can be used"
+    raise damage or RecordingError(f"the recording {reason}; record it again")
+
+
+def _print_results(results: ResultFolder) -> None:
+    statuses = [row.status for row in results.rows]
+    counts = {status: statuses.count(status) for status in dict.fromkeys(statuses)}
+    words = ", ".join(f"{count} {status}" for status, count in counts.items())
+    console.print(f"{len(results.rows)} frames: {words}", soft_wrap=True)
+    times = sorted(row.ms for row in results.rows if row.ms is not None)
+    if times:
+        console.print(f"median time in the tracker: {times[len(times) // 2]:.2f} ms per frame")
+    if results.truths:
+        _print_errors(summarise_errors(results.rows, results.truths))
+    for name in (ESTIMATES, VIDEO, CONTACT_SHEET, PLOTS, BAG):
+        console.print(f"  {results.path / name}", soft_wrap=True)
+
+
+def _print_errors(summary: ErrorSummary) -> None:
+    console.print(
+        f"{summary.claimed} of {summary.labelled} labelled frames claimed;"
+        f" {summary.share_off:.1%} of those off by more than w/2 or 8 deg"
+        if summary.claimed
+        else f"none of {summary.labelled} labelled frames claimed",
+        soft_wrap=True,
+    )
+    if not summary.claimed:
+        return
+    table = Table(title="errors against ground truth")
+    for heading in ("", "bias", "RMSE", "median", "95th percentile"):
+        table.add_column(heading, justify="right")
+    degree = math.degrees(1.0)
+    rows = (("d [px]", 1.0), ("alpha [deg]", degree), ("w [px]", 1.0), ("beta [deg]", degree))
+    columns = (summary.bias, summary.rmse, summary.median, summary.percentile_95)
+    for index, (name, scale) in enumerate(rows):
+        table.add_row(name, *(f"{column[index] * scale:.2f}" for column in columns))
+    console.print(table)

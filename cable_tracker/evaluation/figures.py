@@ -1,0 +1,316 @@
+"""Figures about runs, drawn with matplotlib, as SVG text or PNG bytes."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.evaluation.metrics import coverage
+from cable_tracker.evaluation.runs import RunResult
+from cable_tracker.evaluation.tables import chosen, methods_of
+from cable_tracker.evaluation.trace import Trace, spans
+from cable_tracker.visualisation.palette import ESTIMATE, GREY, RED, to_unit
+
+DOTS_PER_INCH = 130
+NOMINAL = np.linspace(0.02, 0.98, 49)
+"""Probabilities at which the calibration is compared."""
+
+SERIES_STYLES = (
+    ("#0072b2", "-"), ("#d55e00", "-"), ("#009e73", "-"), ("#cc79a7", "-"), ("#56b4e9", "--"),
+    ("#e69f00", "--"), ("#444444", "--"), ("#999999", ":"),
+)  # fmt: skip
+"""Colours that stay apart for the colour-blind, and strokes."""
+
+_STYLE: Any = {
+    "font.size": 8.0,
+    "axes.edgecolor": "0.4",
+    "axes.linewidth": 0.6,
+    "axes.labelcolor": "0.2",
+    "xtick.color": "0.3",
+    "ytick.color": "0.3",
+    "lines.linewidth": 1.2,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "cable_tracker",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Panel:
+    label: str
+    factor: float
+    """From px or rad to the unit of the axis."""
+
+    smallest: float
+    """No axis spans less than this, so that calm does not look like turmoil."""
+
+
+PANELS = (
+    _Panel("d [px]", 1.0, 20.0),
+    _Panel("α [deg]", 180 / np.pi, 10.0),
+    _Panel("w [px]", 1.0, 20.0),
+    _Panel("β [deg]", 180 / np.pi, 5.0),
+)
+
+LOSS_COLOURS = LinearSegmentedColormap.from_list(
+    "loss", ["#f4f6f7", "#f3c19d", "#d55e00", "#7a2d00"]
+)
+"""From never lost to always lost."""
+
+HALF_TURN_JUMP = np.pi / 2
+"""A true angle that changes by more than this between two frames has wrapped."""
+
+
+def _calm_style() -> AbstractContextManager[None]:
+    return mpl.rc_context(_STYLE)
+
+
+def as_svg(figure: Figure) -> str:
+    """Return a figure as SVG; the same figure gives the same text."""
+    buffer = io.StringIO()
+    with _calm_style():
+        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    return buffer.getvalue()
+
+
+def as_png(figure: Figure) -> bytes:
+    """Return a figure as PNG."""
+    FigureCanvasAgg(figure)
+    buffer = io.BytesIO()
+    with _calm_style():
+        figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
+    return buffer.getvalue()
+
+
+def style_of(place: int) -> tuple[str, str]:
+    """Return colour and stroke of the n-th series."""
+    return SERIES_STYLES[place % len(SERIES_STYLES)]
+
+
+def trace_figure(named: Sequence[tuple[str, Trace]]) -> Figure:
+    """Draw all four parameters over the frames, truth solid and estimate dashed; runs in columns.
+
+    Frames that are lost, and those that show no cable, are shaded. Where the method claims nothing
+    the estimate is pale.
+
+    Parameters
+    ----------
+    named : sequence of (str, Trace)
+        Runs with their titles, at least one.
+    """
+    count = len(named)
+    width = 6.2 if count == 1 else 4.4 * count
+    with _calm_style():
+        figure = Figure(figsize=(width, 4.7))
+        grid = figure.subplots(len(PANELS), count, sharex="col", squeeze=False)
+        for axes, (title, trace) in zip(grid.T, named, strict=True):
+            _draw_trace(list(axes), trace)
+            axes[0].set_title(title, fontsize=8.5)
+        _legend_above(figure, grid[0])
+        figure.align_ylabels(list(grid[:, 0]))
+        figure.subplots_adjust(
+            left=0.62 / width, right=0.99, top=0.9 if count > 1 else 0.935, bottom=0.085,
+            hspace=0.14, wspace=0.16,
+        )  # fmt: skip
+    return figure
+
+
+def _legend_entries(axes: Iterable[Axes]) -> Iterable[tuple[str, Artist]]:
+    for axis in axes:
+        handles, labels = axis.get_legend_handles_labels()
+        yield from zip(labels, handles, strict=True)
+
+
+def _draw_trace(axes: Sequence[Axes], trace: Trace) -> None:
+    for column, (axis, panel) in enumerate(zip(axes, PANELS, strict=True)):
+        _shade(axis, trace, trace.hidden, (*to_unit(GREY), 0.35), "no cable to be seen")
+        _shade(axis, trace, carried(trace, trace.lost), (*to_unit(RED), 0.22), "lost")
+        _draw_parameter(axis, trace, column, panel)
+    axes[-1].set_xlabel("frame")
+    axes[-1].set_xlim(trace.frames[0], max(trace.frames[-1], trace.frames[0] + 1))
+
+
+def _draw_parameter(axis: Axes, trace: Trace, column: int, panel: _Panel) -> None:
+    frames = trace.frames.astype(np.float64)
+    truth, estimate = trace.truths[:, column].copy(), trace.estimates[:, column].copy()
+    known = np.isfinite(trace.truths[:, 1])
+    # Labels of every second frame are joined; a cable that was away is not.
+    joined = known | trace.hidden
+    angles = trace.truths[:, 1]
+    wrapped = np.flatnonzero(np.abs(np.diff(angles)) > HALF_TURN_JUMP) + 1
+    truth[wrapped] = estimate[wrapped] = np.nan
+    claims = trace.claimed
+    green = tuple(0.7 * channel for channel in to_unit(ESTIMATE))
+    axis.plot(frames[joined], truth[joined] * panel.factor, color="0.1", lw=1.1, label="truth")
+    pale = np.where(claims, np.nan, estimate) * panel.factor
+    firm = np.where(claims, estimate, np.nan) * panel.factor
+    dashes = (0, (3.5, 1.8))
+    axis.plot(frames, pale, color="0.55", lw=0.9, linestyle=dashes, label="estimate, not claimed")
+    axis.plot(frames, firm, color=green, lw=1.3, linestyle=dashes, label="estimate, claimed")
+    axis.set_ylabel(panel.label)
+    held = np.where(trace.lost | ~claims, np.nan, estimate) * panel.factor
+    axis.set_ylim(_limits(truth * panel.factor, held, panel.smallest))
+    _calm(axis)
+
+
+def _limits(truth: FloatArray, held: FloatArray, smallest: float) -> tuple[float, float]:
+    """Return limits that show the truth and the estimates that belong to it; not the lost ones."""
+    values = np.concatenate((truth, held))
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return -smallest, smallest
+    low, high = float(finite.min()), float(finite.max())
+    margin = max(0.12 * (high - low), (smallest - (high - low)) / 2)
+    return low - margin, high + margin
+
+
+def _calm(axis: Axes) -> None:
+    axis.grid(color="0.9", linewidth=0.6)
+    axis.set_axisbelow(True)
+    for side in ("top", "right"):
+        axis.spines[side].set_visible(False)
+
+
+def carried(trace: Trace, mask: BoolArray) -> BoolArray:
+    """Carry what is known of a frame on to those after it that are not judged."""
+    judged = trace.visible | trace.hidden
+    last = np.maximum.accumulate(np.where(judged, np.arange(len(trace)), -1))
+    return np.asarray((last >= 0) & mask[np.maximum(last, 0)])
+
+
+def _shade(
+    axis: Axes, trace: Trace, mask: BoolArray, colour: tuple[float, ...], label: str
+) -> None:
+    """Shade the marked frames in a colour with opacity."""
+    for number, (start, end) in enumerate(spans(mask)):
+        axis.axvspan(
+            trace.frames[start] - 0.5,
+            trace.frames[end - 1] + 0.5,
+            color=colour,
+            linewidth=0,
+            label=label if number == 0 else None,
+        )
+
+
+def _legend_above(figure: Figure, axes: Iterable[Axes]) -> None:
+    entries = dict(_legend_entries(axes))
+    figure.legend(
+        list(entries.values()), list(entries), loc="upper center", ncol=len(entries),
+        frameon=False, fontsize=7.5,
+    )  # fmt: skip
+
+
+def loss_figure(results: Sequence[RunResult]) -> Figure:
+    """Draw for each method when it has lost the cable: the share of seeds, frame by frame.
+
+    Parameters
+    ----------
+    results : sequence of RunResult
+        Runs on one sequence.
+    """
+    methods = methods_of(results)
+    shares = _loss_shares(results, methods)
+    frames = results[0].trace.frames
+    with _calm_style():
+        figure = Figure(figsize=(7.2, 0.62 + 0.24 * len(methods)))
+        axis = figure.subplots()
+        extent = (frames[0] - 0.5, frames[-1] + 0.5, len(methods) - 0.5, -0.5)
+        axis.set_facecolor("0.8")
+        picture = axis.imshow(
+            shares,
+            cmap=LOSS_COLOURS,
+            vmin=0.0,
+            vmax=100.0,
+            aspect="auto",
+            interpolation="nearest",
+            extent=extent,
+        )
+        axis.set_yticks(range(len(methods)), methods)
+        axis.set_yticks(np.arange(len(methods) - 1) + 0.5, minor=True)
+        axis.grid(axis="y", which="minor", color="white", linewidth=2.5)
+        axis.tick_params(which="both", length=0)
+        axis.set_xlabel("frame")
+        bar = figure.colorbar(picture, ax=axis, pad=0.015, aspect=8)
+        bar.set_label("runs lost [%]")
+        figure.tight_layout(pad=0.4)
+    return figure
+
+
+def _loss_shares(results: Sequence[RunResult], methods: Sequence[str]) -> FloatArray:
+    """Return the share of runs that are lost [%], shape (methods, frames); NaN: not to be seen."""
+    rows = []
+    length = max(len(result.trace) for result in results)
+    for method in methods:
+        lost, visible = np.zeros(length), np.zeros(length)
+        for result in chosen(results, method=method):
+            trace = result.trace
+            lost[: len(trace)] += carried(trace, trace.lost)
+            visible[: len(trace)] += carried(trace, trace.visible)
+        rows.append(np.where(visible > 0, 100.0 * lost / np.maximum(visible, 1.0), np.nan))
+    return np.array(rows)
+
+
+def calibration_figure(results: Sequence[RunResult]) -> Figure:
+    """Draw how often the truth lies inside the interval that should hold it so often."""
+    with _calm_style():
+        figure = Figure(figsize=(7.2, 2.35))
+        axes: list[Axes] = list(figure.subplots(1, 4, sharey=True))
+        curves = {
+            method: 100.0 * coverage((run.trace for run in chosen(results, method=method)), NOMINAL)
+            for method in methods_of(results)
+        }
+        for column, (axis, panel) in enumerate(zip(axes, PANELS, strict=True)):
+            axis.plot((0, 100), (0, 100), color="0.6", linewidth=0.8, linestyle=(0, (2, 2)))
+            for place, (method, curve) in enumerate(curves.items()):
+                colour, stroke = style_of(place)
+                axis.plot(
+                    100 * NOMINAL, curve[:, column], color=colour, linestyle=stroke, label=method
+                )
+            axis.set_title(panel.label.split(" ")[0], fontsize=9)
+            axis.set_xlabel("nominal [%]")
+            axis.set_xlim(0, 100)
+            axis.set_ylim(0, 100)
+            axis.set_xticks((0, 50, 100))
+            _calm(axis)
+        axes[0].set_ylabel("truth inside [%]")
+        _legend_above(figure, axes[:1])
+        figure.subplots_adjust(left=0.075, right=0.985, top=0.8, bottom=0.18, wspace=0.12)
+    return figure
+
+
+def curves_figure(
+    series: Mapping[str, tuple[Sequence[float], Sequence[float]]],
+    *,
+    x_label: str,
+    y_label: str,
+    markers: bool = False,
+) -> Figure:
+    """Draw named curves, each given as its x and y values, into one panel."""
+    with _calm_style():
+        figure = Figure(figsize=(5.6, 3.4))
+        axis = figure.subplots()
+        for place, (name, (x, y)) in enumerate(series.items()):
+            colour, stroke = style_of(place)
+            axis.plot(
+                x, y, color=colour, linestyle=stroke, marker="o" if markers else "", ms=3.5,
+                label=name,
+            )  # fmt: skip
+        axis.set_xlabel(x_label)
+        axis.set_ylabel(y_label)
+        axis.set_ylim(bottom=0.0)
+        axis.set_xlim(left=0.0)
+        _calm(axis)
+        axis.legend(frameon=False, fontsize=7.5)
+        figure.tight_layout(pad=0.5)
+    return figure

@@ -1,0 +1,305 @@
+"""The report of an evaluation: one HTML file that needs nothing else, and tables as CSV."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from cable_tracker.evaluation.figures import as_svg, calibration_figure, loss_figure, trace_figure
+from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, MetricSpec, metric_spread
+from cable_tracker.evaluation.metrics import START_FRAMES
+from cable_tracker.evaluation.runs import RunResult
+from cable_tracker.evaluation.spread import Spread
+from cable_tracker.evaluation.tables import (
+    CSV_FILES,
+    chosen,
+    methods_of,
+    runs_csv,
+    sequences_of,
+)
+from cable_tracker.evaluation.trace import LOST_DISTANCE
+from cable_tracker.visualisation.files import write_bytes
+
+REPORT = "report.html"
+TEMPLATE = "report.html.j2"
+
+SUMMARY_METRICS = (
+    "lost", "longest_loss", "recovery", "held_rmse_d", "held_rmse_alpha", "held_rmse_w",
+    "held_rmse_beta", "silence", "wrong_claims", "false_tracking", "start_right", "start_wrong",
+    "nees_median", "ms",
+)  # fmt: skip
+"""Columns of the first table; a column of which nothing is known is left out."""
+
+MATRIX_METRICS = ("lost", "held_rmse_d", "held_rmse_alpha", "silence", "false_tracking")
+"""Numbers that get a table of sequences by methods."""
+
+SEQUENCE_METRICS = (
+    "lost", "longest_loss", "recovery", "unrecovered", "silence", "wrong_claims", "false_tracking",
+    "start_right", "start_wrong", "frames_to_right", "nees_median", "ms",
+)  # fmt: skip
+
+AXES = ("d", "alpha", "w", "beta")
+ERROR_MEASURES = ("bias", "rmse", "median", "p95")
+
+
+@dataclass(frozen=True, slots=True)
+class ReportHeader:
+    """What a report says about itself.
+
+    Attributes
+    ----------
+    title : str
+        Its first line.
+    command : str
+        What was typed.
+    machine : str
+        Processor, operating system, versions.
+    date : str
+        When it was made.
+    """
+
+    title: str
+    command: str
+    machine: str
+    date: str
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One number of a table.
+
+    Attributes
+    ----------
+    text : str
+        The mean over the runs.
+    detail : str
+        Smallest and largest; empty if there is no spread.
+    shade : float
+        How dark its ground is, 0 to 1.
+    """
+
+    text: str
+    detail: str = ""
+    shade: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class TableView:
+    """A table: headings with units, and rows that begin with a name."""
+
+    title: str
+    corner: str
+    headings: tuple[tuple[str, str], ...]
+    rows: tuple[tuple[str, tuple[Cell, ...]], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class MethodView:
+    """One method on one sequence: a figure and a contact sheet of the first seed."""
+
+    name: str
+    caption: str
+    figure: str
+    sheet: str
+
+
+@dataclass(frozen=True, slots=True)
+class SequenceView:
+    """Everything about one sequence. Pictures are data URIs."""
+
+    name: str
+    anchor: str
+    description: str
+    facts: str
+    table: TableView
+    errors: TableView
+    loss: str
+    methods: tuple[MethodView, ...]
+
+
+def write_report(
+    folder: Path,
+    results: Sequence[RunResult],
+    header: ReportHeader,
+    *,
+    methods: Mapping[str, str],
+    sequences: Mapping[str, str],
+) -> None:
+    """Write report and tables into a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder.
+    results : sequence of RunResult
+        At least one.
+    header : ReportHeader
+        What the report says about itself.
+    methods, sequences : mapping of str to str
+        What they are, by name.
+
+    Raises
+    ------
+    OutputError
+        A file cannot be written.
+    """
+    for name, make in CSV_FILES:
+        write_bytes(folder / name, make(results).encode())
+    report = render_report(results, header, methods=methods, sequences=sequences)
+    write_bytes(folder / REPORT, report.encode())
+
+
+def render_report(
+    results: Sequence[RunResult],
+    header: ReportHeader,
+    *,
+    methods: Mapping[str, str],
+    sequences: Mapping[str, str],
+) -> str:
+    """Return the report as HTML, with all pictures in it; see `write_report`."""
+    environment = Environment(
+        loader=PackageLoader("cable_tracker.evaluation"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(TEMPLATE).render(
+        header=header,
+        methods=[(name, methods.get(name, "")) for name in methods_of(results)],
+        summary=summary_table(results),
+        matrices=[
+            _matrix(results, METRICS_BY_NAME[name])
+            for name in MATRIX_METRICS
+            if len(sequences_of(results)) > 1 and _is_known(results, METRICS_BY_NAME[name])
+        ],
+        calibration=_svg_uri(as_svg(calibration_figure(results))),
+        sequences=[
+            _sequence_view(number, sequences.get(name, ""), chosen(results, sequence=name))
+            for number, name in enumerate(sequences_of(results))
+        ],
+        runs_uri=_data_uri("text/csv", runs_csv(results).encode()),
+        start=results[0].start.value,
+        seed_count=len({result.seed for result in results}),
+        run_count=len(results),
+        frame_count=sum(len(result.trace) for result in results),
+        lost_distance=LOST_DISTANCE,
+        start_frames=START_FRAMES,
+    )
+
+
+def _data_uri(kind: str, content: bytes) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def _svg_uri(svg: str) -> str:
+    return _data_uri("image/svg+xml", svg.encode())
+
+
+def _is_known(results: Iterable[RunResult], spec: MetricSpec) -> bool:
+    return any(not math.isnan(spec.read(result.metrics)) for result in results)
+
+
+def format_number(value: float, unit: str) -> str:
+    """Write a number with as many digits as make sense to a reader."""
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    decimals = 1 if unit in ("%", "ms", "frames") else 2
+    if abs(value) >= 100:
+        decimals = min(decimals, 1)
+    return f"{value:.{decimals}f}".replace("-", "−")
+
+
+def make_cell(spread: Spread, unit: str) -> Cell:
+    """Write a number over several runs: its mean, and where the runs differ their range."""
+    text = format_number(spread.mean, unit)
+    low, high = (format_number(value, unit) for value in (spread.minimum, spread.maximum))
+    detail = f"{low} – {high}" if spread.count > 1 and low != high else ""
+    # Only shares have a natural darkest: all of them.
+    shade = spread.mean / 100.0 if unit == "%" and math.isfinite(spread.mean) else 0.0
+    return Cell(text, detail, round(min(max(shade, 0.0), 1.0), 3))
+
+
+GOOD_WHEN_LARGE = ("start_right",)
+"""Shares that are not shaded, for there more is better."""
+
+
+def _cell(spec: MetricSpec, results: Iterable[RunResult]) -> Cell:
+    cell = make_cell(metric_spread(spec, (result.metrics for result in results)), spec.unit)
+    return Cell(cell.text, cell.detail) if spec.name in GOOD_WHEN_LARGE else cell
+
+
+def _metrics_table(title: str, results: Sequence[RunResult], names: Sequence[str]) -> TableView:
+    specs = [METRICS_BY_NAME[name] for name in names if _is_known(results, METRICS_BY_NAME[name])]
+    rows = tuple(
+        (method, tuple(_cell(spec, chosen(results, method=method)) for spec in specs))
+        for method in methods_of(results)
+    )
+    return TableView(title, "method", tuple((spec.label, spec.unit) for spec in specs), rows)
+
+
+def summary_table(
+    results: Sequence[RunResult], names: Sequence[str] = SUMMARY_METRICS
+) -> TableView:
+    """Return a table of methods over everything; `names` are keys of `METRICS_BY_NAME`."""
+    return _metrics_table("All sequences", results, names)
+
+
+def _matrix(results: Sequence[RunResult], spec: MetricSpec) -> TableView:
+    methods = methods_of(results)
+    rows = tuple(
+        (
+            sequence,
+            tuple(_cell(spec, chosen(results, sequence=sequence, method=m)) for m in methods),
+        )
+        for sequence in sequences_of(results)
+        if _is_known(chosen(results, sequence=sequence), spec)
+    )
+    unit = f" [{spec.unit}]" if spec.unit else ""
+    title = f"{spec.label[0].upper()}{spec.label[1:]}{unit}"
+    return TableView(title, "sequence", tuple((method, "") for method in methods), rows)
+
+
+def _error_table(results: Sequence[RunResult]) -> TableView:
+    names = [f"{measure}_{axis}" for axis in AXES for measure in ERROR_MEASURES]
+    return _metrics_table("Errors over all frames with a visible cable", results, names)
+
+
+def _sequence_view(number: int, description: str, results: Sequence[RunResult]) -> SequenceView:
+    first = {result.method: result for result in reversed(results)}
+    trace = results[0].trace
+    facts = (
+        f"{len(trace)} frames, {trace.times[-1]:.1f} s, {int(trace.visible.sum())} of them with a"
+        f" visible cable, {int(trace.hidden.sum())} without one (seed {results[0].seed})"
+    )
+    return SequenceView(
+        name=results[0].sequence,
+        anchor=f"sequence-{number}",
+        description=description,
+        facts=facts,
+        table=_metrics_table("", results, SEQUENCE_METRICS),
+        errors=_error_table(results),
+        loss=_svg_uri(as_svg(loss_figure(results))) if trace.visible.any() else "",
+        methods=tuple(_method_view(first[method]) for method in methods_of(results)),
+    )
+
+
+def _method_view(result: RunResult) -> MethodView:
+    loss = result.metrics.loss
+    caption = f"seed {result.seed}"
+    if not math.isnan(loss.share):
+        caption += f": {100 * loss.share:.1f} % of the frames lost"
+        caption += f", longest loss {loss.longest_seconds:.2f} s" if loss.share else ""
+    return MethodView(
+        name=result.method,
+        caption=caption,
+        figure=_svg_uri(as_svg(trace_figure([("", result.trace)]))),
+        sheet=_data_uri("image/jpeg", result.sheet) if result.sheet else "",
+    )

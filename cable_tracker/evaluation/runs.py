@@ -1,0 +1,197 @@
+"""Methods on a sequence: every one of them sees each frame once, and is timed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import cv2
+
+from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import FrameError
+from cable_tracker.evaluation.frames import JudgedFrame
+from cable_tracker.evaluation.methods import Method
+from cable_tracker.evaluation.metrics import RunMetrics, run_metrics
+from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
+from cable_tracker.visualisation.contact_sheet import ContactSheet
+from cable_tracker.visualisation.overlay import draw_overlay
+
+SHEET_STRIDE = 5
+SHEET_PICTURES = 12
+SHEET_PICTURE_WIDTH = 216
+SHEET_QUALITY = 62
+
+
+class Start(str, Enum):
+    """What a method is told at the beginning of a sequence."""
+
+    TRUTH = "truth"
+    """Where the cable is in the first frame, if it is labelled; the rates are not told."""
+
+    RANDOM = "random"
+    """Nothing."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunResult:
+    """One method on one sequence with one seed.
+
+    Attributes
+    ----------
+    method, sequence : str
+        Their names.
+    seed : int
+        Of the simulation and of the method.
+    start : Start
+        What the method was told.
+    trace : Trace
+        All frames.
+    metrics : RunMetrics
+        What was measured.
+    sheet : bytes
+        A contact sheet of overlays, JPEG; empty if none was asked for.
+    """
+
+    method: str
+    sequence: str
+    seed: int
+    start: Start
+    trace: Trace
+    metrics: RunMetrics
+    sheet: bytes
+
+
+class MethodRun:
+    """One method while it goes through a sequence.
+
+    Parameters
+    ----------
+    name : str
+        What the method is called.
+    make : callable
+        Makes the method from a seed.
+    seed : int
+        The seed.
+    start : Start
+        What the method is told.
+    restart_every : int or None
+        Begin anew, with another seed, after every so many frames.
+    with_sheet : bool
+        Draw a contact sheet.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        make: Callable[[int], Method],
+        seed: int,
+        start: Start,
+        *,
+        restart_every: int | None = None,
+        with_sheet: bool = False,
+    ) -> None:
+        self._name = name
+        self._make = make
+        self._seed = seed
+        self._start = start
+        self._restart_every = restart_every
+        self._method = make(seed)
+        self._outcomes: list[FrameOutcome] = []
+        self._sheet = (
+            ContactSheet(SHEET_STRIDE, SHEET_PICTURES, SHEET_PICTURE_WIDTH) if with_sheet else None
+        )
+
+    def process(self, frame: JudgedFrame) -> None:
+        """Show the method one more frame.
+
+        Raises
+        ------
+        FrameError
+            The method cannot use it; the message names the frame.
+        """
+        self._begin_if_due(frame)
+        begin = time.thread_time()
+        try:
+            estimate = self._method.process(frame.image, frame.stamp)
+        except FrameError as error:
+            raise FrameError(
+                f"frame {frame.index} cannot be judged ({error}); leave it out of the recording"
+            ) from error
+        ms = (time.thread_time() - begin) * 1e3
+        outcome = FrameOutcome(frame.index, frame.truth, frame.visibility, estimate, ms)
+        self._outcomes.append(outcome)
+        if self._sheet is not None:
+            self._add_picture(self._sheet, frame, estimate)
+
+    def _begin_if_due(self, frame: JudgedFrame) -> None:
+        count = len(self._outcomes)
+        restart = self._restart_every is not None and count % self._restart_every == 0
+        if count and not restart:
+            return
+        if count:
+            self._method = self._make(self._seed + count)
+        if self._start is Start.TRUTH and frame.truth is not None:
+            truth = frame.truth
+            # A label file has no rates, so the simulator's are not told either.
+            self._method.initialise(
+                CableState(truth.distance, truth.angle, truth.width, truth.skew)
+            )
+
+    def _add_picture(
+        self, sheet: ContactSheet, frame: JudgedFrame, estimate: CableEstimate
+    ) -> None:
+        if not sheet.wants_next():
+            sheet.add(None, frame.index)
+            return
+        claimed = estimate.status is TrackingStatus.TRACKING
+        overlay = draw_overlay(
+            frame.image,
+            state=estimate.state if claimed else None,
+            status=estimate.status.value,
+            truth=frame.truth if frame.visibility > 0.0 else None,
+        )
+        sheet.add(overlay, frame.index)
+
+    def result(self, sequence: str) -> RunResult:
+        """Return what came of it, once at least one frame has been processed."""
+        trace = trace_of(self._outcomes)
+        metrics = run_metrics(trace, started_at_random=self._start is Start.RANDOM)
+        return RunResult(
+            self._name, sequence, self._seed, self._start, trace, metrics, self._encoded_sheet()
+        )
+
+    def _encoded_sheet(self) -> bytes:
+        if self._sheet is None:
+            return b""
+        options = [cv2.IMWRITE_JPEG_QUALITY, SHEET_QUALITY]
+        _, encoded = cv2.imencode(".jpg", self._sheet.draw(), options)
+        return encoded.tobytes()
+
+
+def run_together(
+    runs: Sequence[MethodRun],
+    frames: Iterable[JudgedFrame],
+    sequence: str,
+    advance: Callable[[], None] = lambda: None,
+) -> list[RunResult]:
+    """Show every frame to all methods in turn, so that it is made only once and none is kept.
+
+    Parameters
+    ----------
+    runs : sequence of MethodRun
+        Methods at their beginning.
+    frames : iterable of JudgedFrame
+        At least one frame.
+    sequence : str
+        Name of the sequence.
+    advance : callable
+        Called after each frame.
+    """
+    for frame in frames:
+        for run in runs:
+            run.process(frame)
+        advance()
+    return [run.result(sequence) for run in runs]

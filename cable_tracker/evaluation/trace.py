@@ -1,0 +1,200 @@
+"""What a method said about each frame of a run, beside what was true, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.geometry import unwrap_states
+from cable_tracker.cable.parameters import REFERENCE_WIDTH
+from cable_tracker.cable.state import CableState, StateColumn
+from cable_tracker.cable.statistics import SIGN_CHANGING_COLUMNS
+
+COMPONENTS = 4
+"""d, alpha, w, beta: what there is truth for."""
+
+LOST_DISTANCE = 10.0
+"""An error of d that is forgiven however narrow the cable, in an image 320 px wide [px]."""
+
+LOST_ANGLE = float(np.deg2rad(8.0))
+"""An estimate that is turned by more has lost the cable [rad]."""
+
+UNKNOWN_VISIBILITY = float("nan")
+"""Visibility of a frame of which nobody knows whether it shows a cable; it is not judged."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameOutcome:
+    """One frame, what is true of it, and what a method said.
+
+    Attributes
+    ----------
+    index : int
+        Number of the frame in its sequence.
+    truth : CableState or None
+        Where the cable really runs; None if there is none, or nobody knows.
+    visibility : float
+        Share of the borders that can be seen, 0 to 1; NaN if nobody knows.
+    estimate : CableEstimate
+        What the method said.
+    ms : float
+        Time that it took [ms].
+    """
+
+    index: int
+    truth: CableState | None
+    visibility: float
+    estimate: CableEstimate
+    ms: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """A run of T frames. NaN stands where there is no value.
+
+    Attributes
+    ----------
+    frames : IndexArray
+        Numbers of the frames in their sequence, shape (T,).
+    stamps : IndexArray
+        Times of the frames, shape (T,) [ns].
+    visibility : FloatArray
+        Share of the borders that can be seen, shape (T,); NaN if nobody knows.
+    truths : FloatArray
+        d, alpha, w, beta, shape (T, 4) [px, rad].
+    estimates : FloatArray
+        The same of the method's mean, whether it was claimed or not, shape (T, 4); written on the
+        same side of the wrap as the truth.
+    covariances : FloatArray
+        Of d, alpha, w, beta in that way of writing, shape (T, 4, 4).
+    statuses : tuple of TrackingStatus
+        Length T.
+    ms : FloatArray
+        Time that the method took, shape (T,) [ms].
+    image_width : int
+        Width of the frames [px].
+    """
+
+    frames: IndexArray
+    stamps: IndexArray
+    visibility: FloatArray
+    truths: FloatArray
+    estimates: FloatArray
+    covariances: FloatArray
+    statuses: tuple[TrackingStatus, ...]
+    ms: FloatArray
+    image_width: int
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    @property
+    def times(self) -> FloatArray:
+        """Time since the first frame, shape (T,) [s]."""
+        seconds: FloatArray = (self.stamps - self.stamps[0]) / 1e9
+        return seconds
+
+    @property
+    def claimed(self) -> BoolArray:
+        """Whether the method claims a cable, shape (T,)."""
+        return np.array([status is TrackingStatus.TRACKING for status in self.statuses], bool)
+
+    @property
+    def visible(self) -> BoolArray:
+        """Whether there is a cable to be seen, and known where, shape (T,)."""
+        known = np.isfinite(self.truths).all(axis=1)
+        return np.asarray(known & (self.visibility > 0.0))
+
+    @property
+    def hidden(self) -> BoolArray:
+        """Whether it is known that no cable is to be seen, shape (T,)."""
+        return np.asarray(self.visibility == 0.0)
+
+    @property
+    def errors(self) -> FloatArray:
+        """Estimate minus truth, shape (T, 4) [px, rad]."""
+        return self.estimates - self.truths
+
+    @property
+    def sigmas(self) -> FloatArray:
+        """Standard deviations that the method states, shape (T, 4) [px, rad]."""
+        variances = np.diagonal(self.covariances, axis1=1, axis2=2)
+        return np.sqrt(np.maximum(variances, 0.0))
+
+    @property
+    def lost(self) -> BoolArray:
+        """Whether a visible cable is missed by more than max(10 px, w/2) or 8 deg, shape (T,).
+
+        The mean counts whether or not it is claimed. The 10 px are those of an image 320 px wide.
+        A mean that is no number is lost.
+        """
+        errors, widths = self.errors, self.truths[:, StateColumn.WIDTH]
+        allowance = np.maximum(LOST_DISTANCE * self.image_width / REFERENCE_WIDTH, widths / 2)
+        held = (np.abs(errors[:, StateColumn.DISTANCE]) <= allowance) & (
+            np.abs(errors[:, StateColumn.ANGLE]) <= LOST_ANGLE
+        )
+        return self.visible & ~held
+
+    def part(self, start: int, stop: int) -> Trace:
+        """Return the frames from `start` to before `stop`, counted from the run's first."""
+        cut = slice(start, stop)
+        return Trace(
+            frames=self.frames[cut],
+            stamps=self.stamps[cut],
+            visibility=self.visibility[cut],
+            truths=self.truths[cut],
+            estimates=self.estimates[cut],
+            covariances=self.covariances[cut],
+            statuses=self.statuses[cut],
+            ms=self.ms[cut],
+            image_width=self.image_width,
+        )
+
+
+def trace_of(outcomes: Sequence[FrameOutcome]) -> Trace:
+    """Put the outcomes of a run into arrays; at least one."""
+    pairs = [_in_chart(outcome) for outcome in outcomes]
+    return Trace(
+        frames=np.array([outcome.index for outcome in outcomes], np.int64),
+        stamps=np.array([outcome.estimate.stamp for outcome in outcomes], np.int64),
+        visibility=np.array([outcome.visibility for outcome in outcomes], np.float64),
+        truths=np.array([_truth(outcome) for outcome in outcomes]),
+        estimates=np.array([estimate for estimate, _ in pairs]),
+        covariances=np.array([covariance for _, covariance in pairs]),
+        statuses=tuple(outcome.estimate.status for outcome in outcomes),
+        ms=np.array([outcome.ms for outcome in outcomes], np.float64),
+        image_width=outcomes[0].estimate.image_size[0],
+    )
+
+
+def _truth(outcome: FrameOutcome) -> FloatArray:
+    if outcome.truth is None:
+        return np.full(COMPONENTS, np.nan)
+    return outcome.truth.to_array()[:COMPONENTS]
+
+
+def _in_chart(outcome: FrameOutcome) -> tuple[FloatArray, FloatArray]:
+    """Return estimate (4,) and covariance (4, 4), on the same side of the wrap as the truth."""
+    values = outcome.estimate.state.to_array()
+    covariance = outcome.estimate.covariance[:COMPONENTS, :COMPONENTS]
+    if outcome.truth is None or not np.isfinite(values).all():
+        return values[:COMPONENTS], covariance
+    chart = unwrap_states(values[None, :], outcome.truth.angle)[0]
+    half_turns = round((chart[StateColumn.ANGLE] - values[StateColumn.ANGLE]) / np.pi)
+    if half_turns % 2:
+        signs = np.ones(COMPONENTS)
+        signs[[column for column in SIGN_CHANGING_COLUMNS if column < COMPONENTS]] = -1.0
+        covariance = covariance * np.outer(signs, signs)
+    return chart[:COMPONENTS], covariance
+
+
+def spans(mask: BoolArray) -> Iterator[tuple[int, int]]:
+    """Yield start and end (exclusive) of every unbroken stretch of a mask of shape (T,)."""
+    changes = np.diff(np.concatenate(([0], mask.astype(np.int8), [0])))
+    starts, ends = np.flatnonzero(changes == 1), np.flatnonzero(changes == -1)
+    for start, end in zip(starts, ends, strict=True):
+        yield int(start), int(end)

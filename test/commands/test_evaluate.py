@@ -1,0 +1,94 @@
+import pytest
+
+from cable_tracker import cli
+from cable_tracker.evaluation.report import REPORT
+from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.simulation.scenario import SimulationSettings, simulate
+
+
+@pytest.fixture
+def command(monkeypatch, capsys):
+    """Run `cable-tracker` and return its exit code, output and messages."""
+
+    def run(*arguments):
+        monkeypatch.setattr("sys.argv", ["cable-tracker", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        printed = capsys.readouterr()
+        return end.value.code or 0, printed.out, printed.err
+
+    return run
+
+
+@pytest.fixture
+def labels(tmp_path):
+    """The sequence file of a labelled recording of five frames."""
+    write_sequence(tmp_path / "dive", simulate(SimulationSettings(frame_count=5)))
+    (path,) = (tmp_path / "dive").glob("*.txt")
+    return path
+
+
+def test_scenarios_are_evaluated(command, tmp_path):
+    out = tmp_path / "out"
+    code, printed, _ = command(
+        "evaluate", "--scenario", "S6", "--scenario", "no_cable", "--method", "thesis",
+        "--method", "lsd", "--frames", 3, "--seeds", 1, "--workers", 1, "--output", out,
+    )  # fmt: skip
+    assert code == 0
+    assert "thesis" in printed
+    assert str(out / REPORT) in printed.replace("\n", "")
+    assert len((out / "runs.csv").read_text().splitlines()) == 1 + 2 * 2
+    assert "--scenario S6" in (out / REPORT).read_text(encoding="utf-8")
+
+
+def test_a_labelled_recording_is_evaluated(command, labels, tmp_path):
+    out = tmp_path / "out"
+    code, _, _ = command(
+        "evaluate", "--source", labels, "--method", "thesis", "--init", "random",
+        "--seeds", 1, "--output", out,
+    )  # fmt: skip
+    assert code == 0
+    assert len((out / "frames.csv").read_text().splitlines()) == 1 + 5
+
+
+def test_results_are_not_overwritten_unless_told(command, labels, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / REPORT).write_text("old")
+    arguments = (
+        "evaluate", "--source", labels, "--method", "thesis", "--seeds", 1,
+        "--output", tmp_path / "out",
+    )  # fmt: skip
+    code, _, messages = command(*arguments)
+    assert code == 2
+    assert "exists already" in messages
+    assert command(*arguments, "--force")[0] == 0
+    assert (tmp_path / "out" / REPORT).read_text(encoding="utf-8") != "old"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--scenario", "S7"), "'S7' is none of S1 | S2"),
+        (("--method", "magic"), "'magic' is none of default | thesis"),
+        (("--seeds", "0"), "seeds is 0"),
+        (("--truth", "x.txt"), "give it with --source"),
+        (("--source", "x.txt", "--scenario", "S1"), "--source takes the place of"),
+        (("--source", "x.txt"), "no such file"),
+        (("--scenario", "S1", "--workers", "0", "--frames", "2"), "workers is 0"),
+    ],
+)
+def test_bad_wishes_are_refused_in_one_line(command, tmp_path, arguments, words):
+    code, printed, messages = command("evaluate", *arguments, "--output", tmp_path / "out")
+    assert code == 2
+    assert printed == ""
+    assert words in messages
+    assert messages.count("\n") == 1
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_malformed_line_of_the_truth_is_named(command, labels, tmp_path):
+    with labels.open("a") as file:
+        file.write("1 2 three 4 # x.png\n")
+    code, _, messages = command("evaluate", "--source", labels, "--output", tmp_path / "out")
+    assert code == 2
+    assert f"line {len(labels.read_text().splitlines())} is malformed" in messages

@@ -1,0 +1,77 @@
+import dataclasses
+
+import numpy as np
+import pytest
+
+from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.frames import RecordingSequence, ScenarioSequence
+from cable_tracker.evaluation.runs import Start
+
+
+def numbers(result):
+    trace = result.trace
+    return (
+        result.method,
+        result.sequence,
+        result.seed,
+        trace.statuses,
+        trace.estimates.tobytes(),
+        trace.covariances.tobytes(),
+        trace.truths.tobytes(),
+        result.sheet,
+    )
+
+
+def test_results_come_by_sequence_seed_and_method(results):
+    keys = [(result.sequence, result.seed, result.method) for result in results]
+    other = "<other> & more"
+    assert keys == [
+        (sequence, seed, method)
+        for sequence in ("stripe", other)
+        for seed in (0, 1)
+        for method in ("default", "thesis")
+    ]
+
+
+def test_only_the_first_seed_gets_contact_sheets(results):
+    assert all(bool(result.sheet) == (result.seed == 0) for result in results)
+
+
+def test_the_number_of_workers_does_not_change_the_results():
+    sequences = (ScenarioSequence("S6", 3),)
+    campaign = Campaign(("thesis", "lsd"), sequences, (0, 1), Start.RANDOM, with_sheets=True)
+    told = []
+    alone = run_campaign(campaign)
+    together = run_campaign(campaign, workers=2, advance=told.append)
+    assert [numbers(result) for result in alone] == [numbers(result) for result in together]
+    assert sum(told) == campaign.frame_count() == 6
+
+
+def test_another_seed_is_another_run(results):
+    first, second = (r for r in results if r.sequence == "stripe" and r.method == "default")
+    assert not np.array_equal(first.trace.estimates, second.trace.estimates)
+
+
+def test_an_error_in_a_worker_reaches_the_caller(tmp_path):
+    missing = tuple(RecordingSequence(tmp_path / name) for name in "ab")
+    campaign = Campaign(("thesis",), missing, (0,))
+    with pytest.raises(RecordingError, match="no such file"):
+        run_campaign(campaign, workers=2)
+
+
+def test_an_unknown_method_is_named_with_what_there_is(stripe):
+    with pytest.raises(ParameterError, match=r"'magic' is none of default \| thesis"):
+        Campaign(("magic",), (stripe,), (0,))
+
+
+@pytest.mark.parametrize("empty", ["methods", "sequences", "seeds"])
+def test_there_must_be_something_to_run(stripe, empty):
+    with pytest.raises(ParameterError, match="at least one"):
+        dataclasses.replace(Campaign(("thesis",), (stripe,), (0,)), **{empty: ()})
+
+
+@pytest.mark.parametrize("workers", [0, -1, 1000])
+def test_the_number_of_workers_is_checked(stripe, workers):
+    with pytest.raises(ParameterError, match=f"workers is {workers}"):
+        run_campaign(Campaign(("thesis",), (stripe,), (0,)), workers=workers)

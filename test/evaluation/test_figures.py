@@ -1,0 +1,66 @@
+import cv2
+import numpy as np
+import pytest
+
+from cable_tracker.evaluation.figures import (
+    as_png,
+    as_svg,
+    calibration_figure,
+    carried,
+    curves_figure,
+    loss_figure,
+    trace_figure,
+)
+from cable_tracker.evaluation.trace import trace_of
+
+
+def test_a_trace_has_four_panels_with_truth_solid_and_estimate_dashed(trace):
+    figure = trace_figure([("", trace("hhhlsxnn"))])
+    assert [axis.get_ylabel() for axis in figure.axes] == ["d [px]", "α [deg]", "w [px]", "β [deg]"]
+    styles = {line.get_label(): line.get_linestyle() for line in figure.axes[0].lines}
+    assert styles["truth"] == "-"
+    assert styles["estimate, claimed"] == "--"
+
+
+def test_a_trace_shows_the_numbers(outcome):
+    run = trace_of([outcome(i, error=(float(i), 0.0, 0.0, 0.0)) for i in range(5)])
+    lines = {line.get_label(): line for line in trace_figure([("", run)]).axes[0].lines}
+    assert lines["truth"].get_ydata().tolist() == [10.0] * 5
+    assert lines["estimate, claimed"].get_ydata().tolist() == [10.0, 11.0, 12.0, 13.0, 14.0]
+
+
+@pytest.mark.parametrize("letters", ["h", "n", "u", "x", "nnnn", "ssss", "hun"])
+def test_any_run_can_be_drawn(trace, letters):
+    assert as_svg(trace_figure([("", trace(letters))])).startswith("<?xml")
+
+
+def test_the_same_run_gives_the_same_svg(trace):
+    first, second = (as_svg(trace_figure([("", trace("hhlh"))])) for _ in range(2))
+    assert first == second
+
+
+def test_runs_stand_in_columns(trace):
+    assert len(trace_figure([("a", trace("hh")), ("b", trace("hl"))]).axes) == 8
+
+
+def test_loss_is_shown_by_method_and_frame(results):
+    figure = loss_figure([result for result in results if result.sequence == "stripe"])
+    (picture,) = figure.axes[0].images
+    assert picture.get_array().shape == (2, 12)
+
+
+def test_frames_that_nobody_knows_are_shown_like_the_one_before(trace):
+    run = trace("uhluunuh")
+    assert carried(run, run.lost).tolist() == [False, False, True, True, True, False, False, False]
+
+
+def test_calibration_has_a_curve_for_each_method(results):
+    figure = calibration_figure(results)
+    assert [axis.get_title() for axis in figure.axes] == ["d", "α", "w", "β"]
+    assert all(len(axis.lines) == 3 for axis in figure.axes)
+
+
+def test_curves_become_a_picture():
+    figure = curves_figure({"a": ([1.0, 2.0], [3.0, 4.0])}, x_label="x", y_label="y")
+    picture = cv2.imdecode(np.frombuffer(as_png(figure), np.uint8), cv2.IMREAD_COLOR)
+    assert min(picture.shape[:2]) > 300

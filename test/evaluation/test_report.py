@@ -1,0 +1,130 @@
+import base64
+import math
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+from cable_tracker.evaluation.report import (
+    REPORT,
+    ReportHeader,
+    format_number,
+    make_cell,
+    render_report,
+    summary_table,
+    write_report,
+)
+from cable_tracker.evaluation.spread import spread_of
+from cable_tracker.evaluation.tables import CSV_FILES
+
+HEADER = ReportHeader("Title <1>", "cable-tracker evaluate --x '<y>'", "a machine", "2026-01-02")
+VOID = {"meta", "img", "br", "link", "input", "hr"}
+REFERENCES = {"src", "href", "srcset", "data", "poster", "action", "background"}
+
+
+class Reader(HTMLParser):
+    """Checks nesting, and collects references and texts."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.references, self.texts, self.ids, self.tags = [], [], [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.references += [value for name, value in attrs if name in REFERENCES]
+        self.ids += [value for name, value in attrs if name == "id"]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+
+@pytest.fixture(scope="module")
+def html(results):
+    return render_report(
+        results, HEADER, methods={"default": "the <filter>"}, sequences={"stripe": "a & b"}
+    )
+
+
+@pytest.fixture(scope="module")
+def page(html):
+    reader = Reader()
+    reader.feed(html)
+    reader.close()
+    return reader
+
+
+def test_the_report_is_well_formed(page):
+    assert page.open == []
+    assert page.tags.count("html") == page.tags.count("body") == 1
+
+
+def test_the_report_loads_nothing_from_elsewhere(html, page):
+    assert page.references
+    assert all(ref.startswith(("data:", "#")) for ref in page.references)
+    assert not re.search(r"https?://|url\(|@import|<script|<link", html)
+
+
+def test_links_lead_to_places_that_exist(page):
+    targets = [ref[1:] for ref in page.references if ref.startswith("#")]
+    assert set(targets) <= set(page.ids)
+    assert len(page.ids) == len(set(page.ids))
+
+
+def test_pictures_inside_load_nothing_either(page):
+    pictures = [ref for ref in page.references if ref.startswith("data:image/svg")]
+    assert len(pictures) == 1 + 2 * (1 + 2)
+    for picture in pictures:
+        svg = base64.b64decode(picture.partition(",")[2]).decode()
+        references = re.findall(r'(?:href|src)="([^"]*)"', svg)
+        assert all(ref.startswith(("#", "data:")) for ref in references)
+
+
+def test_names_and_descriptions_are_escaped(page):
+    text = "".join(page.texts)
+    for words in (HEADER.title, HEADER.command, "the <filter>", "a & b", "<other> & more"):
+        assert words in text
+
+
+def test_all_numbers_can_be_taken_out_of_the_report(page, results):
+    (table,) = (ref for ref in page.references if ref.startswith("data:text/csv"))
+    assert base64.b64decode(table.partition(",")[2]).decode().count("\n") == len(results) + 1
+
+
+def test_columns_of_which_nothing_is_known_are_left_out(results):
+    labels = [label for label, _ in summary_table(results).headings]
+    assert "false tracking" not in labels
+    assert "right start" in labels
+
+
+def test_the_folder_holds_report_and_tables(results, tmp_path):
+    write_report(tmp_path, results, HEADER, methods={}, sequences={})
+    assert {path.name for path in tmp_path.iterdir()} == {REPORT, *(name for name, _ in CSV_FILES)}
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (1.234, "px", "1.23"),
+        (12.34, "%", "12.3"),
+        (-0.5, "deg", "−0.50"),
+        (123.456, "px", "123.5"),
+        (math.nan, "px", "–"),
+        (math.inf, "", "∞"),
+    ],
+)
+def test_numbers_have_as_many_digits_as_make_sense(value, unit, text):
+    assert format_number(value, unit) == text
+
+
+def test_a_cell_shows_mean_and_range():
+    cell = make_cell(spread_of([10.0, 30.0]), "%")
+    assert (cell.text, cell.detail, cell.shade) == ("20.0", "10.0 – 30.0", 0.2)
+
+
+def test_a_cell_of_one_run_shows_no_range():
+    assert make_cell(spread_of([10.0]), "px").detail == ""

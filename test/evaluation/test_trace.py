@@ -1,0 +1,89 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.evaluation.trace import spans, trace_of
+
+
+def test_errors_are_estimate_minus_truth(outcome):
+    trace = trace_of([outcome(0, error=(3.0, -0.02, 1.0, 0.005))])
+    assert trace.errors[0] == pytest.approx([3.0, -0.02, 1.0, 0.005])
+
+
+def test_a_line_on_the_other_side_of_the_wrap_is_no_error_and_turns_its_covariance(outcome):
+    truth = CableState(20.0, math.pi / 2 - 0.01, 40.0, 0.03)
+    first = outcome(0, truth)
+    # The same cable, written with its normal turned round: d and beta change their signs.
+    turned = CableState(-20.0, -math.pi / 2 - 0.01 + 1e-12, 40.0, -0.03)
+    covariance = np.eye(6)
+    covariance[0, 1] = covariance[1, 0] = 0.5
+    covariance[0, 3] = covariance[3, 0] = 0.25
+    estimate = type(first.estimate)(
+        first.estimate.stamp, first.estimate.status, turned, covariance, 1.0, 1.0, (320, 240)
+    )
+    trace = trace_of([type(first)(0, truth, 1.0, estimate, 1.0)])
+    assert trace.errors[0] == pytest.approx([0, 0, 0, 0], abs=1e-9)
+    assert trace.covariances[0][0, 1] == -0.5
+    assert trace.covariances[0][0, 3] == 0.25
+
+
+@pytest.mark.parametrize(
+    ("width", "cable", "error", "lost"),
+    [
+        (320, 40.0, (19.9, 0.0, 0.0, 0.0), False),
+        (320, 40.0, (20.1, 0.0, 0.0, 0.0), True),
+        (320, 6.0, (9.9, 0.0, 0.0, 0.0), False),
+        (320, 6.0, (10.1, 0.0, 0.0, 0.0), True),
+        (1280, 6.0, (39.9, 0.0, 0.0, 0.0), False),
+        (1280, 6.0, (40.1, 0.0, 0.0, 0.0), True),
+        (320, 40.0, (0.0, math.radians(7.9), 0.0, 0.0), False),
+        (320, 40.0, (0.0, math.radians(-8.1), 0.0, 0.0), True),
+        (320, 40.0, (0.0, 0.0, 90.0, 0.5), False),
+        (320, 40.0, (math.nan, 0.0, 0.0, 0.0), True),
+    ],
+)
+def test_lost_means_off_by_10_px_and_half_the_width_or_by_8_degrees(
+    outcome, width, cable, error, lost
+):
+    trace = trace_of([outcome(0, CableState(0.0, 0.0, cable), error, width=width)])
+    assert trace.lost.tolist() == [lost]
+
+
+def test_the_mean_counts_whether_claimed_or_not(trace):
+    assert trace("lxhs").lost.tolist() == [True, True, False, False]
+
+
+def test_frames_are_visible_hidden_or_not_judged(trace):
+    run = trace("hfnu")
+    assert run.visible.tolist() == [True, False, False, False]
+    assert run.hidden.tolist() == [False, True, True, False]
+    assert run.claimed.tolist() == [True, True, False, True]
+    assert not run.lost[1:].any()
+
+
+def test_a_cable_that_is_known_but_buried_is_hidden(outcome):
+    run = trace_of([outcome(0, visibility=0.0)])
+    assert run.hidden.all()
+    assert not run.visible.any()
+
+
+def test_a_part_is_the_run_from_there_to_there(trace):
+    part = trace("hhlls").part(2, 4)
+    assert part.lost.tolist() == [True, True]
+    assert part.frames.tolist() == [2, 3]
+
+
+@given(st.lists(st.booleans(), max_size=30))
+def test_spans_cover_the_mask_and_nothing_else(flags):
+    mask = np.array(flags, bool)
+    covered = np.zeros(len(flags), bool)
+    last_end = -1
+    for start, end in spans(mask):
+        assert last_end < start < end
+        covered[start:end] = True
+        last_end = end
+    assert (covered == mask).all()
