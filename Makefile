@@ -41,7 +41,7 @@ check-python:
 install: $(VENV)/installed
 
 $(VENV)/installed: setup.py setup.cfg constraints.txt package.xml | check-python
-	@echo "setting up $(VENV) with $(PYTHON) ..."
+	@echo "setting up $(VENV) with $(PYTHON), which takes about a minute ..."
 	@$(PYTHON) -m venv --clear $(VENV)
 	@mkdir -p $(ROS_LOG_DIR) $(MPLCONFIGDIR)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt \

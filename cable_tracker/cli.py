@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import signal
 import sys
+from types import FrameType
 from typing import Annotated
 
 import typer
 
 from cable_tracker import __version__
 from cable_tracker.commands.convert import convert
+from cable_tracker.commands.dds_profile import dds_profile
 from cable_tracker.commands.estimate_noise import estimate_noise
 from cable_tracker.commands.evaluate import evaluate
 from cable_tracker.commands.experiment import experiment
@@ -24,6 +27,7 @@ app = typer.Typer(
     name="cable-tracker",
     help="Follow an underwater cable or pipeline by camera, with a particle filter.",
     no_args_is_help=True,
+    rich_markup_mode=None,
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -54,15 +58,37 @@ app.command()(evaluate)
 app.command()(experiment)
 app.command()(estimate_noise)
 app.command()(parameters)
+app.command()(dds_profile)
+
+
+class Stopped(BaseException):
+    """SIGINT or SIGTERM has come. No `Exception`: nothing must take it for an error of its own."""
+
+    def __init__(self, signal_number: int) -> None:
+        super().__init__(signal_number)
+        self.exit_code = 128 + signal_number
+
+
+def _stop(signal_number: int, _frame: FrameType | None) -> None:
+    raise Stopped(signal_number)
 
 
 def main() -> None:
-    """Run the command; a user's error is one line and exit code 2."""
+    """Run the command; a user's error is one line and exit code 2.
+
+    A signal unwinds the command like an exception, so that the nodes it has started are stopped and
+    what it has half written is removed.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _stop)
     try:
         app()
     except CableTrackerError as error:
         messages.print(f"error: {error}", style="bold red", soft_wrap=True)
         sys.exit(EXIT_USER_ERROR)
+    except Stopped as stopped:
+        messages.print("stopped; nothing was written")
+        sys.exit(stopped.exit_code)
 
 
 if __name__ == "__main__":

@@ -33,8 +33,10 @@ Made from the tables in `cable_tracker/cable/parameters.py` and
 
 Lengths are for an image 320 px wide and scale with the image. Variances and rates are per frame at
 25 frames per second and scale with the real time between frames. A whole number is accepted where
-a float is meant. A set of values is taken as a whole or not at all; a refusal says why and leaves
-the node as it was.
+a float is meant. What comes in one call of `set_parameters_atomically` is taken as a whole or not
+at all; `ros2 param set` and `set_parameters` send one value after the other, and each is taken or
+refused for itself. A refusal says why and leaves the node as it was. A name that the node does not
+have is warned of and ignored at its start; `cable-tracker track --params` refuses it.
 
 ## The filter
 

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -378,3 +380,32 @@ def test_a_detector_that_sees_nothing_is_no_start(run):
     Path("dark").mkdir()
     cv2.imwrite("dark/0.png", np.zeros((48, 64), np.uint8))
     run("track", "dark", "--init", "lsd").assert_refused("the detector lsd sees no cable")
+
+
+@pytest.mark.parametrize("output", [".", "/"])
+def test_an_output_without_a_name_is_refused(run, bag, output):
+    run("track", bag, "--output", output, "--force").assert_refused("no name for a new folder")
+
+
+def test_a_start_in_degrees_is_refused(run, bag):
+    run("track", bag, "--init", "12,6.5,40,0.03").assert_refused("radians")
+
+
+def test_the_dds_profile_is_found(run):
+    assert Path(run("dds-profile").out.strip()).name == "fastdds_loopback.xml"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_leaves_nothing_half_written(run, tmp_path, number):
+    run("simulate", "long", "--frames", 400, "--size", "64x48")
+    command = [sys.executable, "-m", "cable_tracker.cli", "track", "long"]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+        partial = tmp_path / ".long_tracked.partial"
+        while process.poll() is None and not partial.exists():
+            time.sleep(0.02)
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=60)
+    assert process.returncode == 128 + number
+    assert errors.strip().endswith("stopped; nothing was written")
+    assert not partial.exists()
+    assert not (tmp_path / "long_tracked").exists()

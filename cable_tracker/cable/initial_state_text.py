@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from cable_tracker.cable.state import CableState
 from cable_tracker.errors import ParameterError
 
@@ -28,6 +30,8 @@ def parse_initial_state(text: str) -> CableState | None:
             f"initial state: {text!r} is neither 'random' nor four numbers 'd,alpha,w,beta'"
             " [px, rad, px, rad] with a positive width"
         )
+    if abs(state.angle) > math.pi or abs(state.skew) > math.pi / 2:
+        raise ParameterError(f"initial state: {text!r}: alpha and beta are in radians, not degrees")
     return state
 
 

@@ -52,5 +52,5 @@ def open_recording(
     """Open a source, and say what the user should know about it."""
     source = open_source(path, topic=topic, rate=rate, truth=truth, skip_bad_frames=skip_bad_frames)
     if source.note:
-        messages.print(f"note: {source.note}", soft_wrap=True)
+        messages.print(f"note: {path}: {source.note}", soft_wrap=True)
     return source

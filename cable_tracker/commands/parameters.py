@@ -37,7 +37,7 @@ def parameters(
         return
     table = Table(show_lines=False)
     for heading in ("name", "value", "unit", "range", "meaning"):
-        table.add_column(heading, no_wrap=heading == "name")
+        table.add_column(heading, no_wrap=heading in ("name", "value"))
     for spec in PARAMETER_TABLE:
         table.add_row(*_cells(spec, values))
     console.print(table)

@@ -156,7 +156,7 @@ def _ros_tracking() -> ModuleType:
     except ModuleNotFoundError as error:
         raise RosError(
             f"ROS 2 is not installed (no module {error.name}); run"
-            " `pip install cable_tracker[ros]` or source /opt/ros/jazzy/setup.bash"
+            " `pip install '.[ros]'` in the package's folder, or source /opt/ros/jazzy/setup.bash"
         ) from error
     return module
 

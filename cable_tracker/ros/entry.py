@@ -9,8 +9,12 @@ from cable_tracker.ros.stop_request import stop_on_signals
 
 EXIT_USER_ERROR = 2
 MISSING_ROS = (
-    "RosError: rclpy or a message package is not installed ({name}); run"
-    " `pip install cable_tracker[ros]` or source /opt/ros/jazzy/setup.bash"
+    "error: rclpy or a message package is not installed ({name}); run"
+    " `pip install '.[ros]'` in the package's folder, or source /opt/ros/jazzy/setup.bash"
+)
+USAGE = (
+    "usage: {node} --ros-args [-p NAME:=VALUE]... [--params-file FILE] [-r FROM:=TO]...\n"
+    "docs/parameters.md lists the parameters. Everything must stand behind --ros-args."
 )
 ROS_PACKAGES = ("rclpy", "_msgs", "std_srvs", "rosidl", "ament")
 
@@ -19,7 +23,10 @@ def _run(node_name: str, arguments: Sequence[str] | None) -> int:
     # Before the imports: they take a while, and a signal may come any time.
     stop = stop_on_signals()
     try:
-        from cable_tracker.ros.process import run_node  # noqa: PLC0415
+        from cable_tracker.ros.process import (  # noqa: PLC0415
+            arguments_without_ros,
+            run_node,
+        )
         from cable_tracker.ros.replay_node import ReplayNode  # noqa: PLC0415
         from cable_tracker.ros.tracker_node import TrackerNode  # noqa: PLC0415
     except ModuleNotFoundError as error:
@@ -27,6 +34,10 @@ def _run(node_name: str, arguments: Sequence[str] | None) -> int:
             raise
         print(MISSING_ROS.format(name=error.name), file=sys.stderr)
         return EXIT_USER_ERROR
+    strangers = arguments_without_ros(arguments)
+    if strangers:
+        print(USAGE.format(node=node_name), file=sys.stderr)
+        return 0 if strangers[0] in ("-h", "--help") else EXIT_USER_ERROR
     node_class = {"tracker": TrackerNode, "replay": ReplayNode}[node_name]
     return run_node(lambda context: node_class(context=context), arguments, stop)
 

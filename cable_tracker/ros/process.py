@@ -11,6 +11,7 @@ from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
 from cable_tracker.errors import CableTrackerError, ParameterError, RosError
 from cable_tracker.ros.stop_request import StopRequest
@@ -69,8 +70,17 @@ def run_node(
     return 0
 
 
+def arguments_without_ros(arguments: Sequence[str] | None) -> list[str]:
+    """Return what ROS does not understand of the arguments, which a node has no use for."""
+    given = list(arguments) if arguments is not None else sys.argv
+    try:
+        return [str(argument) for argument in remove_ros_args(given)[1:]]
+    except RuntimeError:
+        return []  # They cannot even be parsed, which is told when ROS starts.
+
+
 def _tell(error: CableTrackerError) -> int:
-    print(f"{type(error).__name__}: {error}", file=sys.stderr)
+    print(f"error: {error}", file=sys.stderr)
     return EXIT_USER_ERROR
 
 

@@ -33,6 +33,7 @@ from cable_tracker.sequences.messages import (
 from cable_tracker.sequences.source import open_source
 
 NANOSECONDS = 1e9
+NO_FRAME_THERE = "no frame after that time"
 FLUSH_TIMEOUT = Duration(seconds=2)
 
 
@@ -137,6 +138,7 @@ class ReplayNode(ProcessNode):
         self._awaited: int | None = None
         self._answer_deadline = 0.0
         self._damage: RecordingError | None = None
+        self._awaits_restart = False
         self._next = self._read_next()
 
     def _read_next(self) -> Frame | None:
@@ -174,13 +176,29 @@ class ReplayNode(ProcessNode):
             self._check_answer_deadline()
             return
         if self._next is None:
-            self._end_or_loop()
+            if not self._awaits_restart:
+                self._end_or_loop()
             return
-        if not self._connect() or (self._paused and not self._steps):
+        if not self._connect():
+            self._complain_of_waiting()
+            return
+        if self._paused and not self._steps:
             return
         if not self._flag("lockstep") and not self._steps and time.monotonic() < self._due:
             return
         self._send(self._next)
+
+    def _complain_of_waiting(self) -> None:
+        topic = self._image.topic_name
+        self.get_logger().info(f"waiting for a subscriber of {topic}", throttle_duration_sec=5.0)
+        waited = time.monotonic() - self._started
+        if self._flag("lockstep") and waited > float(
+            cast(float, self._start_values["answer_timeout"])
+        ):
+            raise RosError(
+                f"nobody subscribes to {topic}; is the tracker running, and is its image_transport"
+                " that of this recording?"
+            )
 
     def _connect(self) -> bool:
         if not self._connected:
@@ -249,6 +267,8 @@ class ReplayNode(ProcessNode):
         self._truth.wait_for_all_acked(FLUSH_TIMEOUT)
         if self._damage is not None:
             raise self._damage
+        if not self._sent:
+            raise ParameterError(f"start: {NO_FRAME_THERE} in {self._source.path}")
         self.finished = True
 
     def report(self) -> str:
@@ -279,9 +299,10 @@ class ReplayNode(ProcessNode):
         """Go to the time in the parameter `start`, which also makes it the way to seek."""
         self._begin()
         response.success = self._next is not None
-        response.message = (
-            f"at frame {self._next.index}" if self._next else "no frame after that time"
-        )
+        response.message = f"at frame {self._next.index}" if self._next else NO_FRAME_THERE
+        if self._next is None:
+            # Not the end of the node: the next restart may name a better time.
+            self._awaits_restart = True
         return response
 
     def destroy_node(self) -> None:

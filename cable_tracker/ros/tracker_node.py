@@ -88,6 +88,7 @@ class TrackerNode(ProcessNode):
         self._stale = False
         self._status = TrackingStatus.INITIALISING.value
         self._estimate: CableEstimate | None = None
+        self._frame_id = ""
         self._prior_while_disabled: StatePrior | None = None
         # A camera that never sends is no better than one that has stopped.
         self._last_arrival = time.monotonic()
@@ -96,6 +97,7 @@ class TrackerNode(ProcessNode):
         self._create_publishers()
         self._create_inputs()
         self.publish_diagnostics()
+        self.get_logger().info(f"waiting for images on {self._input.topic_name}")
 
     @property
     def status(self) -> str:
@@ -181,7 +183,7 @@ class TrackerNode(ProcessNode):
         profile = qos.image_input(self._reliability)
         events = SubscriptionEventCallbacks(message_lost=self._on_frames_lost)
         if self._compressed_input:
-            self.create_subscription(
+            self._input = self.create_subscription(
                 CompressedImage,
                 "image/compressed",
                 self.on_compressed_image,
@@ -189,7 +191,9 @@ class TrackerNode(ProcessNode):
                 event_callbacks=events,
             )
         else:
-            self.create_subscription(Image, "image", self.on_image, profile, event_callbacks=events)
+            self._input = self.create_subscription(
+                Image, "image", self.on_image, profile, event_callbacks=events
+            )
         self.create_subscription(
             PoseWithCovarianceStamped, "initial_state", self.on_initial_state, qos.RESULTS
         )
@@ -214,6 +218,7 @@ class TrackerNode(ProcessNode):
     ) -> None:
         arrival = time.perf_counter()
         self._note_arrival()
+        self._frame_id = str(header.frame_id)
         stamp = stamp_of(header)
         if not stamp:
             stamp = self.get_clock().now().nanoseconds
@@ -323,6 +328,7 @@ class TrackerNode(ProcessNode):
     def on_initial_state(self, message: Message) -> None:
         """Start the next frame from an operator's or planner's prior."""
         try:
+            self._check_frame_id(str(message.header.frame_id))
             prior = read_prior(message)
             self._tracker.initialise(prior)
         except FrameError as error:
@@ -330,6 +336,10 @@ class TrackerNode(ProcessNode):
             return
         if not self._enabled:
             self._prior_while_disabled = prior
+
+    def _check_frame_id(self, frame_id: str) -> None:
+        if frame_id and self._frame_id and frame_id != self._frame_id:
+            raise FrameError(f"it is in {frame_id!r}, not in the image frame {self._frame_id!r}")
 
     def on_reset(self, request: Message, response: Message) -> Message:
         """Forget everything and start as at the beginning."""
@@ -363,17 +373,27 @@ class TrackerNode(ProcessNode):
     def _change_status(self, status: str) -> None:
         if status != self._status:
             self._status = status
+            self.get_logger().info(status)
             self.publish_diagnostics()
 
     def _on_frames_lost(self, event: Any) -> None:  # noqa: ANN401
         self._statistics.dropped += int(event.total_count_change)
+        self.get_logger().warning(
+            f"{self._statistics.dropped} frames lost on the way; large frames need"
+            " config/fastdds_loopback.xml, image_reliability:=reliable or compressed images",
+            throttle_duration_sec=5.0,
+        )
 
     def on_watchdog(self) -> None:
         """See whether the input has stopped, and publish diagnostics when they are due."""
         now = time.monotonic()
         if now - self._last_arrival > self._input_timeout and not self._stale:
             self._stale = True
-            self.get_logger().warning(f"no image for {self._input_timeout:g} s")
+            topic = self._input.topic_name
+            publishers = self.count_publishers(topic)
+            self.get_logger().warning(
+                f"no image on {topic} for {self._input_timeout:g} s; {publishers} publishers there"
+            )
             self.publish_diagnostics()
         elif now >= self._next_diagnostics:
             self.publish_diagnostics()

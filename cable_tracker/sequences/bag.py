@@ -224,7 +224,11 @@ class BagSource(FrameSource):
         except RecordingError as error:
             raise damage(self.path, count, str(error)) from error
         if self.frame_count is not None and count < self.frame_count:
-            raise damage(self.path, count, f"its index promises {self.frame_count}")
+            raise RecordingError(
+                f"{self.path}: damaged: {self.frame_count - count} of the {self.frame_count} frames"
+                " that its index promises are missing; all others have been read; get an undamaged"
+                " copy of the recording"
+            )
 
     def _frame(self, index: int, message: StoredMessage) -> Frame | UnreadableFrame:
         try:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from pathlib import Path
 
 import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.cable.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
@@ -105,8 +106,15 @@ class ImageFolderSource(FrameSource):
                 f"{path}: holds no pictures ({', '.join(PICTURE_SUFFIXES)}) and no bag"
             )
         self._rate = rate or DEFAULT_RATE
+        if (path / "sequence.txt").is_file():
+            self.note = "its labels in sequence.txt are not used; name that file instead"
         self.nominal_rate = self._rate
         self.frame_count = len(self.pictures)
+
+    def label(self, labels: Mapping[int, CableState]) -> None:
+        """Attach ground truth; then nothing need be said of labels that are not used."""
+        super().label(labels)
+        self.note = ""
 
     def frame_name(self, index: int) -> str:
         """Return how to call a frame in a message."""

@@ -41,6 +41,8 @@ class PartialFolder:
     """
 
     def __init__(self, path: Path, *, overwrite: bool, is_ours: Callable[[Path], bool]) -> None:
+        if path.name in ("", ".."):
+            raise OutputError(f"{path}: is no name for a new folder; choose one")
         self.path = path
         self._partial = path.with_name(f".{path.name}.partial")
         self.content = self._partial / path.name
@@ -50,7 +52,10 @@ class PartialFolder:
                     f"{path}: exists already; choose another name, or overwrite it with --force"
                 )
             if not is_ours(path):
-                raise OutputError(f"{path}: is something else and is not overwritten; remove it")
+                raise OutputError(
+                    f"{path}: is no earlier output of this kind and is not overwritten;"
+                    " choose another name"
+                )
         try:
             if self._partial.exists():
                 _delete(self._partial)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,10 +13,21 @@ from cable_tracker.errors import ParameterError
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 
 
-@given(NUMBERS, NUMBERS, st.floats(1e-300, 1e300), NUMBERS)
+@given(
+    NUMBERS,
+    st.floats(-math.pi, math.pi),
+    st.floats(1e-300, 1e300),
+    st.floats(-math.pi / 2, math.pi / 2),
+)
 def test_a_written_state_is_read_back_exactly(d, alpha, w, beta):
     state = CableState(d, alpha, w, beta)
     assert parse_initial_state(format_initial_state(state)) == state
+
+
+@pytest.mark.parametrize("text", ["0,45,30,0", "0,-3.2,30,0", "0,0.1,30,5"])
+def test_degrees_are_refused(text):
+    with pytest.raises(ParameterError, match="radians"):
+        parse_initial_state(text)
 
 
 @pytest.mark.parametrize("text", ["random", " random "])

@@ -41,5 +41,5 @@ def test_an_unknown_experiment_is_named_with_what_there_is(tmp_path):
 def test_a_path_that_is_taken_is_refused_before_anything_is_run(tmp_path, name):
     (tmp_path / "mine").write_text("dear")
     result = run(name, "--output", tmp_path / "mine", "--force")
-    assert "is something else" in str(result.exception)
+    assert "is no earlier output of this kind" in str(result.exception)
     assert (tmp_path / "mine").read_text() == "dear"

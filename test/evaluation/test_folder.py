@@ -33,6 +33,6 @@ def test_an_earlier_folder_is_replaced_only_when_told(tmp_path):
 def test_a_folder_of_another_kind_is_never_replaced(tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "photographs").write_text("dear")
-    with pytest.raises(OutputError, match="is something else"):
+    with pytest.raises(OutputError, match="is no earlier output of this kind"):
         fill(tmp_path / "out", overwrite=True)
     assert (tmp_path / "out" / "photographs").read_text() == "dear"

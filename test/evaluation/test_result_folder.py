@@ -117,7 +117,7 @@ def test_what_is_something_else_is_never_replaced(tmp_path, dive):
     (tmp_path / "file").write_text("precious")
     for name in ("thesis", "file"):
         with (
-            pytest.raises(OutputError, match="something else"),
+            pytest.raises(OutputError, match="is no earlier output of this kind"),
             ResultFolder(tmp_path / name, overwrite=True),
         ):
             pass

@@ -43,7 +43,7 @@ def test_the_last_words_of_a_node_that_has_died_can_be_read(
 ) -> None:
     with process("replay", "-p", "source:=/missing.mcap") as replay:
         assert replay.wait(20.0) == 2
-        assert replay.last_line().startswith("RecordingError: /missing.mcap: there is no such file")
+        assert replay.last_line().startswith("error: /missing.mcap: there is no such file")
 
 
 def test_a_node_that_printed_nothing_says_so(process: Callable[..., NodeProcess]) -> None:

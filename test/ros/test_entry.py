@@ -21,7 +21,7 @@ def test_without_ros_the_nodes_say_what_to_install(name: str, tmp_path: Path) ->
         check=False,
     )
     assert run.returncode == 2
-    assert run.stderr.startswith("RosError: rclpy or a message package is not installed (rclpy)")
+    assert run.stderr.startswith("error: rclpy or a message package is not installed (rclpy)")
     assert len(run.stderr.splitlines()) == 1
 
 
@@ -37,3 +37,20 @@ def test_another_missing_module_is_not_taken_for_ros(tmp_path: Path) -> None:
     )
     assert run.returncode == 1
     assert "ModuleNotFoundError: no cv2" in run.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"), [(["--help"], 0), (["-p", "particle_count:=9"], 2), (["thesis"], 2)]
+)
+def test_what_does_not_stand_behind_ros_args_is_not_passed_over(
+    arguments: list[str], code: int
+) -> None:
+    run = subprocess.run(
+        [sys.executable, "-m", "cable_tracker.ros.entry", "tracker", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert run.returncode == code
+    assert run.stderr.startswith("usage: tracker --ros-args")

@@ -198,7 +198,6 @@ class TestTiming:
             (0.0, 0.12, range(3)),
             (0.08, 0.08, range(2, 4)),
             (0.36, 0.0, range(9, 10)),
-            (5.0, 0.0, range(0)),
         ],
     )
     def test_start_and_duration_choose_a_part(
@@ -343,6 +342,24 @@ class TestServices:
         node.set_parameters([Parameter("start", value=60.0)])
         response = world.call(Trigger, "replay/restart")
         assert not response.success and response.message == "no frame after that time"
+        node.set_parameters([Parameter("start", value=0.0)])
+        assert world.call(Trigger, "replay/restart").success
+
+    def test_a_refused_restart_does_not_end_a_replay_that_runs(
+        self, world: Any, make_dive: Dive
+    ) -> None:
+        node = world.replay(source=str(make_dive(4)), loop=True, rate=100.0)
+        node.set_parameters([Parameter("start", value=60.0)])
+        assert not world.call(Trigger, "replay/restart").success
+        node.work()
+        assert not node.finished
+
+    def test_a_start_after_the_end_is_an_error(self, world: Any, make_dive: Dive) -> None:
+        node = world.replay(source=str(make_dive(4)), start=60.0)
+        with pytest.raises(ParameterError, match="no frame after that time"):
+            world.spin(lambda: node.finished)
+        world.nodes.remove(node)
+        node.destroy_node()
 
 
 class TestLockstep:
@@ -402,6 +419,15 @@ class TestLockstep:
         world.me.create_publisher(JointState, "state", 10)
         node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=0.2)
         with pytest.raises(RosError, match=r"no `state` came for frame 0 within 0\.2 s"):
+            world.spin(lambda: node.finished)
+        world.nodes.remove(node)
+        node.destroy_node()
+
+    def test_a_lockstep_without_a_tracker_ends_with_an_error(
+        self, world: Any, make_dive: Dive
+    ) -> None:
+        node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=0.2)
+        with pytest.raises(RosError, match=r"nobody subscribes to .*/image"):
             world.spin(lambda: node.finished)
         world.nodes.remove(node)
         node.destroy_node()

@@ -61,7 +61,7 @@ def test_an_existing_folder_is_not_overwritten(tmp_path, frames):
 def test_a_folder_of_something_else_is_never_overwritten(tmp_path, frames):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "thesis.tex").touch()
-    with pytest.raises(OutputError, match="something else"):
+    with pytest.raises(OutputError, match="is no earlier output of this kind"):
         write_sequence(tmp_path / "out", frames, overwrite=True)
     assert (tmp_path / "out" / "thesis.tex").exists()
 
