@@ -12,18 +12,17 @@ from cable_tracker.cable.evidence import border_evidence
 from cable_tracker.cable.initialisation import StatePrior, random_states, states_from_prior
 from cable_tracker.cable.movement import CableMovement
 from cable_tracker.cable.observation import BorderObservation
-from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.cable.state import CableState, StateColumn
 from cable_tracker.cable.statistics import cable_mean_and_covariance
 from cable_tracker.cable.status import StatusMachine
+from cable_tracker.cable.succession import FrameMark, succession
 from cable_tracker.cable.working_image import WorkingImage, check_frame, make_working_image
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.filter import ParticleFilter
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.particle_filter.weights import effective_sample_size
-
-NANOSECONDS = 1e9
 
 
 class CableTracker:
@@ -50,8 +49,7 @@ class CableTracker:
         self._filter: ParticleFilter[WorkingImage] | None = None
         self._prior: StatePrior | None = None
         self._status = StatusMachine()
-        self._frame_size: tuple[int, int] | None = None
-        self._stamp: int | None = None
+        self._frame: FrameMark | None = None
 
     @property
     def parameters(self) -> TrackerParameters:
@@ -82,8 +80,7 @@ class CableTracker:
         self._filter = None
         self._prior = None
         self._status = StatusMachine()
-        self._frame_size = None
-        self._stamp = None
+        self._frame = None
 
     def initialise(self, prior: StatePrior) -> None:
         """Start the next frame from a given belief instead of the present one.
@@ -115,31 +112,14 @@ class CableTracker:
             The frame cannot be used, or has the same time as the frame before. Nothing has changed.
         """
         check_frame(image)
-        if stamp == self._stamp:
-            raise FrameError(f"the stamp {stamp / NANOSECONDS:.9f} s is that of the frame before")
-        frame_size = (image.shape[1], image.shape[0])
-        event = self._reason_to_start_anew(frame_size, stamp)
-        if event:
+        frame = FrameMark((image.shape[1], image.shape[0]), stamp)
+        step = succession(self._frame, frame, self._parameters.maximum_gap)
+        if step.event:
             self._filter = None
             self._status = StatusMachine()
-        dt = 1.0 / REFERENCE_RATE
-        if self._stamp is not None and not event:
-            dt = (stamp - self._stamp) / NANOSECONDS
-        self._frame_size, self._stamp = frame_size, stamp
-        return self._advance(make_working_image(image, self._parameters.working_width), dt, event)
-
-    def _reason_to_start_anew(self, frame_size: tuple[int, int], stamp: int) -> str:
-        if self._frame_size is None or self._stamp is None:
-            return ""
-        if frame_size != self._frame_size:
-            before, now = (f"{width}x{height}" for width, height in (self._frame_size, frame_size))
-            return f"the image size changed from {before} to {now}"
-        gap = (stamp - self._stamp) / NANOSECONDS
-        if gap < 0:
-            return f"time went back by {-gap:.3f} s"
-        if gap > self._parameters.maximum_gap:
-            return f"no frame for {gap:.3f} s"
-        return ""
+        self._frame = frame
+        working_image = make_working_image(image, self._parameters.working_width)
+        return self._advance(working_image, step.dt, step.event)
 
     def _advance(self, image: WorkingImage, dt: float, event: str) -> CableEstimate:
         if self._prior is not None:
@@ -156,15 +136,15 @@ class CableTracker:
         return self._estimate(image, dt, event)
 
     def _start_from_prior(self, prior: StatePrior) -> None:
-        assert self._frame_size is not None
-        states = states_from_prior(prior, self._parameters, self._frame_size[0], self._rng)
+        assert self._frame is not None
+        states = states_from_prior(prior, self._parameters, self._frame.size[0], self._rng)
         self._filter = self._make_filter(Particles.equally_weighted(states))
         self._status = StatusMachine().expecting()
         self._prior = None
 
     def _start_from_random(self) -> None:
-        assert self._frame_size is not None
-        states = random_states(self._parameters, self._frame_size[0], self._rng)
+        assert self._frame is not None
+        states = random_states(self._parameters, self._frame.size[0], self._rng)
         self._filter = self._make_filter(Particles.equally_weighted(states))
 
     def _search_anew_if_due(self) -> None:
@@ -175,10 +155,10 @@ class CableTracker:
             self._status = self._status.searched()
 
     def _make_filter(self, particles: Particles) -> ParticleFilter[WorkingImage]:
-        assert self._frame_size is not None
+        assert self._frame is not None
         return ParticleFilter(
             particles,
-            movement=CableMovement(self._parameters, self._frame_size[0]),
+            movement=CableMovement(self._parameters, self._frame.size[0]),
             observation=self._observation,
             resampling=RESAMPLING_SCHEMES[self._parameters.resampling],
             resampling_threshold=self._parameters.resampling_threshold,
@@ -186,14 +166,14 @@ class CableTracker:
         )
 
     def _estimate(self, image: WorkingImage, dt: float, event: str) -> CableEstimate:
-        assert self._filter is not None and self._stamp is not None
+        assert self._filter is not None and self._frame is not None
         particles = self._filter.particles
         mean, covariance = cable_mean_and_covariance(particles.states, particles.weights)
         evidence = border_evidence(self._observation, mean, image)
         converged = self._has_converged(covariance, image.frame_size[0])
         self._status = self._status.after(evidence, converged, dt, self._parameters)
         return CableEstimate(
-            stamp=self._stamp,
+            stamp=self._frame.stamp,
             status=self._status.status,
             state=CableState.from_array(mean),
             covariance=covariance,

@@ -14,15 +14,14 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.cable.parameters import REFERENCE_WIDTH
 from cable_tracker.cable.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.succession import FrameMark, succession
 from cable_tracker.cable.working_image import check_frame
 from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.kalman import MEASURED, CableKalmanFilter, KalmanNoise
-
-NANOSECONDS = 1e9
 
 UNKNOWN_VARIANCE = 1e6
 """Large but finite: what is said where nothing is known."""
@@ -92,8 +91,7 @@ class DetectorTracker:
         self._status = TrackingStatus.INITIALISING
         self._hits = 0
         self._misses = 0
-        self._frame_size: tuple[int, int] | None = None
-        self._stamp: int | None = None
+        self._frame: FrameMark | None = None
 
     def initialise(self, state: CableState) -> None:
         """Start the next frame from a cable; it is claimed at once if the detector finds it there.
@@ -129,33 +127,15 @@ class DetectorTracker:
             The frame cannot be used, or has the same time as the frame before. Nothing has changed.
         """
         check_frame(image)
-        if stamp == self._stamp:
-            raise FrameError(f"the stamp {stamp / NANOSECONDS:.9f} s is that of the frame before")
-        frame_size = (image.shape[1], image.shape[0])
-        event = self._reason_to_start_anew(frame_size, stamp)
-        dt = 1.0 / REFERENCE_RATE
-        if event:
+        frame = FrameMark((image.shape[1], image.shape[0]), stamp)
+        step = succession(self._frame, frame, self._settings.maximum_gap)
+        if step.event:
             self._forget(TrackingStatus.INITIALISING)
-        elif self._stamp is not None:
-            dt = (stamp - self._stamp) / NANOSECONDS
-        self._frame_size, self._stamp = frame_size, stamp
-        self._predict(dt, frame_size[0])
+        self._frame = frame
+        self._predict(step.dt, frame.size[0])
         found = self._look(image)
         self._count(found is not None)
-        return self._estimate(found, event)
-
-    def _reason_to_start_anew(self, frame_size: tuple[int, int], stamp: int) -> str:
-        if self._frame_size is None or self._stamp is None:
-            return ""
-        if frame_size != self._frame_size:
-            before, now = (f"{width}x{height}" for width, height in (self._frame_size, frame_size))
-            return f"the image size changed from {before} to {now}"
-        gap = (stamp - self._stamp) / NANOSECONDS
-        if gap < 0:
-            return f"time went back by {-gap:.3f} s"
-        if gap > self._settings.maximum_gap:
-            return f"no frame for {gap:.3f} s"
-        return ""
+        return self._estimate(found, step.event)
 
     def _forget(self, status: TrackingStatus) -> None:
         self._filter, self._status = None, status
@@ -227,18 +207,18 @@ class DetectorTracker:
             self._forget(self._status)
 
     def _estimate(self, found: Detection | None, event: str) -> CableEstimate:
-        assert self._frame_size is not None and self._stamp is not None
-        state = CableState(0.0, 0.0, USUAL_WIDTH * self._frame_size[0])
+        assert self._frame is not None
+        state = CableState(0.0, 0.0, USUAL_WIDTH * self._frame.size[0])
         covariance: FloatArray = UNKNOWN_VARIANCE * np.eye(STATE_SIZE)
         if self._filter is not None:
             state, covariance = self._filter.state, self._filter.state_covariance
         return CableEstimate(
-            stamp=self._stamp,
+            stamp=self._frame.stamp,
             status=self._status,
             state=state,
             covariance=covariance,
             effective_sample_size=1.0,
             evidence=found.score if found is not None else 0.0,
-            image_size=self._frame_size,
+            image_size=self._frame.size,
             event=event,
         )
