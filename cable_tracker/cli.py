@@ -19,9 +19,7 @@ from cable_tracker.commands.parameters import parameters
 from cable_tracker.commands.simulate import simulate_command
 from cable_tracker.commands.terminal import console, messages
 from cable_tracker.commands.track import track
-from cable_tracker.errors import CableTrackerError
-
-EXIT_USER_ERROR = 2
+from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError
 
 app = typer.Typer(
     name="cable-tracker",

@@ -3,6 +3,9 @@
 Every message is one line, says what is wrong with what, and what the user can do about it.
 """
 
+EXIT_USER_ERROR = 2
+"""Exit code of a process that ends because the user must do something."""
+
 
 class CableTrackerError(Exception):
     """Base of all errors that cable_tracker raises on purpose."""

@@ -14,8 +14,8 @@ from rich.console import Console
 from rosbags.highlevel import AnyReader
 
 from cable_tracker import __version__, cli
-from cable_tracker.cable.parameter_files import known_names, read_parameter_file
-from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.parameter_files import read_parameter_file
+from cable_tracker.cable.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.commands import parameters
 from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.track import chosen_parameters, default_output
@@ -314,13 +314,13 @@ def test_parameters_are_printed_as_a_table_with_whole_names(run, monkeypatch, wi
     monkeypatch.setattr(parameters, "console", Console(width=width))
     outcome = run("parameters")
     assert outcome.code == 0
-    assert all(name in outcome.out for name in known_names())
+    assert all(name in outcome.out for name in set(PARAMETERS_BY_NAME))
 
 
 def test_parameters_are_printed_as_a_file_for_track(run, bag):
     outcome = run("parameters", "--preset", "thesis", "--format", "yaml")
     Path("thesis.yaml").write_text(outcome.out, encoding="utf-8")
-    assert set(read_parameter_file(Path("thesis.yaml"))) == known_names()
+    assert set(read_parameter_file(Path("thesis.yaml"))) == set(PARAMETERS_BY_NAME)
     chosen = chosen_parameters(None, read_parameter_file(Path("thesis.yaml")), None)
     assert chosen == chosen_parameters("thesis", {}, None)
 

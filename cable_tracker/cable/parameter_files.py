@@ -7,7 +7,7 @@ from pathlib import Path
 
 import yaml
 
-from cable_tracker.cable.parameters import PARAMETER_TABLE, PARAMETERS_BY_NAME, TrackerParameters
+from cable_tracker.cable.parameters import PARAMETER_TABLE, TrackerParameters
 from cable_tracker.errors import ParameterError
 
 ROS_KEY = "ros__parameters"
@@ -88,8 +88,3 @@ def format_parameter_file(parameters: TrackerParameters, title: str) -> str:
         unit = f" {spec.unit}," if spec.unit else ""
         lines.append(f"    {spec.name}: {text}  #{unit} {spec.range_text()}")
     return "\n".join(lines) + "\n"
-
-
-def known_names() -> set[str]:
-    """Return the names of all filter parameters."""
-    return set(PARAMETERS_BY_NAME)

@@ -124,10 +124,6 @@ def _word(default: str, choices: tuple[str, ...], meaning: str) -> Any:  # noqa:
     return dataclasses.field(default=default, metadata={"choices": choices, "meaning": meaning})
 
 
-def _flag(default: bool, meaning: str) -> Any:  # noqa: ANN401
-    return dataclasses.field(default=default, metadata={"meaning": meaning})
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackerParameters:
     """All parameters of `CableTracker`. The values here are the preset `default`.

@@ -16,6 +16,7 @@ from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.result_folder import ResultFolder
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.convert import write_truth
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED, EstimateRow
 from cable_tracker.sequences.frame import Frame
@@ -171,9 +172,7 @@ class _FrameOutput:
         self._stamp = frame.stamp
         self._factory = RosbagsMessages()
         self._header = make_header(self._factory, frame.stamp, frame.frame_id)
-        if frame.truth is not None:
-            truth = make_state(self._factory, self._header, frame.truth)
-            self._write(output_topics.GROUND_TRUTH, truth)
+        write_truth(bag, frame)
 
     def _write(self, topic: OutputTopic, message: Message) -> None:
         self._bag.write(f"/{topic.name}", topic.type_name, message, self._stamp)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from cable_tracker.errors import EXIT_USER_ERROR
 from cable_tracker.ros.stop_request import stop_on_signals
 
-EXIT_USER_ERROR = 2
 MISSING_ROS = (
     "error: rclpy or a message package is not installed ({name}); run"
     " `pip install '.[ros]'` in the package's folder, or source /opt/ros/jazzy/setup.bash"

@@ -13,13 +13,11 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-from cable_tracker.errors import CableTrackerError, ParameterError, RosError
+from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError, ParameterError, RosError
 from cable_tracker.ros.stop_request import StopRequest
 
 WAKE_UP = 0.1
 """Longest time that the executor sleeps before it looks whether to stop [s]."""
-
-EXIT_USER_ERROR = 2
 
 
 class ProcessNode(Node):  # type: ignore[misc]

@@ -31,8 +31,8 @@ from cable_tracker.sequences.messages import (
     stamp_of,
 )
 from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.stamps import NANOSECONDS
 
-NANOSECONDS = 1e9
 NO_FRAME_THERE = "no frame after that time"
 FLUSH_TIMEOUT = Duration(seconds=2)
 

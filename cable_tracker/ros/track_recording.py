@@ -24,17 +24,15 @@ from cable_tracker.ros.child_process import NodeProcess
 from cable_tracker.ros.environment import local_environment, use_local_environment
 from cable_tracker.ros.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.sequences import output_topics
+from cable_tracker.sequences.convert import write_truth
 from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages import (
     Message,
-    make_header,
-    make_state,
     read_cloud,
     read_sigma,
     read_state,
 )
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source
 
 START_TIMEOUT = 30.0
@@ -209,12 +207,7 @@ class _Run:
 
     def _write(self, frame: Frame, recorded: RecordedFrame) -> Message:
         bag = self._results.bag
-        if frame.truth is not None:
-            factory = RosbagsMessages()
-            header = make_header(factory, frame.stamp, frame.frame_id)
-            topic = output_topics.GROUND_TRUTH
-            truth = make_state(factory, header, frame.truth)
-            bag.write(f"/{topic.name}", topic.type_name, truth, frame.stamp)
+        write_truth(bag, frame)
         for topic, data in recorded.messages.items():
             bag.write_serialised(f"/{topic.name}", topic.type_name, data, frame.stamp)
         for data in self._recorder.take_diagnostics():

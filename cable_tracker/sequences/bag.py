@@ -16,12 +16,12 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.frame_source import (
-    NANOSECONDS,
     FrameSource,
     UnreadableFrame,
     damage,
     one_line,
 )
+from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.typestores import ros1_typestore, typestore
 

@@ -17,8 +17,9 @@ from rosbags.rosbag2 import Reader as Reader2
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences import mcap_recovery, ros1_recovery, sqlite_recovery
-from cable_tracker.sequences.frame_source import NANOSECONDS, one_line
+from cable_tracker.sequences.frame_source import one_line
 from cable_tracker.sequences.natural_order import natural_key
+from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.stored_message import StoredMessage
 
 _ROS1_SUFFIX = ".bag"

@@ -51,14 +51,22 @@ def in_format(frame: Frame, image_format: ImageFormat) -> Frame:
     return frame
 
 
-def write_frame(bag: BagWriter, frame: Frame) -> None:
-    """Write a frame's image, and its ground truth if it has some."""
+def write_truth(bag: BagWriter, frame: Frame) -> None:
+    """Write a frame's ground truth if it has some."""
+    if frame.truth is None:
+        return
     factory = RosbagsMessages()
     header = make_header(factory, frame.stamp, frame.frame_id)
-    if frame.truth is not None:
-        topic = output_topics.GROUND_TRUTH
-        truth = make_state(factory, header, frame.truth)
-        bag.write(f"/{topic.name}", topic.type_name, truth, frame.stamp)
+    topic = output_topics.GROUND_TRUTH
+    truth = make_state(factory, header, frame.truth)
+    bag.write(f"/{topic.name}", topic.type_name, truth, frame.stamp)
+
+
+def write_frame(bag: BagWriter, frame: Frame) -> None:
+    """Write a frame's image, and its ground truth if it has some."""
+    write_truth(bag, frame)
+    factory = RosbagsMessages()
+    header = make_header(factory, frame.stamp, frame.frame_id)
     if isinstance(frame.image, RawImage):
         topic, image = output_topics.IMAGE, make_image(factory, frame.image, header)
     else:

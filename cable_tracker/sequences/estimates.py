@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cable_tracker.cable.state import CableState
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.stamps import NANOSECONDS
 
 HEADER = (
     "frame", "stamp", "status", "d", "alpha", "w", "beta", "v_d", "v_alpha",
@@ -17,8 +18,6 @@ HEADER = (
 
 REFUSED = "REFUSED"
 """Status of a frame that could not be used; the others are those of `TrackingStatus`."""
-
-NANOSECONDS = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)

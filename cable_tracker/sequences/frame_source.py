@@ -16,7 +16,6 @@ from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import check_image
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 
-NANOSECONDS = 1_000_000_000
 _LONGEST_REASON = 200
 
 

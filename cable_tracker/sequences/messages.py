@@ -21,11 +21,11 @@ from cable_tracker.cable.state import STATE_SIZE, STATE_SYMBOLS, CableState, Sta
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.frame import CompressedImage, RawImage
+from cable_tracker.sequences.stamps import NANOSECONDS
 
 Message: TypeAlias = Any
 """A message object of rclpy or of rosbags; neither has static types."""
 
-NANOSECONDS = 1_000_000_000
 UNKNOWN_VARIANCE = 1e6
 """Large but finite: what is published for components that nobody knows."""
 

@@ -12,6 +12,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.geometry import wrap_states
 from cable_tracker.cable.state import CableState
 from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.borders import (
     ProjectedBorders,
     fit_states,
@@ -33,7 +34,6 @@ from cable_tracker.simulation.tube import Tube
 FIRST_STAMP = 1_000_000_000
 """Stamp of the first frame [ns]; not 0, which ROS takes for "no time"."""
 
-NANOSECONDS = 1_000_000_000
 
 FOCAL = 280.0
 """Focal length of all cameras [px at a width of 320]."""

@@ -19,7 +19,8 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.geometry import unwrap_states
 from cable_tracker.cable.state import CableState, StateColumn
 from cable_tracker.errors import OutputError
-from cable_tracker.sequences.estimates import NANOSECONDS, EstimateRow
+from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.visualisation.files import write_bytes
 from cable_tracker.visualisation.palette import ESTIMATE, TRUTH, Colour, status_colour, to_unit
 

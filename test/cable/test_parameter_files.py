@@ -10,10 +10,9 @@ from hypothesis import strategies as st
 from cable_tracker.cable.parameter_files import (
     filter_parameters,
     format_parameter_file,
-    known_names,
     read_parameter_file,
 )
-from cable_tracker.cable.parameters import PARAMETER_TABLE, TrackerParameters
+from cable_tracker.cable.parameters import PARAMETER_TABLE, PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.cable.presets import PRESETS, preset
 from cable_tracker.errors import ParameterError
 
@@ -55,7 +54,7 @@ def test_what_is_written_is_read_back_exactly(written, parameters):
 def test_written_presets_are_whole_ros_parameter_files(written, name):
     text = format_parameter_file(preset(name), f"Preset {name}.")
     assert text.startswith(f"# Preset {name}.\n")
-    assert set(yaml.safe_load(text)["/**"]["ros__parameters"]) == known_names()
+    assert set(yaml.safe_load(text)["/**"]["ros__parameters"]) == set(PARAMETERS_BY_NAME)
 
 
 @pytest.mark.parametrize("text", ["1e-5", "1E-5", "1.0e-05", "0.00001", "+1e-5"])
