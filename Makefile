@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install check-python test lint demo docs clean
+.PHONY: help install check-python test lint demo docs table clean
 
 CANDIDATES := python3 python3.12 python3.11 python3.13 python3.14
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
@@ -13,6 +13,10 @@ VENV := .venv
 BIN := $(VENV)/bin
 SOURCE ?=
 DEMO := demo
+TABLE := cable_tracker/cable/border_responses.json
+TABLE_SCENARIOS := S1 S2 S3 S4 S5 S6 night
+TABLE_SEEDS := 200,204-206
+TABLE_EVERY := 4
 # A home that cannot be written to must not stop ROS from logging.
 export ROS_LOG_DIR ?= $(CURDIR)/$(VENV)/log/ros
 export MPLCONFIGDIR ?= $(CURDIR)/$(VENV)/cache/matplotlib
@@ -23,6 +27,7 @@ help:
 	@echo "make test                  run the whole suite, with linters and type checks"
 	@echo "make install               set up $(VENV); the others do it by themselves"
 	@echo "make docs                  write config/*.yaml and docs/parameters.md from the table"
+	@echo "make table                 learn the tables of the likelihood ratio, in some minutes"
 	@echo "make clean                 remove $(VENV) and what the demo wrote"
 
 check-python:
@@ -72,6 +77,11 @@ endif
 
 docs: install
 	$(BIN)/python docs/generate.py
+
+# The tables that ship with the package. The evaluation's dives have the seeds 0, 1, ...
+table: install
+	$(BIN)/cable-tracker learn $(TABLE_SCENARIOS:%=--scenario %) --seeds $(TABLE_SEEDS) \
+		--every $(TABLE_EVERY) --seed 0 --output $(TABLE) --force
 
 clean:
 	rm -rf $(VENV) $(DEMO) build install log *.egg-info .mypy_cache .ruff_cache .pytest_cache \

@@ -25,7 +25,11 @@ setup(
     maintainer_email="maintainers@users.noreply.h-seed-c8828a9f.example",
     license="Apache-2.0",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed"], f"{PACKAGE}.evaluation": ["templates/*.j2"]},
+    package_data={
+        PACKAGE: ["py.typed"],
+        f"{PACKAGE}.cable": ["*.json"],
+        f"{PACKAGE}.evaluation": ["templates/*.j2"],
+    },
     python_requires=">=3.11",
     install_requires=[
         "Jinja2>=3.1",

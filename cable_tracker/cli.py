@@ -15,6 +15,7 @@ from cable_tracker.commands.dds_profile import dds_profile
 from cable_tracker.commands.estimate_noise import estimate_noise
 from cable_tracker.commands.evaluate import evaluate
 from cable_tracker.commands.experiment import experiment
+from cable_tracker.commands.learn import learn
 from cable_tracker.commands.parameters import parameters
 from cable_tracker.commands.simulate import simulate_command
 from cable_tracker.commands.terminal import console, messages
@@ -55,6 +56,7 @@ app.command(name="simulate")(simulate_command)
 app.command()(evaluate)
 app.command()(experiment)
 app.command()(estimate_noise)
+app.command()(learn)
 app.command()(parameters)
 app.command()(dds_profile)
 

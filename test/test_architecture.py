@@ -6,17 +6,31 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "cable_tracker"
 
+EVERYBODY_MAY_IMPORT = {"arrays", "errors"}
 MAY_IMPORT = {
+    "arrays": set(),
+    "errors": set(),
+    "resources": set(),
     "particle_filter": set(),
     "cable": {"particle_filter"},
+    "node_parameter_tables": {"cable"},
     "sequences": {"cable", "particle_filter"},
     "detection": {"cable"},
+    "trackers": {"cable", "detection"},
     "visualisation": {"sequences", "cable"},
     "simulation": {"sequences", "cable"},
-    "evaluation": {"simulation", "detection", "visualisation", "sequences", "cable"},
-    "ros": {"evaluation", "visualisation", "sequences", "cable", "particle_filter"},
-    "commands": {"ros", "evaluation", "simulation", "detection", "sequences", "cable"},
-}
+    "evaluation": {"trackers", "simulation", "detection", "visualisation", "sequences", "cable"},
+    "ros": {
+        "evaluation", "trackers", "visualisation", "sequences", "node_parameter_tables", "cable",
+        "particle_filter", "resources",
+    },
+    "commands": {
+        "ros", "evaluation", "trackers", "simulation", "detection", "sequences",
+        "node_parameter_tables", "cable", "resources",
+    },
+    "cli": {"commands"},
+}  # fmt: skip
+"""Of the folders and of the modules beside them, lowest first."""
 ROS_PACKAGES = {
     "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "launch",
     "launch_ros", "rcl_interfaces", "rclpy", "rosgraph_msgs", "sensor_msgs", "std_msgs",
@@ -33,24 +47,33 @@ def imported_modules(path: Path) -> Iterator[str]:
             yield from (f"{node.module}.{name.name}" for name in node.names)
 
 
-def folders_imported_by(folder: str) -> set[str]:
-    parts = [
-        module.split(".")
-        for path in (PACKAGE / folder).rglob("*.py")
-        for module in imported_modules(path)
-    ]
-    named = {part[1] for part in parts if part[0] == "cable_tracker" and len(part) > 1}
-    return {name for name in named if (PACKAGE / name).is_dir()}
-
-
-def test_every_folder_has_its_place():
+def parts_of_the_package() -> set[str]:
     folders = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
-    assert folders == set(MAY_IMPORT)
+    return folders | {path.stem for path in PACKAGE.glob("*.py")} - {"__init__"}
 
 
-@pytest.mark.parametrize("folder", MAY_IMPORT)
-def test_imports_run_one_way(folder):
-    assert folders_imported_by(folder) <= MAY_IMPORT[folder] | {folder}
+def parts_imported_by(part: str) -> set[str]:
+    paths = [PACKAGE / f"{part}.py", *(PACKAGE / part).rglob("*.py")]
+    modules = [
+        module.split(".") for path in paths if path.is_file() for module in imported_modules(path)
+    ]
+    named = {module[1] for module in modules if module[0] == "cable_tracker" and len(module) > 1}
+    return named & parts_of_the_package()
+
+
+def test_every_part_has_its_place():
+    assert parts_of_the_package() == set(MAY_IMPORT)
+
+
+def test_what_a_part_may_import_stands_below_it():
+    order = list(MAY_IMPORT)
+    for part, lower in MAY_IMPORT.items():
+        assert all(order.index(name) < order.index(part) for name in lower), part
+
+
+@pytest.mark.parametrize("part", MAY_IMPORT)
+def test_imports_run_one_way(part):
+    assert parts_imported_by(part) <= MAY_IMPORT[part] | EVERYBODY_MAY_IMPORT | {part}
 
 
 @pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: path.name)

@@ -384,7 +384,7 @@ def test_a_detector_that_sees_nothing_is_no_start(run):
 
 @pytest.mark.parametrize("output", [".", "/"])
 def test_an_output_without_a_name_is_refused(run, bag, output):
-    run("track", bag, "--output", output, "--force").assert_refused("no name for a new folder")
+    run("track", bag, "--output", output, "--force").assert_refused("no name for a new output")
 
 
 def test_a_start_in_degrees_is_refused(run, bag):

@@ -1,4 +1,6 @@
 import re
+import subprocess
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -40,6 +42,17 @@ def test_every_requirement_is_pinned_and_has_a_reason(name):
     assert normalised(name) in pinned
     reasons = (ROOT / "docs" / "dependencies.md").read_text(encoding="utf-8")
     assert re.search(rf"^\| {re.escape(name)}\b", reasons, re.MULTILINE), name
+
+
+def test_every_file_of_the_package_is_built_into_it(tmp_path):
+    """What pip and colcon install; both build it by the same command."""
+    build = [sys.executable, "setup.py", "-q", "build_py", "--build-lib", str(tmp_path)]
+    subprocess.run(build, cwd=ROOT, check=True, capture_output=True, timeout=120)
+    package = ROOT / "cable_tracker"
+    wanted = {path.relative_to(ROOT) for path in package.rglob("*") if path.is_file()}
+    built = {path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()}
+    assert {path for path in wanted if "__pycache__" not in path.parts} == built
+    assert Path("cable_tracker/cable/border_responses.json") in built
 
 
 @pytest.mark.parametrize("name", PRESETS)

@@ -24,6 +24,22 @@ class TrackingStatus(str, Enum):
     """There was a cable, and the image does not support it any more."""
 
 
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """One of the places where the cable may be.
+
+    Attributes
+    ----------
+    probability : float
+        Its share of the belief, given that there is a cable, 0 to 1.
+    state : CableState
+        Mean of its particles [px, rad, per second].
+    """
+
+    probability: float
+    state: CableState
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class CableEstimate:
     """The posterior over the cable after one frame.
@@ -35,19 +51,25 @@ class CableEstimate:
     status : TrackingStatus
         Whether a cable is claimed.
     state : CableState
-        Weighted mean of the particles (MMSE) [px, rad, per second]. Meant for the controller only
-        while the status is TRACKING.
+        Weighted mean of the particles (MMSE) of the leading hypothesis [px, rad, per second]. Meant
+        for the controller only while the status is TRACKING.
     covariance : FloatArray
-        Weighted covariance of the particles about the mean, shape (6, 6), columns of `StateColumn`.
+        Covariance of its error, shape (8, 8), columns of `StateColumn`.
     effective_sample_size : float
         N_eff, between 1 and N, before resampling.
     evidence : float
-        How clearly the image shows the two borders of the estimate: mean response per point of the
-        weaker border, in units of the frame's robust scale. Zero when the borders disagree.
+        How clearly the image shows the weaker border of the estimate. With the observation
+        `likelihood_ratio`: mean log-likelihood ratio of its points, border against bottom. With
+        `responses`: mean response of its points over the frame's robust scale; zero when the
+        borders disagree.
     image_size : (int, int)
         Width and height of the frame [px].
     event : str
         Why the tracker started anew with this frame; empty on ordinary frames.
+    presence : float or None
+        Probability that a cable is in view, 0 to 1; None where the filter has no notion of it.
+    hypotheses : tuple of Hypothesis
+        Where the cable may be, likeliest first. The first is that of `state`.
     """
 
     stamp: int
@@ -58,8 +80,10 @@ class CableEstimate:
     evidence: float
     image_size: tuple[int, int]
     event: str = ""
+    presence: float | None = None
+    hypotheses: tuple[Hypothesis, ...] = ()
 
     def standard_deviations(self) -> FloatArray:
-        """Return the square roots of the covariance's diagonal, shape (6,)."""
+        """Return the square roots of the covariance's diagonal, shape (8,)."""
         variances: FloatArray = np.maximum(np.diag(self.covariance), 0.0)
         return np.sqrt(variances)

@@ -43,7 +43,7 @@ def response_scale(model: BorderObservation, image: WorkingImage) -> float:
 def border_evidence(model: BorderObservation, state: FloatArray, image: WorkingImage) -> float:
     """Return the mean response per point of the weaker border, in units of the frame's scale.
 
-    Zero when the borders do not oppose each other, or lie outside the image. `state`: shape (6,).
+    Zero when the borders do not oppose each other, or lie outside the image. `state`: shape (8,).
     """
     responses = model.measure(project_borders(state[None, :]), image)
     if not responses.opposed()[0] or responses.counts.min() < MINIMUM_POINTS:

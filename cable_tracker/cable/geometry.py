@@ -13,6 +13,14 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.state import StateColumn
 
+SIGN_CHANGING_COLUMNS = (
+    StateColumn.DISTANCE,
+    StateColumn.SKEW,
+    StateColumn.DISTANCE_RATE,
+    StateColumn.SKEW_RATE,
+)
+"""Components that change their sign when the normal is turned round."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Borders:
@@ -39,24 +47,25 @@ def wrap_states(states: FloatArray) -> FloatArray:
     """Write each cable with its normal angle in (-pi/2, pi/2].
 
     (d, alpha) and (-d, alpha +- pi) are one line. Turning the normal round also exchanges the
-    borders and the sense of "up the cable", so that skew and distance rate change their signs too.
+    borders and the sense of "up the cable", so that the skew, its rate and the distance rate change
+    their signs too.
 
     Parameters
     ----------
     states : FloatArray
-        Shape (N, 6).
+        Shape (N, 8).
 
     Returns
     -------
     FloatArray
-        Shape (N, 6), the same cables.
+        Shape (N, 8), the same cables.
     """
     wrapped = wrap_angle(states[:, StateColumn.ANGLE])
     half_turns = np.rint((states[:, StateColumn.ANGLE] - wrapped) / np.pi)
     sign = np.where(np.mod(half_turns, 2.0) == 0.0, 1.0, -1.0)
     result = states.copy()
     result[:, StateColumn.ANGLE] = wrapped
-    for column in (StateColumn.DISTANCE, StateColumn.SKEW, StateColumn.DISTANCE_RATE):
+    for column in SIGN_CHANGING_COLUMNS:
         result[:, column] *= sign
     return result
 
@@ -70,14 +79,14 @@ def unwrap_states(states: FloatArray, reference_angle: float) -> FloatArray:
     Parameters
     ----------
     states : FloatArray
-        Shape (N, 6).
+        Shape (N, 8).
     reference_angle : float
         Centre of the chart [rad].
 
     Returns
     -------
     FloatArray
-        Shape (N, 6), the same cables, angles in (reference - pi/2, reference + pi/2].
+        Shape (N, 8), the same cables, angles in (reference - pi/2, reference + pi/2].
     """
     shifted = states.copy()
     shifted[:, StateColumn.ANGLE] -= reference_angle
@@ -95,7 +104,7 @@ def project_borders(states: FloatArray) -> Borders:
     Parameters
     ----------
     states : FloatArray
-        Shape (N, 4) or (N, 6).
+        Shape (N, 4) or more columns.
     """
     distance = states[:, StateColumn.DISTANCE]
     angle = states[:, StateColumn.ANGLE]

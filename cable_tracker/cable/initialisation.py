@@ -10,7 +10,10 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.geometry import wrap_states
 from cable_tracker.cable.movement import clip_to_limits, state_limits
 from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.cable.state import STATE_SIZE, CableState
+from cable_tracker.cable.state import PLACES, STATE_SIZE, CableState, StateColumn
+
+SMALLEST_RANGE = 1e-6
+"""Smallest width of the search box in d, alpha, w, beta [px, rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +25,7 @@ class StatePrior:
     state : CableState
         Mean [px, rad, per second].
     sigma : FloatArray
-        Standard deviations, shape (6,) [px, rad, per second]. An infinite one means "not known":
+        Standard deviations, shape (8,) [px, rad, per second]. An infinite one means "not known":
         that component is drawn as in a random start. NaN means "not said": the component is taken
         as known well, see `usual_sigma`.
     """
@@ -37,7 +40,7 @@ class StatePrior:
 
 
 def usual_sigma(image_width: int) -> FloatArray:
-    """Return the spread about a state that is known well, shape (6,): 2 px, half a degree."""
+    """Return the spread about a state that is known well, shape (8,): 2 px, half a degree."""
     scale = image_width / REFERENCE_WIDTH
     half_degree = float(np.deg2rad(0.5))
     return np.array(
@@ -48,28 +51,62 @@ def usual_sigma(image_width: int) -> FloatArray:
             half_degree,
             0.5 * scale * REFERENCE_RATE,
             0.1 * half_degree * REFERENCE_RATE,
+            0.2 * scale * REFERENCE_RATE,
+            0.04 * half_degree * REFERENCE_RATE,
         ]
     )
 
 
-def random_states(
-    parameters: TrackerParameters, image_width: int, rng: np.random.Generator
-) -> FloatArray:
-    """Draw states uniformly from the ranges of Table 5.2, shape (N, 6)."""
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchBox:
+    """The cables among which a search without knowledge draws, all alike (thesis, Table 5.2).
+
+    Attributes
+    ----------
+    lower, upper : FloatArray
+        Shape (8,) [px, rad, per second].
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+
+    def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
+        """Draw cables, shape (count, 8)."""
+        return rng.uniform(self.lower, self.upper, size=(count, STATE_SIZE))
+
+    def log_density_of_places(self, states: FloatArray) -> FloatArray:
+        """Return the log-density of d, alpha, w, beta, shape (N,); -inf outside the box."""
+        lower, upper = self.lower[:PLACES], self.upper[:PLACES]
+        places = states[:, :PLACES]
+        inside = ((places >= lower) & (places <= upper)).all(axis=1)
+        return np.where(inside, -np.log(upper - lower).sum(), -np.inf)
+
+
+def search_box(parameters: TrackerParameters, image_width: int) -> SearchBox:
+    """Return the box for frames of a given width [px]."""
     scale = image_width / REFERENCE_WIDTH
     distance = parameters.initial_distance_range * scale
     angle = np.deg2rad(parameters.initial_angle_range)
     distance_rate = parameters.initial_distance_rate_range * scale * REFERENCE_RATE
     angle_rate = np.deg2rad(parameters.initial_angle_rate_range) * REFERENCE_RATE
     lower = np.array(
-        [-distance, -angle, parameters.initial_width_minimum * scale, 0.0,
-         -distance_rate, -angle_rate]
+        [-distance, -angle, parameters.initial_width_minimum * scale,
+         np.deg2rad(parameters.initial_skew_minimum), -distance_rate, -angle_rate, 0.0, 0.0]
     )  # fmt: skip
     upper = np.array(
         [distance, angle, parameters.initial_width_maximum * scale,
-         np.deg2rad(parameters.initial_skew_maximum), distance_rate, angle_rate]
+         np.deg2rad(parameters.initial_skew_maximum), distance_rate, angle_rate, 0.0, 0.0]
     )  # fmt: skip
-    states = rng.uniform(lower, upper, size=(parameters.particle_count, STATE_SIZE))
+    # A range of zero is a density without end.
+    upper[:PLACES] = np.maximum(upper[:PLACES], lower[:PLACES] + SMALLEST_RANGE)
+    return SearchBox(lower, upper)
+
+
+def random_states(
+    parameters: TrackerParameters, image_width: int, rng: np.random.Generator
+) -> FloatArray:
+    """Draw states uniformly from the ranges of Table 5.2, shape (N, 8), within the limits."""
+    states = search_box(parameters, image_width).draw(parameters.particle_count, rng)
     return clip_to_limits(wrap_states(states), state_limits(parameters, image_width))
 
 
@@ -79,10 +116,16 @@ def states_from_prior(
     image_width: int,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Draw states from a Gaussian prior, shape (N, 6), within the limits."""
+    """Draw states from a Gaussian prior, shape (N, 8), within the limits."""
     states = random_states(parameters, image_width, rng)
     noise = rng.standard_normal(states.shape)
-    sigma = np.where(np.isnan(prior.sigma), usual_sigma(image_width), prior.sigma)
+    usual = usual_sigma(image_width)
+    # Rates that never change are none that the model has, as in the thesis: a wrong one would stay.
+    if parameters.width_rate_variance == 0.0:
+        usual[StateColumn.WIDTH_RATE] = 0.0
+    if parameters.skew_rate_variance == 0.0:
+        usual[StateColumn.SKEW_RATE] = 0.0
+    sigma = np.where(np.isnan(prior.sigma), usual, prior.sigma)
     known = np.isfinite(sigma)
     drawn = prior.state.to_array() + noise * np.where(known, sigma, 0.0)
     states[:, known] = drawn[:, known]

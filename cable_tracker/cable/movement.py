@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.geometry import wrap_states
 from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.cable.state import StateColumn
+from cable_tracker.cable.state import PLACES, StateColumn
+from cable_tracker.particle_filter.student_t import standard_student_t
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,14 +40,14 @@ def state_limits(parameters: TrackerParameters, image_width: int) -> StateLimits
 
 
 def clip_to_limits(states: FloatArray, limits: StateLimits) -> FloatArray:
-    """Set components beyond a limit to the limit; shape (N, 6)."""
+    """Set components beyond a limit to the limit; shape (N, 8)."""
     result = states.copy()
     result[:, :4] = np.clip(states[:, :4], limits.lower, limits.upper)
     return result
 
 
 def reflect_at_limits(states: FloatArray, limits: StateLimits) -> FloatArray:
-    """Mirror components beyond a limit back inside, and turn the rate of d with it; shape (N, 6).
+    """Mirror components beyond a limit back inside, and turn the rate of d with it; shape (N, 8).
 
     Clipping piles particles up at the limit, where they agree with each other and with nothing
     else. What is still outside after one reflection has no business inside and is clipped.
@@ -61,68 +62,133 @@ def reflect_at_limits(states: FloatArray, limits: StateLimits) -> FloatArray:
     return clip_to_limits(result, limits)
 
 
-def diffusion_per_second(parameters: TrackerParameters, image_width: int) -> FloatArray:
-    """Return the variance that each component gains per second, shape (6,) [px², rad², per s].
+def rate_damping_over(parameters: TrackerParameters, dt: float) -> float:
+    """Return the factor on the rates over `dt` seconds."""
+    return float(parameters.rate_damping ** (dt * REFERENCE_RATE))
+
+
+def effective_time(parameters: TrackerParameters, dt: float) -> float:
+    """Return the time for which an undamped rate would cover the same way [s].
+
+    Per reference frame a rate moves the cable by its value and is damped then, so that k frames
+    cover 1 + a + ... + a^(k-1) = (1 - a^k) / (1 - a) of it. Without damping this is dt.
+    """
+    damping = parameters.rate_damping
+    if damping == 1.0:
+        return dt
+    # expm1, for a damping next to one would be rounded away in 1 - a^k.
+    frames = dt * REFERENCE_RATE
+    damped = -math.expm1(frames * math.log(damping)) if damping > 0.0 else 1.0
+    return damped / (1.0 - damping) / REFERENCE_RATE
+
+
+def diffusion_variances(parameters: TrackerParameters, image_width: int, dt: float) -> FloatArray:
+    """Return the variance that each component gains in `dt` seconds, shape (8,) [px², rad², per s].
 
     The thesis gives variances per frame, and rates per frame: a rate per second is 25 times as
-    large, its variance 625 times.
+    large, its variance 625 times. Over a longer gap the changes of the rates within it move the
+    cable too, so that the prior widens as it would have done frame by frame.
     """
     pixel = (image_width / REFERENCE_WIDTH) ** 2
     radian = np.deg2rad(1.0) ** 2
-    rate = REFERENCE_RATE**2
-    per_frame = np.array(
+    places = np.array(
         [
             parameters.distance_variance * pixel,
             parameters.angle_variance * radian,
             parameters.width_variance * pixel,
             parameters.skew_variance * radian,
-            parameters.distance_rate_variance * pixel * rate,
-            parameters.angle_rate_variance * radian * rate,
         ]
     )
-    return per_frame * REFERENCE_RATE
+    rates = np.array(
+        [
+            parameters.distance_rate_variance * pixel,
+            parameters.angle_rate_variance * radian,
+            parameters.width_rate_variance * pixel,
+            parameters.skew_rate_variance * radian,
+        ]
+    )
+    frames = dt * REFERENCE_RATE
+    carried = _carried_by_rates(frames, parameters.rate_damping)
+    kept = _kept_by_rates(frames, parameters.rate_damping)
+    return np.concatenate((places * frames + rates * carried, rates * kept * REFERENCE_RATE**2))
+
+
+def _kept_by_rates(frames: float, damping: float) -> float:
+    """Return the variance of a damped rate after some frames, in units of that of one frame."""
+    if damping == 1.0 or frames == 0.0:
+        return frames
+    log_damping = math.log(damping) if damping > 0.0 else -math.inf
+    return math.expm1(2 * frames * log_damping) / math.expm1(2 * log_damping)
+
+
+def _carried_by_rates(frames: float, damping: float) -> float:
+    """Return what rates that changed after the first of some frames add to the variance of places.
+
+    The integral of ((1 - a^s) / (1 - a))^2 over s from 0 to frames - 1; s^2 without damping.
+    """
+    later = max(frames - 1.0, 0.0)
+    if damping == 1.0:
+        return later**3 / 3.0
+    if damping == 0.0:
+        return later
+    decay = -math.log(damping)
+    if decay * later < 1e-3:
+        return later**3 / 3.0
+    integral = (
+        later
+        + 2.0 * math.expm1(-decay * later) / decay
+        - math.expm1(-2.0 * decay * later) / (2.0 * decay)
+    )
+    return integral / (1.0 - damping) ** 2
 
 
 class CableMovement:
-    """Drift by the rates, then independent Gaussian diffusion (thesis, section 4.3.2).
+    """Drift by the rates, then independent diffusion (thesis, sections 4.3.2 and 6.1).
 
     Parameters
     ----------
     parameters : TrackerParameters
-        Variances (Table 5.1), damping and limits.
+        Variances (Table 5.1), tails, damping and limits.
     image_width : int
         Width of the frames [px]; lengths scale with it.
     """
 
     def __init__(self, parameters: TrackerParameters, image_width: int) -> None:
-        self._diffusion = diffusion_per_second(parameters, image_width)
-        self._damping = parameters.rate_damping
+        self._parameters = parameters
+        self._image_width = image_width
         self._limits = state_limits(parameters, image_width)
         self._limit = (
             reflect_at_limits if parameters.limit_handling == "reflect" else clip_to_limits
         )
 
+    @property
+    def degrees_of_freedom(self) -> float:
+        """Of the diffusion's Student-t distribution; infinite for a Gaussian."""
+        return self._parameters.diffusion_degrees_of_freedom or math.inf
+
     def propagate(self, states: FloatArray, dt: float, rng: np.random.Generator) -> FloatArray:
-        """Draw the states `dt` seconds later, shape (N, 6), within the limits."""
-        rates = states[:, [StateColumn.DISTANCE_RATE, StateColumn.ANGLE_RATE]]
-        moved = states.copy()
-        moved[:, [StateColumn.DISTANCE, StateColumn.ANGLE]] += rates * self._effective_time(dt)
-        moved[:, [StateColumn.DISTANCE_RATE, StateColumn.ANGLE_RATE]] *= self._damping_over(dt)
-        moved += rng.standard_normal(states.shape) * np.sqrt(self._diffusion * dt)
+        """Draw the states `dt` seconds later, shape (N, 8), within the limits."""
+        moved = self.drift(states, dt)
+        tail = self.degrees_of_freedom
+        noise = np.hstack(
+            [standard_student_t(rng, len(states), PLACES, tail) for _ in ("places", "rates")]
+        )
+        moved += noise * self.diffusion_sigmas(dt)
         return self._limit(wrap_states(moved), self._limits)
 
-    def _damping_over(self, dt: float) -> float:
-        return float(self._damping ** (dt * REFERENCE_RATE))
+    def drift(self, states: FloatArray, dt: float) -> FloatArray:
+        """Return where the rates alone take the states in `dt` seconds, shape (N, 8)."""
+        moved = states.copy()
+        moved[:, :PLACES] += states[:, PLACES:] * effective_time(self._parameters, dt)
+        moved[:, PLACES:] *= rate_damping_over(self._parameters, dt)
+        return moved
 
-    def _effective_time(self, dt: float) -> float:
-        """Return the time for which an undamped rate would cover the same way [s].
+    def diffusion_sigmas(self, dt: float) -> FloatArray:
+        """Return the scale of the diffusion over `dt` seconds, shape (8,)."""
+        return np.sqrt(diffusion_variances(self._parameters, self._image_width, dt))
 
-        Per reference frame a rate moves the cable by its value and is damped then, so that k frames
-        cover 1 + a + ... + a^(k-1) = (1 - a^k) / (1 - a) of it. Without damping this is dt.
-        """
-        if self._damping == 1.0:
-            return dt
-        # expm1, for a damping next to one would be rounded away in 1 - a^k.
-        frames = dt * REFERENCE_RATE
-        damped = -math.expm1(frames * math.log(self._damping)) if self._damping > 0.0 else 1.0
-        return damped / (1.0 - self._damping) / REFERENCE_RATE
+    def is_within_limits(self, states: FloatArray) -> BoolArray:
+        """Tell which states lie in the box of limits, shape (N,)."""
+        places = states[:, :PLACES]
+        inside = (places >= self._limits.lower) & (places <= self._limits.upper)
+        return np.asarray(inside.all(axis=1))

@@ -10,7 +10,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.cable.geometry import Borders, image_to_pixel, project_borders, sample_points
 from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.cable.working_image import WorkingImage
+from cable_tracker.cable.working_image import SMALLEST_SIGMA, WorkingImage
 
 REMAP_COLUMNS = 4096
 """Row length of the look-up map; OpenCV takes at most 32767 rows or columns of it."""
@@ -20,9 +20,6 @@ CABLES_AT_ONCE = 512
 
 SMALLEST_SUM = 1e-3
 """Sums below this are the rounding of float32 pixels [grey levels]."""
-
-SMALLEST_SIGMA = 0.5
-"""Sigma that the filter keeps in narrow pictures [px]; below it, it falls between the pixels."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,7 +92,7 @@ class BorderObservation:
         self._log_epsilon = float(np.log(parameters.epsilon))
 
     def log_likelihoods(self, states: FloatArray, observation: WorkingImage) -> FloatArray:
-        """Return the logarithm of each cable's weight, shape (N,), for states (N, 6)."""
+        """Return the logarithm of each cable's weight, shape (N,), for states (N, 8)."""
         responses = self.measure(project_borders(states), observation)
         strength = np.abs(responses.sums).sum(axis=1)
         opposed = responses.opposed()
@@ -146,7 +143,7 @@ class BorderObservation:
         return self._respond(image, image.to_working(points), normals)
 
     def _respond(self, image: WorkingImage, points: FloatArray, normals: FloatArray) -> FloatArray:
-        scale = image.size[0] / REFERENCE_WIDTH
+        scale = image.scale
         taps = 2 * round((self._taps - 1) / 2 * scale) + 1 if scale != 1.0 else self._taps | 1
         sigma = max(self._sigma * scale, SMALLEST_SIGMA)
         kernel = derivative_of_gaussian(max(taps, 3), sigma)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
 import yaml
 
-from cable_tracker.cable.parameters import PARAMETER_TABLE, TrackerParameters
+from cable_tracker.cable.parameters import PARAMETER_TABLE, ParameterValue, TrackerParameters
 from cable_tracker.errors import ParameterError
 
 ROS_KEY = "ros__parameters"
+
+PLAIN_WORD = re.compile(r"(?!(?:true|false|yes|no|on|off|y|n|null|nan|inf)$)[a-z][a-z_]*")
+"""A text that YAML does not take for anything else."""
 
 
 class _ParameterLoader(yaml.SafeLoader):
@@ -83,8 +87,16 @@ def format_parameter_file(parameters: TrackerParameters, title: str) -> str:
         f"  {ROS_KEY}:",
     ]
     for spec in PARAMETER_TABLE:
-        value = getattr(parameters, spec.name)
-        text = str(value).lower() if isinstance(value, bool) else str(value)
+        text = _scalar(getattr(parameters, spec.name))
         unit = f" {spec.unit}," if spec.unit else ""
         lines.append(f"    {spec.name}: {text}  #{unit} {spec.range_text()}")
     return "\n".join(lines) + "\n"
+
+
+def _scalar(value: ParameterValue) -> str:
+    """Write a value so that YAML and ROS read it back; what is no plain word is quoted."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str) and not PLAIN_WORD.fullmatch(value):
+        return yaml.safe_dump(value, default_style='"', width=math.inf).strip()
+    return str(value)

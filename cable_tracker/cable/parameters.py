@@ -26,6 +26,9 @@ REFERENCE_RATE = 25.0
 
 MAXIMUM_PARTICLES = 1_000_000
 
+MAXIMUM_SHARES = 0.95
+"""Largest share of the particles that does not come from those of the frame before."""
+
 
 @dataclass(frozen=True, slots=True)
 class ParameterSpec:
@@ -140,24 +143,40 @@ class TrackerParameters:
     seed: int = _number(
         0, "", 0, 2**31 - 1, "Seed of the random numbers; takes effect at the next start or reset."
     )
+    filter: str = _word(
+        "multi_hypothesis",
+        ("bootstrap", "multi_hypothesis"),
+        "The filter: that of the thesis, or the one of this project (see docs/algorithm.md).",
+    )
+    observation: str = _word(
+        "likelihood_ratio",
+        ("responses", "likelihood_ratio"),
+        "What a frame says about a cable: sums of responses as in the thesis, or learnt ratios.",
+    )
     resampling: str = _word(
         "systematic", tuple(RESAMPLING_SCHEMES), "How particles are drawn when resampling."
     )
     resampling_threshold: float = _number(
-        0.5, "share of N", 0.0, 1.0, "Resample when N_eff falls below this share of the particles."
+        0.5,
+        "share of N",
+        0.0,
+        1.0,
+        "Bootstrap filter: resample when N_eff falls below this share of N.",
     )
     limit_handling: str = _word(
-        "reflect", ("clip", "reflect"), "What happens to particles that move beyond a limit."
+        "reflect",
+        ("clip", "reflect"),
+        "Bootstrap filter: what happens to particles that move beyond a limit.",
     )
 
     distance_variance: float = _number(
         2.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of d (thesis, Table 5.1)."
     )
     angle_variance: float = _number(
-        0.1, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of alpha (Table 5.1)."
+        0.3, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of alpha (Table 5.1)."
     )
     width_variance: float = _number(
-        4.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of w (Table 5.1)."
+        1.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of w (Table 5.1)."
     )
     skew_variance: float = _number(
         0.1, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of beta (Table 5.1)."
@@ -172,31 +191,43 @@ class TrackerParameters:
         1e3,
         "Variance of the diffusion of v_alpha, a rate in deg per frame.",
     )
+    width_rate_variance: float = _number(
+        1.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of v_w (thesis, section 6.1)."
+    )
+    skew_rate_variance: float = _number(
+        0.02, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of v_beta (section 6.1)."
+    )
     rate_damping: float = _number(
-        0.9, "per frame", 0.0, 1.0, "Factor on v_d and v_alpha per frame; 1 keeps them for ever."
+        0.9, "per frame", 0.0, 1.0, "Factor on all rates per frame; 1 keeps them for ever."
+    )
+    diffusion_degrees_of_freedom: float = _number(
+        4.0, "", 0.0, 1000.0, "Heavy tails: of the diffusion's Student-t; 0 makes it Gaussian."
     )
 
     distance_limit: float = _number(
         220.0, "px", 10.0, 1e4, "Largest |d| of a particle; half the image diagonal is 200 px."
     )
-    width_minimum: float = _number(4.0, "px", 0.5, 1e4, "Smallest w of a particle.")
+    width_minimum: float = _number(8.0, "px", 0.5, 1e4, "Smallest w of a particle.")
     width_maximum: float = _number(160.0, "px", 1.0, 1e4, "Largest w of a particle.")
     skew_limit: float = _number(20.0, "deg", 0.0, 80.0, "Largest |beta| of a particle.")
 
     initial_distance_range: float = _number(
-        150.0, "px", 0.0, 1e4, "A random start draws d from ± this (thesis, Table 5.2)."
+        190.0, "px", 0.0, 1e4, "A random start draws d from ± this (thesis, Table 5.2)."
     )
     initial_angle_range: float = _number(
-        45.0, "deg", 0.0, 90.0, "A random start draws alpha from ± this (Table 5.2)."
+        90.0, "deg", 0.0, 90.0, "A random start draws alpha from ± this (Table 5.2)."
     )
     initial_width_minimum: float = _number(
-        5.0, "px", 0.5, 1e4, "A random start draws w from this upwards (Table 5.2)."
+        12.0, "px", 0.5, 1e4, "A random start draws w from this upwards (Table 5.2)."
     )
     initial_width_maximum: float = _number(
-        100.0, "px", 1.0, 1e4, "A random start draws w up to this (Table 5.2)."
+        120.0, "px", 1.0, 1e4, "A random start draws w up to this (Table 5.2)."
+    )
+    initial_skew_minimum: float = _number(
+        -10.0, "deg", -80.0, 80.0, "A random start draws beta from this upwards (Table 5.2: 0)."
     )
     initial_skew_maximum: float = _number(
-        10.0, "deg", 0.0, 80.0, "A random start draws beta from 0 to this (Table 5.2)."
+        10.0, "deg", -80.0, 80.0, "A random start draws beta up to this (Table 5.2)."
     )
     initial_distance_rate_range: float = _number(
         1.0, "px/frame", 0.0, 1e3, "A random start draws v_d from ± this (Table 5.2)."
@@ -215,27 +246,116 @@ class TrackerParameters:
         1.6, "px", 0.5, 20.0, "Sigma of the derivative-of-Gaussian filter across a border."
     )
     filter_taps: int = _number(
-        11, "px", 3, 101, "Length of that filter; odd (an even number is raised by one)."
+        11, "px", 3, 101, "Responses: length of that filter; odd (an even number is raised by one)."
     )
     epsilon: float = _number(
         1e-3,
         "grey levels",
         1e-12,
         10.0,
-        "Weight of a particle whose borders do not oppose each other.",
+        "Responses: weight of a particle whose borders do not oppose each other.",
+    )
+    response_table: str = _word(
+        "", (), "Likelihood ratio: file written by `cable-tracker learn`; empty for our own."
+    )
+    tempering: float = _number(
+        0.06,
+        "",
+        0.001,
+        1.0,
+        "Likelihood ratio: power of one point's ratio, for points every 5 px; 1 if they were"
+        " independent.",
+    )
+    missing_cost: float = _number(
+        0.5, "", 0.0, 1.0, "Likelihood ratio: cost of a point outside the image; 1 as if unseen."
+    )
+    polarity_memory: float = _number(
+        0.98, "per frame", 0.0, 1.0, "How long the cable is remembered as bright or dark."
+    )
+
+    detector: str = _word(
+        "line_pairs", ("none", "line_pairs"), "Whole-image detector that proposes cables."
+    )
+    detector_share: float = _number(
+        0.1, "share of N", 0.0, 0.9, "Particles drawn about what the detector proposes."
+    )
+    search_share: float = _number(
+        0.06, "share of N", 0.0, 0.9, "Particles that search for a cable while one is tracked."
+    )
+    refinement_rounds: int = _number(
+        2, "", 0, 4, "Times that particles are drawn anew about the best ones of the same frame."
+    )
+    refinement_share: float = _number(
+        0.5, "share of N", 0.0, 0.9, "Particles drawn in those rounds."
+    )
+    ancestor_count: int = _number(
+        128, "", 8, 4096, "Particles that the next frame's are drawn about; time grows with it."
+    )
+    border_displacement: float = _number(
+        1.0,
+        "px",
+        0.0,
+        100.0,
+        "How far growth shifts a whole border; added to the particles' covariance.",
+    )
+
+    evidence_of_bottom: float = _number(
+        1.0,
+        "",
+        -10.0,
+        100.0,
+        "Evidence that a bare bottom reaches as well; it is subtracted.",
+    )
+    evidence_limit: float = _number(
+        8.0, "", 0.0, 1e6, "A frame's evidence for one hypothesis counts up to this."
+    )
+    evidence_repeated: float = _number(
+        0.15, "", 0.0, 1.0, "Share of the evidence that counts again; 1 if frames were independent."
+    )
+
+    appearance_rate: float = _number(
+        2.5, "1/s", 0.0, 100.0, "How often a cable comes into view that was not."
+    )
+    disappearance_rate: float = _number(
+        0.25, "1/s", 0.0, 100.0, "How often a cable in the middle of the image is gone."
+    )
+    leaving_rate: float = _number(
+        10.0, "1/s", 0.0, 100.0, "The same at the edge of the image, added."
+    )
+    leaving_margin: float = _number(
+        8.0, "px", 0.1, 1e4, "How near to the edge of the image a cable begins to leave."
+    )
+    memory_time: float = _number(
+        4.0, "s", 0.04, 600.0, "How long a lost cable is looked for near where it was, mostly."
+    )
+    width_spread: float = _number(
+        0.3,
+        "",
+        0.05,
+        100.0,
+        "Spread of log w about its running mean; large: any width will do.",
+    )
+    width_time: float = _number(
+        2.0, "s", 0.04, 600.0, "Time over which the usual width is averaged."
+    )
+    presence_to_track: float = _number(
+        0.95, "", 0.0, 1.0, "Presence above which a cable is claimed."
+    )
+    presence_to_lose: float = _number(
+        0.5, "", 0.0, 1.0, "Presence below which a cable is given up."
     )
 
     evidence_to_track: float = _number(
-        1.6, "", 0.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
+        0.2, "", -10.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
     )
     evidence_to_lose: float = _number(
-        1.0, "", 0.0, 100.0, "Evidence below which a cable is given up."
+        -1.0, "", -10.0, 100.0, "Evidence below which a cable is given up."
     )
     confirmation_time: float = _number(
-        0.12, "s", 0.0, 10.0, "How long the evidence must hold before a cable is claimed."
+        0.2, "s", 0.0, 10.0, "How long the evidence must hold before a cable is claimed."
     )
     loss_time: float = _number(
-        0.4, "s", 0.0, 60.0, "How long the evidence must fail before a cable is given up."
+        0.3, "s", 0.0, 60.0, "How long the evidence must fail before a cable is given up."
     )
     converged_distance: float = _number(
         15.0, "px", 0.1, 1e4, "Largest sigma of d at which a cable is claimed."
@@ -244,7 +364,11 @@ class TrackerParameters:
         10.0, "deg", 0.1, 90.0, "Largest sigma of alpha at which a cable is claimed."
     )
     search_time: float = _number(
-        1.0, "s", 0.04, 600.0, "While no cable is claimed, start from random anew after this time."
+        1.0,
+        "s",
+        0.04,
+        600.0,
+        "Bootstrap filter: while none is claimed, start anew after this time.",
     )
     maximum_gap: float = _number(
         5.0, "s", 0.1, 3600.0, "A longer pause between frames starts the search anew."
@@ -256,13 +380,34 @@ class TrackerParameters:
         for low, high in (
             ("width_minimum", "width_maximum"),
             ("initial_width_minimum", "initial_width_maximum"),
+            ("initial_skew_minimum", "initial_skew_maximum"),
             ("evidence_to_lose", "evidence_to_track"),
+            ("presence_to_lose", "presence_to_track"),
         ):
             if getattr(self, low) > getattr(self, high):
                 raise ParameterError(
                     f"{low} = {getattr(self, low):g} must not exceed"
                     f" {high} = {getattr(self, high):g}; set both together"
                 )
+        self._check_parts()
+
+    def _check_parts(self) -> None:
+        if self.filter == "multi_hypothesis" and self.observation != "likelihood_ratio":
+            raise ParameterError(
+                "filter = multi_hypothesis needs observation = likelihood_ratio;"
+                " set filter = bootstrap too"
+            )
+        if 0.0 < self.diffusion_degrees_of_freedom < 1.0:
+            raise ParameterError(
+                "diffusion_degrees_of_freedom must be 0 (Gaussian) or at least 1, not"
+                f" {self.diffusion_degrees_of_freedom:g}"
+            )
+        shares = self.detector_share + self.search_share + self.refinement_share
+        if shares > MAXIMUM_SHARES:
+            raise ParameterError(
+                "detector_share + search_share + refinement_share must not exceed"
+                f" {MAXIMUM_SHARES:g}, not {shares:g}: the rest follows the cable"
+            )
 
     def replaced(self, values: Mapping[str, object]) -> TrackerParameters:
         """Return a copy with some values changed, all of them or none.

@@ -14,6 +14,8 @@ PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
         # Wirth's thesis to the letter: Tables 5.1 and 5.2, multinomial resampling, undamped rates,
         # a point every 20 px.
         "thesis": TrackerParameters(
+            filter="bootstrap",
+            observation="responses",
             resampling="multinomial",
             limit_handling="clip",
             distance_variance=0.5,
@@ -22,8 +24,23 @@ PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
             skew_variance=0.1,
             distance_rate_variance=8.0,
             angle_rate_variance=0.005,
+            width_rate_variance=0.0,
+            skew_rate_variance=0.0,
             rate_damping=1.0,
+            diffusion_degrees_of_freedom=0.0,
+            width_minimum=4.0,
+            initial_distance_range=150.0,
+            initial_angle_range=45.0,
+            initial_width_minimum=5.0,
+            initial_width_maximum=100.0,
+            initial_skew_minimum=0.0,
+            initial_skew_maximum=10.0,
             sample_spacing=20.0,
+            detector="none",
+            evidence_to_track=1.6,
+            evidence_to_lose=1.0,
+            confirmation_time=0.12,
+            loss_time=0.4,
         ),
     }
 )

@@ -12,7 +12,7 @@ from cable_tracker.arrays import FloatArray
 
 
 class StateColumn(IntEnum):
-    """Columns of an array of states, shape (N, 6)."""
+    """Columns of an array of states, shape (N, 8)."""
 
     DISTANCE = 0
     ANGLE = 1
@@ -20,12 +20,17 @@ class StateColumn(IntEnum):
     SKEW = 3
     DISTANCE_RATE = 4
     ANGLE_RATE = 5
+    WIDTH_RATE = 6
+    SKEW_RATE = 7
 
 
-STATE_SYMBOLS = ("d", "alpha", "w", "beta", "v_d", "v_alpha")
-"""The symbols of the thesis (section 4.3), in the order of `StateColumn`."""
+STATE_SYMBOLS = ("d", "alpha", "w", "beta", "v_d", "v_alpha", "v_w", "v_beta")
+"""The symbols of the thesis (sections 4.3 and 6.1), in the order of `StateColumn`."""
 
 STATE_SIZE = len(StateColumn)
+
+PLACES = 4
+"""The first columns say where the cable is, as many others how fast each of them changes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +56,10 @@ class CableState:
         v_d [px/s].
     angle_rate : float
         v_alpha [rad/s].
+    width_rate : float
+        v_w [px/s].
+    skew_rate : float
+        v_beta [rad/s].
     """
 
     distance: float
@@ -59,14 +68,16 @@ class CableState:
     skew: float = 0.0
     distance_rate: float = 0.0
     angle_rate: float = 0.0
+    width_rate: float = 0.0
+    skew_rate: float = 0.0
 
     def to_array(self) -> FloatArray:
-        """Return the state as an array of shape (6,), in the order of `StateColumn`."""
+        """Return the state as an array of shape (8,), in the order of `StateColumn`."""
         return np.array(astuple(self), dtype=np.float64)
 
     @classmethod
     def from_array(cls, values: FloatArray) -> CableState:
-        """Make a state from an array of shape (6,), or (4,) for a state at rest."""
+        """Make a state from an array of shape (8,), or (4,) for a state at rest."""
         return cls(*(float(value) for value in values))
 
     def is_finite(self) -> bool:

@@ -10,12 +10,14 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.geometry import unwrap_states, wrap_angle, wrap_states
+from cable_tracker.cable.geometry import (
+    SIGN_CHANGING_COLUMNS,
+    unwrap_states,
+    wrap_angle,
+    wrap_states,
+)
 from cable_tracker.cable.state import StateColumn
 from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
-
-SIGN_CHANGING_COLUMNS = (StateColumn.DISTANCE, StateColumn.SKEW, StateColumn.DISTANCE_RATE)
-"""Components that change their sign when the normal is turned round."""
 
 
 def mean_line_angle(angles: FloatArray, weights: FloatArray) -> float:
@@ -28,7 +30,7 @@ def mean_line_angle(angles: FloatArray, weights: FloatArray) -> float:
 def cable_mean_and_covariance(
     states: FloatArray, weights: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the MMSE estimate (6,) and the covariance (6, 6) of weighted cables (N, 6).
+    """Return the MMSE estimate (8,) and the covariance (8, 8) of weighted cables (N, 8).
 
     The estimate's angle is in (-pi/2, pi/2], and the covariance is expressed for that way of
     writing the line. `weights` has shape (N,) and sums to one.

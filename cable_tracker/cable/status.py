@@ -11,7 +11,7 @@ from cable_tracker.cable.parameters import TrackerParameters
 
 @dataclass(frozen=True, slots=True)
 class StatusMachine:
-    """Hysteresis over the evidence of frame after frame. Never changed in place.
+    """Hysteresis over what frame after frame speaks for. Never changed in place.
 
     Attributes
     ----------
@@ -33,29 +33,27 @@ class StatusMachine:
         return self.status is not TrackingStatus.TRACKING and self.contrary_time > 0.0
 
     def after(
-        self, evidence: float, converged: bool, dt: float, parameters: TrackerParameters
+        self, *, rises: bool, holds: bool, dt: float, parameters: TrackerParameters
     ) -> StatusMachine:
         """Return the status after one more frame.
 
         Parameters
         ----------
-        evidence : float
-            See `evidence.border_evidence`.
-        converged : bool
-            Whether the particles agree well enough to name one line.
+        rises, holds : bool
+            Whether the frame speaks for claiming a cable, and for going on to claim one.
         dt : float
             Time since the frame before [s].
         parameters : TrackerParameters
-            Thresholds and times.
+            Times.
         """
         if self.status is TrackingStatus.TRACKING:
-            return self._while_claimed(evidence, converged, dt, parameters)
-        return self._while_unclaimed(evidence, converged, dt, parameters)
+            return self._while_claimed(holds, dt, parameters)
+        return self._while_unclaimed(rises, dt, parameters)
 
     def _while_claimed(
-        self, evidence: float, converged: bool, dt: float, parameters: TrackerParameters
+        self, holds: bool, dt: float, parameters: TrackerParameters
     ) -> StatusMachine:
-        if converged and evidence >= parameters.evidence_to_lose:
+        if holds:
             return replace(self, contrary_time=0.0, unclaimed_time=0.0)
         contrary = self.contrary_time + dt
         if contrary >= parameters.loss_time:
@@ -63,10 +61,10 @@ class StatusMachine:
         return replace(self, contrary_time=contrary)
 
     def _while_unclaimed(
-        self, evidence: float, converged: bool, dt: float, parameters: TrackerParameters
+        self, rises: bool, dt: float, parameters: TrackerParameters
     ) -> StatusMachine:
         unclaimed = self.unclaimed_time + dt
-        if not (converged and evidence >= parameters.evidence_to_track):
+        if not rises:
             return replace(self, contrary_time=0.0, unclaimed_time=unclaimed)
         contrary = self.contrary_time + dt
         if contrary >= parameters.confirmation_time:

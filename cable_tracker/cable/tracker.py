@@ -7,22 +7,20 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.evidence import border_evidence
-from cable_tracker.cable.initialisation import StatePrior, random_states, states_from_prior
-from cable_tracker.cable.movement import CableMovement
-from cable_tracker.cable.observation import BorderObservation
+from cable_tracker.cable.bootstrap_engine import BootstrapEngine
+from cable_tracker.cable.engine import Finding, TrackingEngine
+from cable_tracker.cable.estimate import CableEstimate
+from cable_tracker.cable.initialisation import StatePrior, states_from_prior
+from cable_tracker.cable.multi_hypothesis_engine import MultiHypothesisEngine
 from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.proposer import CableProposer, NoProposer
+from cable_tracker.cable.response_table import ResponseTable, load_table
 from cable_tracker.cable.state import CableState, StateColumn
-from cable_tracker.cable.statistics import cable_mean_and_covariance
 from cable_tracker.cable.status import StatusMachine
 from cable_tracker.cable.succession import FrameMark, succession
 from cable_tracker.cable.working_image import WorkingImage, check_frame, make_working_image
 from cable_tracker.errors import FrameError
-from cable_tracker.particle_filter.filter import ParticleFilter
 from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
-from cable_tracker.particle_filter.weights import effective_sample_size
 
 
 class CableTracker:
@@ -32,6 +30,14 @@ class CableTracker:
     ----------
     parameters : TrackerParameters
         The same parameters, frames and times give the same estimates, bit for bit.
+    proposer : CableProposer or None
+        Finds cables in whole images for the filter `multi_hypothesis`; None: nothing does.
+        `cable_tracker.trackers.make_tracker` chooses the one that the parameters name.
+
+    Raises
+    ------
+    ParameterError
+        The response table cannot be read.
 
     Examples
     --------
@@ -42,11 +48,16 @@ class CableTracker:
     'INITIALISING'
     """
 
-    def __init__(self, parameters: TrackerParameters | None = None) -> None:
+    def __init__(
+        self,
+        parameters: TrackerParameters | None = None,
+        proposer: CableProposer | None = None,
+    ) -> None:
         self._parameters = parameters if parameters is not None else TrackerParameters()
+        self._proposer = proposer if proposer is not None else NoProposer()
         self._rng = np.random.default_rng(self._parameters.seed)
-        self._observation = BorderObservation(self._parameters)
-        self._filter: ParticleFilter[WorkingImage] | None = None
+        self._table = load_table(self._parameters.response_table)
+        self._engine = self._make_engine(self._parameters, self._table)
         self._prior: StatePrior | None = None
         self._status = StatusMachine()
         self._frame: FrameMark | None = None
@@ -59,25 +70,46 @@ class CableTracker:
     @property
     def particles(self) -> Particles | None:
         """The present belief; None before the first frame."""
-        return self._filter.particles if self._filter else None
+        return self._engine.particles
 
-    def configure(self, parameters: TrackerParameters) -> None:
+    def configure(
+        self, parameters: TrackerParameters, proposer: CableProposer | None = None
+    ) -> None:
         """Take other parameters from now on, and keep the belief.
 
         A changed number of particles draws that many from the present ones. A changed seed waits
-        for the next reset.
+        for the next reset. Another filter starts with the particles of the one before. The response
+        table is read when another file is named, and never again.
+
+        Parameters
+        ----------
+        parameters : TrackerParameters
+            All of them.
+        proposer : CableProposer or None
+            Another one; None keeps the present one.
+
+        Raises
+        ------
+        ParameterError
+            The response table cannot be read. Nothing has changed.
         """
+        table = self._table
+        if parameters.response_table != self._parameters.response_table:
+            table = load_table(parameters.response_table)
+        engine = self._make_engine(parameters, table)
+        if self._frame is not None:
+            engine.take_over(self._engine, self._frame.size)
+        self._engine = engine
         self._parameters = parameters
-        self._observation = BorderObservation(parameters)
-        if self._filter is not None:
-            self._filter = self._make_filter(self._filter.particles)
-            if self._filter.particles.count != parameters.particle_count:
-                self._filter.resample(parameters.particle_count)
+        self._table = table
+        if proposer is not None:
+            self._proposer = proposer
+            engine.use(proposer)
 
     def reset(self) -> None:
         """Forget everything; the next frame is like the first, with the same random numbers."""
         self._rng = np.random.default_rng(self._parameters.seed)
-        self._filter = None
+        self._engine = self._make_engine(self._parameters, self._table)
         self._prior = None
         self._status = StatusMachine()
         self._frame = None
@@ -115,72 +147,48 @@ class CableTracker:
         frame = FrameMark((image.shape[1], image.shape[0]), stamp)
         step = succession(self._frame, frame, self._parameters.maximum_gap)
         if step.event:
-            self._filter = None
+            self._engine.forget()
             self._status = StatusMachine()
         self._frame = frame
-        working_image = make_working_image(image, self._parameters.working_width)
-        return self._advance(working_image, step.dt, step.event)
-
-    def _advance(self, image: WorkingImage, dt: float, event: str) -> CableEstimate:
-        if self._prior is not None:
-            self._start_from_prior(self._prior)
-        elif self._filter is None:
-            self._start_from_random()
-        else:
-            self._search_anew_if_due()
-            assert self._filter is not None
-            self._filter.resample_if_degenerate()
-            self._filter.predict(dt)
-        assert self._filter is not None
-        self._filter.update(image)
-        return self._estimate(image, dt, event)
-
-    def _start_from_prior(self, prior: StatePrior) -> None:
-        assert self._frame is not None
-        states = states_from_prior(prior, self._parameters, self._frame.size[0], self._rng)
-        self._filter = self._make_filter(Particles.equally_weighted(states))
-        self._status = StatusMachine().expecting()
-        self._prior = None
-
-    def _start_from_random(self) -> None:
-        assert self._frame is not None
-        states = random_states(self._parameters, self._frame.size[0], self._rng)
-        self._filter = self._make_filter(Particles.equally_weighted(states))
-
-    def _search_anew_if_due(self) -> None:
-        if self._status.status is TrackingStatus.TRACKING or self._status.is_confirming:
-            return
-        if self._status.unclaimed_time >= self._parameters.search_time:
-            self._start_from_random()
-            self._status = self._status.searched()
-
-    def _make_filter(self, particles: Particles) -> ParticleFilter[WorkingImage]:
-        assert self._frame is not None
-        return ParticleFilter(
-            particles,
-            movement=CableMovement(self._parameters, self._frame.size[0]),
-            observation=self._observation,
-            resampling=RESAMPLING_SCHEMES[self._parameters.resampling],
-            resampling_threshold=self._parameters.resampling_threshold,
-            rng=self._rng,
+        working_image = make_working_image(
+            image, self._parameters.working_width, self._parameters.filter_sigma
         )
+        finding = self._find(working_image, step.dt)
+        return self._estimate(finding, step.dt, step.event)
 
-    def _estimate(self, image: WorkingImage, dt: float, event: str) -> CableEstimate:
-        assert self._filter is not None and self._frame is not None
-        particles = self._filter.particles
-        mean, covariance = cable_mean_and_covariance(particles.states, particles.weights)
-        evidence = border_evidence(self._observation, mean, image)
-        converged = self._has_converged(covariance, image.frame_size[0])
-        self._status = self._status.after(evidence, converged, dt, self._parameters)
+    def _find(self, image: WorkingImage, dt: float) -> Finding:
+        prior, self._prior = self._prior, None
+        if prior is not None:
+            states = states_from_prior(prior, self._parameters, image.frame_size[0], self._rng)
+            self._status = StatusMachine().expecting()
+            return self._engine.start(states, image, self._status)
+        return self._engine.advance(image, dt, self._status)
+
+    def _make_engine(self, parameters: TrackerParameters, table: ResponseTable) -> TrackingEngine:
+        if parameters.filter == "bootstrap":
+            return BootstrapEngine(parameters, table, self._rng)
+        return MultiHypothesisEngine(parameters, table, self._proposer, self._rng)
+
+    def _estimate(self, finding: Finding, dt: float, event: str) -> CableEstimate:
+        assert self._frame is not None
+        converged = self._has_converged(finding.covariance, self._frame.size[0])
+        self._status = finding.status.after(
+            rises=converged and finding.rises,
+            holds=converged and finding.holds,
+            dt=dt,
+            parameters=self._parameters,
+        )
         return CableEstimate(
             stamp=self._frame.stamp,
             status=self._status.status,
-            state=CableState.from_array(mean),
-            covariance=covariance,
-            effective_sample_size=effective_sample_size(particles.log_weights),
-            evidence=evidence,
-            image_size=image.frame_size,
+            state=CableState.from_array(finding.mean),
+            covariance=finding.covariance,
+            effective_sample_size=finding.effective_sample_size,
+            evidence=finding.evidence,
+            image_size=self._frame.size,
             event=event,
+            presence=finding.presence,
+            hypotheses=finding.hypotheses,
         )
 
     def _has_converged(self, covariance: FloatArray, image_width: int) -> bool:

@@ -43,6 +43,15 @@ PRINTED_METRICS = (
 )  # fmt: skip
 """What fits on a terminal; the report has more."""
 
+LARGEST_FIRST_SEED = 1_000_000_000
+"""Far enough below the largest seed of a tracker for all that is added to it."""
+
+FirstSeedOption = Annotated[
+    int, typer.Option(help="Seed of the first run; keep seeds for tuning and for reports apart.")
+]
+SeedsOption = Annotated[
+    int, typer.Option(help="Number of runs, with the first seed and those that follow it.")
+]
 WorkersOption = Annotated[
     int | None, typer.Option(help="Number of processes.  [default: one for each processor]")
 ]
@@ -53,17 +62,19 @@ def worker_count(workers: int | None) -> int:
     return workers if workers is not None else os.cpu_count() or 1
 
 
-def seeds_from(count: int) -> tuple[int, ...]:
-    """Return the seeds 0, 1, ...
+def seeds_from(count: int, first: int = 0) -> tuple[int, ...]:
+    """Return so many seeds from a first one upwards.
 
     Raises
     ------
     ParameterError
-        The count is not positive.
+        The count is not positive, or the first seed out of range.
     """
     if count < 1:
         raise ParameterError(f"seeds is {count}: give at least 1")
-    return tuple(range(count))
+    if not 0 <= first <= LARGEST_FIRST_SEED:
+        raise ParameterError(f"first-seed is {first}: give 0 to {LARGEST_FIRST_SEED}")
+    return tuple(range(first, first + count))
 
 
 def evaluate(  # noqa: PLR0917
@@ -86,7 +97,8 @@ def evaluate(  # noqa: PLR0917
             help="Frames of the recording without a label show no cable; else they do not count.",
         ),
     ] = False,
-    seeds: Annotated[int, typer.Option(help="Number of runs, with seeds 0, 1, ...")] = 3,
+    first_seed: FirstSeedOption = 0,
+    seeds: SeedsOption = 3,
     init: Annotated[
         Start, typer.Option(help="Tell the methods where the cable is in the first frame, or not.")
     ] = Start.TRUTH,
@@ -120,7 +132,7 @@ def evaluate(  # noqa: PLR0917
     campaign = Campaign(
         methods=tuple(dict.fromkeys(method or METHODS)),
         sequences=tuple(sequences),
-        seeds=seeds_from(seeds),
+        seeds=seeds_from(seeds, first_seed),
         start=init,
         with_sheets=True,
     )

@@ -44,5 +44,5 @@ def parameters(
 
 
 def _cells(spec: ParameterSpec, values: TrackerParameters) -> tuple[str, str, str, str, str]:
-    value = str(values.as_mapping()[spec.name])
+    value = str(values.as_mapping()[spec.name]) or "(empty)"
     return spec.name, value, spec.unit, spec.range_text(), spec.meaning

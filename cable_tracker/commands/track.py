@@ -15,7 +15,6 @@ from cable_tracker.cable.initial_state_text import RANDOM
 from cable_tracker.cable.parameter_files import filter_parameters, read_parameter_file
 from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.presets import preset
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.commands.options import (
     ForceOption,
     PresetName,
@@ -45,6 +44,7 @@ from cable_tracker.evaluation.track_recording import (
 )
 from cable_tracker.node_parameter_tables import TRACKER_NODE_PARAMETERS
 from cable_tracker.sequences.estimates import REFUSED
+from cable_tracker.trackers import make_tracker
 
 
 def track(  # noqa: PLR0917
@@ -116,7 +116,7 @@ def track(  # noqa: PLR0917
                 recording, request, results, lambda: advance(progress)
             )
         else:
-            tracker = CableTracker(parameters)
+            tracker = make_tracker(parameters)
             start_from(tracker, state)
             damage = track_recording(recording, tracker, results, lambda: advance(progress))
         _need_usable_frames(results, damage)

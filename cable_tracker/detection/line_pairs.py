@@ -52,7 +52,7 @@ def pair_lines(
         Best first, at most `MOST_DETECTIONS`.
     """
     first, second = (np.asarray(index, np.int64) for index in np.triu_indices(len(lines), k=1))
-    states = _states_of_pairs(lines, first, second)
+    states = states_of_pairs(lines, first, second)
     scores = np.sqrt(lines.supports[first] * lines.supports[second])
     usable = _is_plausible(states, image_size)
     if region is None:
@@ -63,15 +63,15 @@ def pair_lines(
 
 
 def ranked_detections(states: FloatArray, scores: FloatArray) -> list[Detection]:
-    """Return cables (N, 6) with scores (N,) as detections, best first."""
+    """Return cables (N, 8) with scores (N,) as detections, best first."""
     order = np.argsort(-scores, kind="stable")[:MOST_DETECTIONS]
     return [
         Detection(CableState.from_array(states[index]), float(scores[index])) for index in order
     ]
 
 
-def _states_of_pairs(lines: BorderLines, first: IndexArray, second: IndexArray) -> FloatArray:
-    """Return the cables (K, 6) between lines, with the angle in (-pi/2, pi/2]."""
+def states_of_pairs(lines: BorderLines, first: IndexArray, second: IndexArray) -> FloatArray:
+    """Return the cables (K, 8) between lines, with the angle in (-pi/2, pi/2]."""
     angle, offset = lines.angles[first], lines.offsets[first]
     # The normals of a strip's borders are opposite: turn the second line's round.
     other_offset = -lines.offsets[second]

@@ -42,7 +42,7 @@ class SearchRegion:
         )
 
     def admits(self, states: FloatArray) -> BoolArray:
-        """Tell which cables (N, 6) lie in the box, also across the wrap; shape (N,)."""
+        """Tell which cables (N, 8) lie in the box, also across the wrap; shape (N,)."""
         expected = self.state
         chart = unwrap_states(states, expected.angle)
         inside: BoolArray = (
@@ -77,6 +77,7 @@ def scaled_state(state: CableState, factor: float) -> CableState:
         distance=state.distance * factor,
         width=state.width * factor,
         distance_rate=state.distance_rate * factor,
+        width_rate=state.width_rate * factor,
     )
 
 

@@ -211,7 +211,7 @@ class DetectorTracker:
         state = CableState(0.0, 0.0, USUAL_WIDTH * self._frame.size[0])
         covariance: FloatArray = UNKNOWN_VARIANCE * np.eye(STATE_SIZE)
         if self._filter is not None:
-            state, covariance = self._filter.state, self._filter.state_covariance
+            state, covariance = self._filter.state, self._filter.covariance
         return CableEstimate(
             stamp=self._frame.stamp,
             status=self._status,

@@ -14,7 +14,7 @@ import cv2
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.frames import JudgedSequence
-from cable_tracker.evaluation.methods import METHODS
+from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
 
 POLL_SECONDS = 0.2
@@ -39,6 +39,8 @@ class Campaign:
         See `MethodRun`.
     with_sheets : bool
         Draw contact sheets of the first seed.
+    filters : tuple of ConfiguredFilter
+        Particle filters that are run after the methods; their names must differ.
     """
 
     methods: tuple[str, ...]
@@ -47,13 +49,19 @@ class Campaign:
     start: Start = Start.TRUTH
     restart_every: int | None = None
     with_sheets: bool = False
+    filters: tuple[ConfiguredFilter, ...] = ()
 
     def __post_init__(self) -> None:
         for name in self.methods:
             if name not in METHODS:
                 raise ParameterError(f"method: {name!r} is none of {' | '.join(METHODS)}")
-        if not (self.methods and self.sequences and self.seeds):
+        if not ((self.methods or self.filters) and self.sequences and self.seeds):
             raise ParameterError("give at least one method, one sequence and one seed")
+
+    def makers(self) -> list[tuple[str, Callable[[int], Method]]]:
+        """Return names of all methods and filters, and what makes them from a seed."""
+        methods = [(name, METHODS[name].make) for name in self.methods]
+        return methods + [(each.name, each.make) for each in self.filters]
 
     def frame_count(self) -> int | None:
         """Return how many frames there are to go through; None if a recording does not say.
@@ -82,13 +90,13 @@ class _Task:
         runs = [
             MethodRun(
                 name,
-                METHODS[name].make,
+                make,
                 self.seed,
                 campaign.start,
                 restart_every=campaign.restart_every,
                 with_sheet=with_sheet,
             )
-            for name in campaign.methods
+            for name, make in campaign.makers()
         ]
         frames = self.sequence.frames(self.seed)
         return run_together(runs, frames, self.sequence.name, advance)

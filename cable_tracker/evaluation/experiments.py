@@ -1,35 +1,34 @@
-"""The experiments of Wirth's thesis, section 5.2, on the simulated sequences."""
+"""The experiments of Wirth's thesis, section 5.2, on the simulated sequences, and all by name."""
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.estimate import CableEstimate
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.presets import preset
-from cable_tracker.cable.state import CableState
-from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.evaluation.ablation import AblationExperiment
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.experiment_result import ExperimentResult, Picture, ResultTable
 from cable_tracker.evaluation.figures import as_png, curves_figure, trace_figure
 from cable_tracker.evaluation.frames import JudgedSequence, ScenarioSequence, scenario_sequences
+from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
-from cable_tracker.evaluation.metrics import START_FRAMES, StartOutcome, start_statistics
+from cable_tracker.evaluation.metrics import (
+    START_FRAMES,
+    StartOutcome,
+    StartStatistics,
+    start_statistics,
+)
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
 from cable_tracker.evaluation.tables import chosen, methods_of, sequences_of
 from cable_tracker.evaluation.trace import Trace
-from cable_tracker.visualisation.files import write_bytes
 
 THESIS_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
 THESIS_METHODS = ("default", "thesis")
@@ -39,41 +38,16 @@ RESTART_FRAMES = 100
 SPEED_SEQUENCE = ScenarioSequence("S3", 100)
 SPEED_PARTICLES = (100, 200, 300, 500, 1000, 2000)
 SPEED_TAPS = (5, 7, 11, 15)
+SPEED_HEADINGS = (
+    "particles", "filter [px]", "time per frame [ms]", "95th percentile [ms]", "frames lost [%]",
+    "RMSE of d [px]",
+)  # fmt: skip
 THESIS_TAPS, THESIS_SIGMA = 11, 1.6
 
-TABLE_CSV, TABLE_MARKDOWN = "table.csv", "table.md"
+CLEAR_VISIBILITY = 0.6
+"""A start is clear if on average so large a share of the borders can be seen."""
 
 Advance = Callable[[int], None]
-
-
-@dataclass(frozen=True, slots=True)
-class Picture:
-    """A figure as a PNG file."""
-
-    file_name: str
-    content: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class ExperimentResult:
-    """What an experiment found.
-
-    Attributes
-    ----------
-    title : str
-        What was done.
-    headings : tuple of str
-        Of the table, with units.
-    rows : tuple of tuple of str
-        The table.
-    pictures : tuple of Picture
-        The figures.
-    """
-
-    title: str
-    headings: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    pictures: tuple[Picture, ...]
 
 
 class Experiment(Protocol):
@@ -129,8 +103,7 @@ class SequenceExperiment:
                 rows.append((sequence, method, str(len(runs)), *cells))
         return ExperimentResult(
             "Sequences followed from their true beginning (thesis, section 5.2.3); means over runs",
-            ("sequence", "method", "runs", *units),
-            tuple(rows),
+            (ResultTable(("sequence", "method", "runs", *units), tuple(rows)),),
             tuple(_sequence_picture(chosen(results, sequence=s)) for s in sequences_of(results)),
         )
 
@@ -165,11 +138,6 @@ class ReinitialisationExperiment:
     def run(self, workers: int, advance: Advance) -> ExperimentResult:
         """Run it."""
         results = run_campaign(self._campaign(), workers=workers, advance=advance)
-        rows = tuple(
-            _start_row(name, method, _starts(chosen(results, sequence=sequence, method=method)))
-            for name, sequence in (*((s, s) for s in sequences_of(results)), ("all", None))
-            for method in self.methods
-        )
         curves = {
             method: _held_after_start(_starts(chosen(results, method=method)))
             for method in self.methods
@@ -180,13 +148,39 @@ class ReinitialisationExperiment:
         return ExperimentResult(
             f"Random start every {RESTART_FRAMES} frames (thesis, section 5.2.4)",
             (
-                "sequence", "method", "starts", f"claimed rightly within {START_FRAMES} frames [%]",
-                "claimed wrongly only [%]", "nothing claimed [%]",
-                "median frames until claimed rightly", f"lost after {START_FRAMES} frames [%]",
+                self._table(results, lambda start: True, "All starts", "table.csv"),
+                self._table(
+                    results,
+                    lambda start: start.visibility >= CLEAR_VISIBILITY,
+                    f"Clear starts: on average, {100 * CLEAR_VISIBILITY:.0f} % of the borders"
+                    f" can be seen over the first {START_FRAMES} frames that show a cable",
+                    "clear_starts.csv",
+                ),
             ),
-            rows,
             (Picture("reinitialisation.png", as_png(figure)),),
+        )
+
+    def _table(
+        self,
+        results: Sequence[RunResult],
+        is_counted: Callable[[StartStatistics], bool],
+        title: str,
+        file_name: str,
+    ) -> ResultTable:
+        """Tell how those starts went that are counted."""
+        names = (*((s, s) for s in sequences_of(results)), ("all", None))
+        rows = []
+        for name, sequence in names:
+            for method in self.methods:
+                parts = _starts(chosen(results, sequence=sequence, method=method))
+                counted = [part for part in parts if is_counted(start_statistics(part))]
+                rows.append(_start_row(name, method, counted))
+        headings = (
+            "sequence", "method", "starts", f"claimed rightly within {START_FRAMES} frames [%]",
+            "claimed wrongly only [%]", "nothing claimed [%]",
+            "median frames until claimed rightly", f"lost after {START_FRAMES} frames [%]",
         )  # fmt: skip
+        return ResultTable(headings, tuple(rows), title, file_name)
 
 
 def _starts(results: Sequence[RunResult]) -> list[Trace]:
@@ -230,36 +224,20 @@ def _held_after_start(parts: Sequence[Trace]) -> tuple[list[float], list[float]]
     return list(range(1, RESTART_FRAMES + 1)), known.tolist()
 
 
-class ConfiguredTracker:
-    """The particle filter with given parameters as a `Method`."""
-
-    def __init__(self, parameters: TrackerParameters) -> None:
-        self._tracker = CableTracker(parameters)
-
-    def initialise(self, state: CableState) -> None:
-        """Start from this cable at the next frame."""
-        self._tracker.initialise(StatePrior.around(state))
-
-    def process(self, image: Image, stamp: int) -> CableEstimate:
-        """Take a frame into account."""
-        return self._tracker.process(image, stamp)
-
-
 @dataclass(frozen=True, slots=True)
 class _SpeedSetting:
     particles: int
     taps: int
 
-    def make(self, seed: int) -> ConfiguredTracker:
+    def filter(self) -> ConfiguredFilter:
         # A shorter filter of the same sigma would be cut off; the shape is kept instead.
         sigma = max(0.5, THESIS_SIGMA * self.taps / THESIS_TAPS)
         values = {
             "particle_count": self.particles,
             "filter_taps": self.taps,
             "filter_sigma": sigma,
-            "seed": seed,
         }
-        return ConfiguredTracker(preset("thesis").replaced(values))
+        return ConfiguredFilter(_speed_name(self), preset("thesis").replaced(values))
 
 
 @dataclass(frozen=True, slots=True)
@@ -305,18 +283,15 @@ class SpeedExperiment:
         )
         return ExperimentResult(
             "Time per frame against particles and filter size (thesis, section 5.2.5, Table 5.3)",
-            (
-                "particles", "filter [px]", "time per frame [ms]",
-                "95th percentile [ms]", "frames lost [%]", "RMSE of d [px]",
-            ),
-            rows,
+            (ResultTable(SPEED_HEADINGS, rows),),
             (Picture("speed.png", as_png(figure)),),
-        )  # fmt: skip
+        )
 
     def _run(
         self, settings: Sequence[_SpeedSetting], seed: int, advance: Advance
     ) -> list[RunResult]:
-        runs = [MethodRun(_speed_name(each), each.make, seed, Start.TRUTH) for each in settings]
+        filters = [setting.filter() for setting in settings]
+        runs = [MethodRun(each.name, each.make, seed, Start.TRUTH) for each in filters]
         frames = self.sequence.frames(seed)
         return run_together(runs, frames, self.sequence.name, lambda: advance(1))
 
@@ -340,43 +315,7 @@ EXPERIMENTS: Mapping[str, Callable[[tuple[int, ...]], Experiment]] = MappingProx
         "sequences": SequenceExperiment,
         "reinitialisation": ReinitialisationExperiment,
         "speed": SpeedExperiment,
+        "ablation": AblationExperiment,
     }
 )
 """What makes an experiment from its seeds, by the name on the command line."""
-
-
-def table_csv(result: ExperimentResult) -> str:
-    """Return the table as CSV."""
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(result.headings)
-    writer.writerows([_for_machines(cell) for cell in row] for row in result.rows)
-    return buffer.getvalue()
-
-
-def _for_machines(cell: str) -> str:
-    return cell.removeprefix("–").replace("−", "-")
-
-
-def table_markdown(result: ExperimentResult, note: str) -> str:
-    """Return title, note, table and figures as Markdown."""
-    lines = [f"# {result.title}", "", note, ""]
-    lines.append(f"| {' | '.join(result.headings)} |")
-    lines.append("|" + "---|" * len(result.headings))
-    lines += [f"| {' | '.join(row)} |" for row in result.rows]
-    lines += [f"\n![{picture.file_name}]({picture.file_name})" for picture in result.pictures]
-    return "\n".join(lines) + "\n"
-
-
-def write_experiment(folder: Path, result: ExperimentResult, note: str) -> None:
-    """Write tables and figures; the note stands below the title.
-
-    Raises
-    ------
-    OutputError
-        A file cannot be written.
-    """
-    write_bytes(folder / TABLE_CSV, table_csv(result).encode())
-    write_bytes(folder / TABLE_MARKDOWN, table_markdown(result, note).encode())
-    for picture in result.pictures:
-        write_bytes(folder / picture.file_name, picture.content)

@@ -1,13 +1,13 @@
-"""The folder that a long computation ends up in."""
+"""The folder or file that a long computation ends up in."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from cable_tracker.errors import OutputError
-from cable_tracker.sequences.output_folder import PartialFolder
+from cable_tracker.sequences.output_folder import PartialOutput
 
 
 @contextmanager
@@ -35,9 +35,31 @@ def output_folder(path: Path, marker: str, *, overwrite: bool) -> Iterator[Path]
     def is_ours(folder: Path) -> bool:
         return folder.is_dir() and ((folder / marker).is_file() or not any(folder.iterdir()))
 
-    partial = PartialFolder(path, overwrite=overwrite, is_ours=is_ours)
+    with output_file(path, is_ours, overwrite=overwrite) as folder:
+        folder.mkdir()
+        yield folder
+
+
+@contextmanager
+def output_file(path: Path, is_ours: Callable[[Path], bool], *, overwrite: bool) -> Iterator[Path]:
+    """Give the name of a file to write, which appears at its path when the context ends well.
+
+    Parameters
+    ----------
+    path : Path
+        Where it is to appear.
+    is_ours : callable
+        Tells whether what lies there is of the same kind; nothing else is ever replaced.
+    overwrite : bool
+        Replace an earlier file of the kind.
+
+    Raises
+    ------
+    OutputError
+        The path is taken, or the disk does not let us write.
+    """
+    partial = PartialOutput(path, overwrite=overwrite, is_ours=is_ours)
     try:
-        partial.content.mkdir()
         yield partial.content
         partial.commit()
     except OSError as error:

@@ -12,17 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.geometry import unwrap_states, wrap_angle
+from cable_tracker.cable.geometry import SIGN_CHANGING_COLUMNS, unwrap_states, wrap_angle
 from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH
-from cable_tracker.cable.state import STATE_SIZE, CableState
+from cable_tracker.cable.state import STATE_SIZE, CableState, StateColumn
 
 MEASURED = 4
 """d, alpha, w, beta."""
 
-SIZE = 8
-"""d, alpha, w, beta and their rates, so that the first six are those of `StateColumn`."""
-
-_TURNED = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0])
+_TURNED = np.array([-1.0 if column in SIGN_CHANGING_COLUMNS else 1.0 for column in StateColumn])
 """Signs by which the components change when the normal of the line is turned round."""
 
 
@@ -86,8 +83,7 @@ class CableKalmanFilter:
     Attributes
     ----------
     mean : FloatArray
-        d, alpha, w, beta and their rates, shape (8,) [px, rad, per second]; alpha in
-        (-pi/2, pi/2].
+        Shape (8,), columns of `StateColumn` [px, rad, per second]; alpha in (-pi/2, pi/2].
     covariance : FloatArray
         Shape (8, 8).
     noise : KalmanNoise
@@ -114,7 +110,7 @@ class CableKalmanFilter:
         image_width : int
             Width of the frames [px].
         """
-        mean = np.zeros(SIZE)
+        mean = np.zeros(STATE_SIZE)
         mean[:MEASURED] = state.to_array()[:MEASURED]
         rates = noise.initial_rate.variances(image_width) * REFERENCE_RATE**2
         variances = np.concatenate((noise.measurement.variances(image_width), rates))
@@ -123,16 +119,11 @@ class CableKalmanFilter:
     @property
     def state(self) -> CableState:
         """The mean as a cable."""
-        return CableState.from_array(self.mean[:STATE_SIZE])
-
-    @property
-    def state_covariance(self) -> FloatArray:
-        """The covariance of the columns of `StateColumn`, shape (6, 6)."""
-        return self.covariance[:STATE_SIZE, :STATE_SIZE].copy()
+        return CableState.from_array(self.mean)
 
     def predicted(self, dt: float) -> CableKalmanFilter:
         """Return the belief `dt` seconds later: the rates go on, and uncertainty grows."""
-        transition = np.eye(SIZE)
+        transition = np.eye(STATE_SIZE)
         transition[:MEASURED, MEASURED:] = dt * np.eye(MEASURED)
         covariance = transition @ self.covariance @ transition.T + self._process_noise(dt)
         return replace(self, mean=transition @ self.mean, covariance=covariance)._wrapped()
@@ -147,14 +138,14 @@ class CableKalmanFilter:
         gain = np.linalg.solve(self._innovation_covariance(), self.covariance[:MEASURED]).T
         mean = self.mean + gain @ self._innovation(measured)
         # Joseph's form stays symmetric and positive whatever the rounding.
-        keep = np.eye(SIZE)
+        keep = np.eye(STATE_SIZE)
         keep[:, :MEASURED] -= gain
         covariance = keep @ self.covariance @ keep.T + gain @ self._measurement_noise() @ gain.T
         return replace(self, mean=mean, covariance=covariance)._wrapped()
 
     def _innovation(self, measured: CableState) -> FloatArray:
         """Return measured minus expected, with the line written as the expected one is."""
-        chart = unwrap_states(measured.to_array()[None, :], float(self.mean[1]))[0]
+        chart = unwrap_states(measured.to_array()[None, :], float(self.mean[StateColumn.ANGLE]))[0]
         innovation: FloatArray = chart[:MEASURED] - self.mean[:MEASURED]
         return innovation
 
@@ -168,7 +159,7 @@ class CableKalmanFilter:
         """Return what white noise on the parameters and on their rates adds in `dt` seconds."""
         own = self.noise.diffusion.variances(self.image_width) * REFERENCE_RATE
         rate = self.noise.rate_diffusion.variances(self.image_width) * REFERENCE_RATE**3
-        result = np.zeros((SIZE, SIZE))
+        result = np.zeros((STATE_SIZE, STATE_SIZE))
         result[:MEASURED, :MEASURED] = np.diag(own * dt + rate * dt**3 / 3)
         result[:MEASURED, MEASURED:] = result[MEASURED:, :MEASURED] = np.diag(rate * dt**2 / 2)
         result[MEASURED:, MEASURED:] = np.diag(rate * dt)
@@ -176,9 +167,9 @@ class CableKalmanFilter:
 
     def _wrapped(self) -> CableKalmanFilter:
         """Write the line with alpha in (-pi/2, pi/2]."""
-        angle = float(wrap_angle(np.asarray(self.mean[1])))
+        angle = float(wrap_angle(np.asarray(self.mean[StateColumn.ANGLE])))
         mean, covariance = self.mean.copy(), self.covariance
-        if round((mean[1] - angle) / np.pi) % 2:
+        if round((mean[StateColumn.ANGLE] - angle) / np.pi) % 2:
             mean, covariance = mean * _TURNED, covariance * np.outer(_TURNED, _TURNED)
-        mean[1] = angle
+        mean[StateColumn.ANGLE] = angle
         return replace(self, mean=mean, covariance=covariance)

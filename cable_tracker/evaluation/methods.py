@@ -14,12 +14,13 @@ from typing import Protocol
 from cable_tracker.arrays import Image
 from cable_tracker.cable.estimate import CableEstimate
 from cable_tracker.cable.initialisation import StatePrior
+from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.presets import preset
 from cable_tracker.cable.state import CableState
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.evaluation.baselines import DetectorTracker
 from cable_tracker.evaluation.kalman import FourSigmas, KalmanNoise
+from cable_tracker.trackers import make_tracker
 
 
 class Method(Protocol):
@@ -59,14 +60,12 @@ class ParticleFilterMethod:
 
     Parameters
     ----------
-    preset_name : str
-        A name in `presets.PRESETS`.
-    seed : int
-        Of its random numbers.
+    parameters : TrackerParameters
+        All of them, also the seed.
     """
 
-    def __init__(self, preset_name: str, seed: int) -> None:
-        self._tracker = CableTracker(preset(preset_name).replaced({"seed": seed}))
+    def __init__(self, parameters: TrackerParameters) -> None:
+        self._tracker = make_tracker(parameters)
 
     def initialise(self, state: CableState) -> None:
         """Start from this cable at the next frame."""
@@ -77,8 +76,28 @@ class ParticleFilterMethod:
         return self._tracker.process(image, stamp)
 
 
+@dataclass(frozen=True, slots=True)
+class ConfiguredFilter:
+    """The tracker of this project with parameters of one's own. It is sent to other processes.
+
+    Attributes
+    ----------
+    name : str
+        What it is called in results.
+    parameters : TrackerParameters
+        All of them; the seed is that of the run.
+    """
+
+    name: str
+    parameters: TrackerParameters
+
+    def make(self, seed: int) -> Method:
+        """Make a fresh tracker from a seed."""
+        return ParticleFilterMethod(self.parameters.replaced({"seed": seed}))
+
+
 def _particle_filter(name: str, description: str) -> MethodSpec:
-    return MethodSpec(name, description, lambda seed: ParticleFilterMethod(name, seed))
+    return MethodSpec(name, description, ConfiguredFilter(name, preset(name)).make)
 
 
 def _detector(name: str, description: str, measurement: FourSigmas) -> MethodSpec:

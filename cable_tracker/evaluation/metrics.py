@@ -10,7 +10,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.geometry import unwrap_states
 from cable_tracker.cable.state import CableState
 from cable_tracker.evaluation.trace import COMPONENTS, LOST_ANGLE, Trace, spans
@@ -21,6 +21,12 @@ ANGLE_TOLERANCE = LOST_ANGLE
 
 START_FRAMES = 30
 """A start succeeds if the cable is claimed, and rightly, within so many frames that show it."""
+
+CLEARLY_BACK = 0.3
+"""A cable that was out of view is back when so large a share of its borders can be seen."""
+
+RETURN_SECONDS = 1.0
+"""It is found again if it is claimed, and rightly, within so much time after that [s]."""
 
 NANOSECONDS = 1e9
 
@@ -211,10 +217,50 @@ class StartStatistics:
         None if no frame shows a cable.
     frames_to_right : float
         Number of visible frames until the first right claim, from 1; NaN if there was none.
+    visibility : float
+        Mean share of the borders that can be seen over the frames that the start is judged by, the
+        first `START_FRAMES` that show a cable, 0 to 1; NaN if none does.
     """
 
     outcome: StartOutcome | None
     frames_to_right: float
+    visibility: float
+
+
+@dataclass(frozen=True, slots=True)
+class CableReturn:
+    """A cable that came back into view and stayed there for `RETURN_SECONDS` at least.
+
+    Attributes
+    ----------
+    start : int
+        Place in the run of the first frame with a visibility of `CLEARLY_BACK`.
+    seconds : float
+        From there to the first right claim, 0 if it was claimed before; NaN if there was none in
+        `RETURN_SECONDS` [s].
+    """
+
+    start: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class ReturnStatistics:
+    """How often a cable that came back into view was found again.
+
+    Attributes
+    ----------
+    count : float
+        Number of returns.
+    found : float
+        Share of them that were found again within `RETURN_SECONDS`, 0 to 1; NaN without a return.
+    seconds : float
+        Mean time until these were found [s]; NaN without one.
+    """
+
+    count: float
+    found: float
+    seconds: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -229,7 +275,7 @@ class RunMetrics:
         Over all visible frames, also those that are lost.
     held_errors : ErrorStatistics
         Over the visible frames that are not lost.
-    loss, claims, consistency, start : see there
+    loss, claims, consistency, returns, start : see there
         `start` is None where the method was told where the cable is.
     ms_median, ms_95 : float
         Median and 95th percentile of the time per frame [ms].
@@ -242,6 +288,7 @@ class RunMetrics:
     loss: LossStatistics
     claims: ClaimStatistics
     consistency: ConsistencyStatistics
+    returns: ReturnStatistics
     start: StartStatistics | None
     ms_median: float
     ms_95: float
@@ -266,6 +313,7 @@ def run_metrics(trace: Trace, *, started_at_random: bool) -> RunMetrics:
         loss=loss_statistics(trace),
         claims=claim_statistics(trace),
         consistency=consistency_statistics(trace),
+        returns=return_statistics(trace),
         start=start_statistics(trace) if started_at_random else None,
         ms_median=float(np.median(trace.ms)),
         ms_95=float(np.percentile(trace.ms, 95)),
@@ -406,7 +454,7 @@ def start_statistics(trace: Trace) -> StartStatistics:
     """Tell how the first `START_FRAMES` frames that show a cable went."""
     visible = np.flatnonzero(trace.visible)
     if not len(visible):
-        return StartStatistics(None, math.nan)
+        return StartStatistics(None, math.nan, math.nan)
     claimed, right = trace.claimed[visible], ~trace.lost[visible]
     found = np.flatnonzero(claimed & right)
     to_right = float(found[0] + 1) if len(found) else math.nan
@@ -416,4 +464,50 @@ def start_statistics(trace: Trace) -> StartStatistics:
         outcome = StartOutcome.WRONG
     else:
         outcome = StartOutcome.NONE
-    return StartStatistics(outcome, to_right)
+    visibility = float(trace.visibility[visible[:START_FRAMES]].mean())
+    return StartStatistics(outcome, to_right, visibility)
+
+
+def cable_returns(trace: Trace) -> list[CableReturn]:
+    """Return the returns of a cable that was in view before, in order.
+
+    Left out are those after which the cable leaves, or the run ends, before `RETURN_SECONDS` are
+    over: nobody knows whether it would have been found.
+    """
+    right = trace.visible & trace.claimed & ~trace.lost
+    back = trace.visible & (trace.visibility >= CLEARLY_BACK)
+    returns = []
+    for start in _return_places(trace.hidden, back):
+        # Whole nanoseconds, so that a frame after just one second is not lost to rounding.
+        elapsed = trace.stamps[start:] - trace.stamps[start]
+        count = int(np.searchsorted(elapsed, RETURN_SECONDS * NANOSECONDS, side="right"))
+        over = elapsed[-1] >= RETURN_SECONDS * NANOSECONDS
+        if not over or trace.hidden[start : start + count].any():
+            continue
+        found = np.flatnonzero(right[start : start + count])
+        seconds = float(elapsed[found[0]] / NANOSECONDS) if len(found) else math.nan
+        returns.append(CableReturn(start, seconds))
+    return returns
+
+
+def _return_places(hidden: BoolArray, back: BoolArray) -> list[int]:
+    """Return where a cable is clearly back for the first time after it was hidden."""
+    places, seen, away = [], False, False
+    for place, (is_hidden, is_back) in enumerate(zip(hidden, back, strict=True)):
+        away |= seen and bool(is_hidden)
+        if is_back and away:
+            places.append(place)
+            away = False
+        seen |= bool(is_back)
+    return places
+
+
+def return_statistics(trace: Trace) -> ReturnStatistics:
+    """Summarise the returns of a cable in a run."""
+    returns = cable_returns(trace)
+    known = [each.seconds for each in returns if not math.isnan(each.seconds)]
+    return ReturnStatistics(
+        count=float(len(returns)),
+        found=len(known) / len(returns) if returns else math.nan,
+        seconds=float(np.mean(known)) if known else math.nan,
+    )

@@ -12,6 +12,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.geometry import wrap_states
+from cable_tracker.cable.state import STATE_SIZE
 from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.scenario import scenario_states
 from cable_tracker.simulation.scenarios import SCENARIOS, Scenario
@@ -48,7 +49,7 @@ def increment_variances(states: FloatArray) -> FloatArray:
     Parameters
     ----------
     states : FloatArray
-        d, alpha, w, beta in the first columns, shape (N, 4) or (N, 6) [px, rad]. Rows with NaN are
+        d, alpha, w, beta in the first columns, shape (N, 4) or (N, 8) [px, rad]. Rows with NaN are
         frames without a label; the steps to and from them do not count. An angle may go across the
         wrap.
 
@@ -62,7 +63,7 @@ def increment_variances(states: FloatArray) -> FloatArray:
     ParameterError
         There are fewer than two steps between labelled frames.
     """
-    full = np.zeros((states.shape[0], 6))
+    full = np.zeros((states.shape[0], STATE_SIZE))
     full[:, :4] = states[:, :4]
     labelled = np.asarray(np.isfinite(full).all(axis=1))
     pairs = labelled[1:] & labelled[:-1]

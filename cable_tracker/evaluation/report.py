@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from cable_tracker.evaluation.figures import as_svg, calibration_figure, loss_figure, trace_figure
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, MetricSpec, metric_spread
-from cable_tracker.evaluation.metrics import START_FRAMES
+from cable_tracker.evaluation.metrics import CLEARLY_BACK, RETURN_SECONDS, START_FRAMES
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.spread import Spread
 from cable_tracker.evaluation.tables import (
@@ -30,17 +30,25 @@ TEMPLATE = "report.html.j2"
 
 SUMMARY_METRICS = (
     "lost", "longest_loss", "recovery", "held_rmse_d", "held_rmse_alpha", "held_rmse_w",
-    "held_rmse_beta", "silence", "wrong_claims", "false_tracking", "start_right", "start_wrong",
-    "nees_median", "ms",
+    "held_rmse_beta", "silence", "wrong_claims", "false_tracking", "found_again", "start_right",
+    "start_wrong", "nees_median", "ms",
 )  # fmt: skip
 """Columns of the first table; a column of which nothing is known is left out."""
 
-MATRIX_METRICS = ("lost", "held_rmse_d", "held_rmse_alpha", "silence", "false_tracking")
+MATRIX_METRICS = (
+    "lost",
+    "held_rmse_d",
+    "held_rmse_alpha",
+    "silence",
+    "false_tracking",
+    "found_again",
+)
 """Numbers that get a table of sequences by methods."""
 
 SEQUENCE_METRICS = (
     "lost", "longest_loss", "recovery", "unrecovered", "silence", "wrong_claims", "false_tracking",
-    "start_right", "start_wrong", "frames_to_right", "nees_median", "ms",
+    "returns", "found_again", "time_to_find", "start_right", "start_wrong", "frames_to_right",
+    "nees_median", "ms",
 )  # fmt: skip
 
 AXES = ("d", "alpha", "w", "beta")
@@ -185,12 +193,24 @@ def render_report(
         ],
         runs_uri=_data_uri("text/csv", runs_csv(results).encode()),
         start=results[0].start.value,
-        seed_count=len({result.seed for result in results}),
+        seeds=seeds_text(result.seed for result in results),
         run_count=len(results),
         frame_count=sum(len(result.trace) for result in results),
         lost_distance=LOST_DISTANCE,
         start_frames=START_FRAMES,
+        return_seconds=RETURN_SECONDS,
+        clearly_back=CLEARLY_BACK,
     )
+
+
+def seeds_text(seeds: Iterable[int]) -> str:
+    """Name the seeds in a few words."""
+    known = sorted(set(seeds))
+    if len(known) == 1:
+        return f"seed {known[0]}"
+    if known == list(range(known[0], known[-1] + 1)):
+        return f"seeds {known[0]} to {known[-1]}"
+    return f"seeds {', '.join(map(str, known))}"
 
 
 def _data_uri(kind: str, content: bytes) -> str:
@@ -227,7 +247,7 @@ def make_cell(spread: Spread, unit: str) -> Cell:
     return Cell(text, detail, round(min(max(shade, 0.0), 1.0), 3))
 
 
-GOOD_WHEN_LARGE = ("start_right",)
+GOOD_WHEN_LARGE = ("start_right", "found_again")
 """Shares that are not shaded, for there more is better."""
 
 

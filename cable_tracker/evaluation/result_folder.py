@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -9,13 +10,14 @@ from types import TracebackType
 from typing import Self
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.estimate import Hypothesis
 from cable_tracker.cable.state import CableState
 from cable_tracker.errors import FrameError, OutputError
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.output_folder import PartialFolder
+from cable_tracker.sequences.output_folder import PartialOutput
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.overlay import draw_overlay
 from cable_tracker.visualisation.plots import plot_estimates
@@ -75,7 +77,7 @@ class ResultFolder:
         self._sheet = ContactSheet()
 
     def __enter__(self) -> Self:
-        self._folder = PartialFolder(
+        self._folder = PartialOutput(
             self.path, overwrite=self._overwrite, is_ours=_is_result_folder
         )
         self._writers = ExitStack()
@@ -119,7 +121,13 @@ class ResultFolder:
     def _content(self) -> Path:
         return self._folder.content
 
-    def add(self, frame: Frame, row: EstimateRow, cloud: FloatArray | None) -> None:
+    def add(
+        self,
+        frame: Frame,
+        row: EstimateRow,
+        cloud: FloatArray | None,
+        hypotheses: Sequence[Hypothesis] = (),
+    ) -> None:
         """Add one frame.
 
         Parameters
@@ -129,7 +137,9 @@ class ResultFolder:
         row : EstimateRow
             What the tracker said.
         cloud : FloatArray or None
-            Its particles, shape (N, 7): six state columns and the weight.
+            Its particles, shape (N, 9): eight state columns and the weight.
+        hypotheses : sequence of Hypothesis
+            Where the cable may be, as far as it is known; for the pictures.
         """
         self.rows.append(row if self._timing else replace(row, ms=None))
         if frame.truth is not None:
@@ -138,10 +148,15 @@ class ResultFolder:
             picture = decode_bgr(frame.image)
         except FrameError:
             return  # Refused frames stand in the table; there is no picture to show.
-        self._add_picture(frame, row, picture, cloud)
+        self._add_picture(frame, row, picture, cloud, hypotheses)
 
     def _add_picture(
-        self, frame: Frame, row: EstimateRow, picture: Image, cloud: FloatArray | None
+        self,
+        frame: Frame,
+        row: EstimateRow,
+        picture: Image,
+        cloud: FloatArray | None,
+        hypotheses: Sequence[Hypothesis],
     ) -> None:
         overlay = draw_overlay(
             picture,
@@ -150,6 +165,8 @@ class ResultFolder:
             sigma=row.sigma,
             truth=frame.truth,
             cloud=cloud,
+            hypotheses=hypotheses,
+            presence=row.presence,
             caption=f"frame {frame.index}",
             minimum_width=SMALLEST_PICTURE,
         )

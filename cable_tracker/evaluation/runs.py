@@ -152,6 +152,8 @@ class MethodRun:
             state=estimate.state if claimed else None,
             status=estimate.status.value,
             truth=frame.truth if frame.visibility > 0.0 else None,
+            hypotheses=estimate.hypotheses,
+            presence=estimate.presence,
         )
         sheet.add(overlay, frame.index)
 

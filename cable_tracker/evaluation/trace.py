@@ -9,10 +9,9 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.geometry import unwrap_states
+from cable_tracker.cable.geometry import SIGN_CHANGING_COLUMNS, unwrap_states
 from cable_tracker.cable.parameters import REFERENCE_WIDTH
 from cable_tracker.cable.state import CableState, StateColumn
-from cable_tracker.cable.statistics import SIGN_CHANGING_COLUMNS
 
 COMPONENTS = 4
 """d, alpha, w, beta: what there is truth for."""

@@ -88,22 +88,18 @@ def _true_state(source: Source, first: Frame) -> CableState:
 
 def row_of(frame: Frame, estimate: CableEstimate, ms: float | None) -> EstimateRow:
     """Return the row of the table for a tracked frame."""
-    if estimate.status is not TrackingStatus.TRACKING:
-        return EstimateRow(
-            frame.index,
-            frame.stamp,
-            estimate.status.value,
-            n_eff=estimate.effective_sample_size,
-            ms=ms,
-        )
+    claimed = estimate.status is TrackingStatus.TRACKING
     d, alpha, w, beta = (float(value) for value in estimate.standard_deviations()[:4])
     return EstimateRow(
         frame=frame.index,
         stamp=frame.stamp,
         status=estimate.status.value,
-        state=estimate.state,
-        sigma=(d, alpha, w, beta),
+        state=estimate.state if claimed else None,
+        sigma=(d, alpha, w, beta) if claimed else None,
         n_eff=estimate.effective_sample_size,
+        presence=estimate.presence,
+        evidence=estimate.evidence,
+        hypotheses=len(estimate.hypotheses),
         ms=ms,
     )
 
@@ -161,7 +157,7 @@ def _track_frame(frame: Frame, tracker: CableTracker, results: ResultFolder) -> 
     assert tracker.particles is not None
     cloud = cloud_of(tracker.particles)
     output.write_estimate(estimate, grey, cloud, ms)
-    results.add(frame, row_of(frame, estimate, ms), cloud)
+    results.add(frame, row_of(frame, estimate, ms), cloud, estimate.hypotheses)
 
 
 class _FrameOutput:
@@ -201,7 +197,13 @@ class _FrameOutput:
         markers = make_markers(factory, header, claimed, estimate.image_size)
         self._write(output_topics.MARKERS, markers)
         overlay = draw_overlay(
-            grey, state=claimed, status=estimate.status.value, sigma=sigma, cloud=cloud
+            grey,
+            state=claimed,
+            status=estimate.status.value,
+            sigma=sigma,
+            cloud=cloud,
+            hypotheses=estimate.hypotheses,
+            presence=estimate.presence,
         )
         jpeg = make_compressed_image(factory, encode_jpeg(overlay), header)
         self._write(output_topics.OVERLAY, jpeg)

@@ -99,6 +99,8 @@ def diagnostic_values(
         "latency 95th percentile [ms]": f"{high:.2f}",
         "N_eff": f"{estimate.effective_sample_size:.1f}" if estimate else "",
         "evidence": f"{estimate.evidence:.2f}" if estimate else "",
+        "presence [%]": _presence(estimate),
+        "hypotheses": _hypotheses(estimate),
         "frames tracked": str(statistics.tracked),
         "frames refused": str(statistics.refused),
         "frames dropped": str(statistics.dropped),
@@ -106,6 +108,20 @@ def diagnostic_values(
         "last bad frame": statistics.last_bad_frame,
         "last restart": statistics.last_event,
     }
+
+
+def _presence(estimate: CableEstimate | None) -> str:
+    if estimate is None or estimate.presence is None:
+        return ""
+    return f"{100 * estimate.presence:.0f}"
+
+
+def _hypotheses(estimate: CableEstimate | None) -> str:
+    """Return their number and their probabilities, as in `2 (91 %, 8 %)`."""
+    if estimate is None or not estimate.hypotheses:
+        return ""
+    shares = ", ".join(f"{100 * each.probability:.0f} %" for each in estimate.hypotheses)
+    return f"{len(estimate.hypotheses)} ({shares})"
 
 
 def make_diagnostics(

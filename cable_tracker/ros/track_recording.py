@@ -242,6 +242,10 @@ class _Run:
 def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
     report = recorded.read(output_topics.FRAME_REPORT)
     values = {pair.key: pair.value for pair in report.status[0].values}
+
+    def number(key: str) -> float | None:
+        return float(values[key]) if values.get(key) else None
+
     claimed = read_state(state)
     return EstimateRow(
         frame=frame.index,
@@ -249,6 +253,9 @@ def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
         status=recorded.status,
         state=claimed,
         sigma=read_sigma(state) if claimed is not None else None,
-        n_eff=float(values["n_eff"]) if "n_eff" in values else None,
-        ms=float(values["ms"]) if "ms" in values else None,
+        n_eff=number("n_eff"),
+        presence=number("presence"),
+        evidence=number("evidence"),
+        hypotheses=len(values["hypotheses"].split()) if "hypotheses" in values else None,
+        ms=number("ms"),
     )

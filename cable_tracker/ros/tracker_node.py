@@ -22,6 +22,7 @@ from cable_tracker.cable.initial_state_text import parse_initial_state
 from cable_tracker.cable.initialisation import StatePrior
 from cable_tracker.cable.parameters import PARAMETER_TABLE, PARAMETERS_BY_NAME
 from cable_tracker.cable.presets import preset
+from cable_tracker.cable.response_table import load_table
 from cable_tracker.cable.state import CableState
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import FrameError
@@ -60,6 +61,7 @@ from cable_tracker.sequences.messages import (
     report_values,
     stamp_of,
 )
+from cable_tracker.trackers import make_proposer, make_tracker
 from cable_tracker.visualisation.overlay import draw_overlay
 
 WATCHDOG_PERIOD = 0.05
@@ -132,7 +134,7 @@ class TrackerNode(ProcessNode):
         }
         self._compressed_input = start["image_transport"] == "compressed"
         self._reliability = str(start["image_reliability"])
-        self._tracker = CableTracker(values.replaced(given))
+        self._tracker = make_tracker(values.replaced(given))
         self._apply_runtime_values(runtime)
         specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS} | dict(PARAMETERS_BY_NAME)
         node_parameters.watch(self, specs, self._validate_parameters, self._apply_parameters)
@@ -147,14 +149,16 @@ class TrackerNode(ProcessNode):
             own[name].coerce(values[name])
         if "initial_state" in values:
             parse_initial_state(str(values["initial_state"]))
-        self._tracker.parameters.replaced(
-            {name: value for name, value in values.items() if name not in own}
-        )
+        present = self._tracker.parameters
+        changed = present.replaced({name: values[name] for name in values.keys() - own.keys()})
+        if changed.response_table != present.response_table:
+            load_table(changed.response_table)
 
     def _apply_parameters(self, values: Mapping[str, object]) -> None:
         filter_values = {name: values[name] for name in values.keys() & PARAMETERS_BY_NAME.keys()}
         if filter_values:
-            self._tracker.configure(self._tracker.parameters.replaced(filter_values))
+            changed = self._tracker.parameters.replaced(filter_values)
+            self._tracker.configure(changed, make_proposer(changed))
         self._apply_runtime_values(values)
 
     def _apply_runtime_values(self, values: Mapping[str, object]) -> None:
@@ -314,6 +318,8 @@ class TrackerNode(ProcessNode):
             status=estimate.status.value,
             sigma=sigma,
             cloud=cloud_of(particles),
+            hypotheses=estimate.hypotheses,
+            presence=estimate.presence,
         )
         self._publish_overlay(header, picture)
 

@@ -94,7 +94,7 @@ def _truth_topic(topics: dict[str, Topic], image_topic: str) -> str | None:
 
 
 def _state_from_joints(joints: sensor_msgs__msg__JointState) -> CableState | None:
-    """Read d, alpha, w, beta and, if there are any, the rates of d and alpha."""
+    """Read d, alpha, w, beta and, if there are any, their rates."""
     position = dict(zip(joints.name, (float(value) for value in joints.position), strict=False))
     if not all(name in position for name in _TRUTH_NAMES):
         return None
@@ -106,6 +106,8 @@ def _state_from_joints(joints: sensor_msgs__msg__JointState) -> CableState | Non
         skew=position["beta"],
         distance_rate=velocity.get("d", 0.0),
         angle_rate=velocity.get("alpha", 0.0),
+        width_rate=velocity.get("w", 0.0),
+        skew_rate=velocity.get("beta", 0.0),
     )
     return state if state.is_finite() else None
 

@@ -15,7 +15,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.bag_storage import METADATA
 from cable_tracker.sequences.frame_source import one_line
-from cable_tracker.sequences.output_folder import PartialFolder
+from cable_tracker.sequences.output_folder import PartialOutput
 from cable_tracker.sequences.typestores import typestore
 
 __all__ = ["BagWriter", "typestore"]
@@ -62,7 +62,7 @@ class BagWriter:
         self._connections: dict[tuple[str, str], Connection] = {}
 
     def __enter__(self) -> Self:
-        self._folder = PartialFolder(self._path, overwrite=self._overwrite, is_ours=_is_bag)
+        self._folder = PartialOutput(self._path, overwrite=self._overwrite, is_ours=_is_bag)
         try:
             with self._translated_errors():
                 self._writer = Writer(

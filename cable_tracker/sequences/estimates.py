@@ -7,14 +7,18 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.state import STATE_SIZE, STATE_SYMBOLS, CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.stamps import NANOSECONDS
 
 HEADER = (
-    "frame", "stamp", "status", "d", "alpha", "w", "beta", "v_d", "v_alpha",
-    "sigma_d", "sigma_alpha", "sigma_w", "sigma_beta", "n_eff", "ms",
+    "frame", "stamp", "status", *STATE_SYMBOLS,
+    "sigma_d", "sigma_alpha", "sigma_w", "sigma_beta",
+    "n_eff", "presence", "evidence", "hypotheses", "ms",
 )  # fmt: skip
+
+CLAIM_SIZE = STATE_SIZE + 4
+"""Columns that are empty where no cable is claimed: the state, and its standard deviations."""
 
 REFUSED = "REFUSED"
 """Status of a frame that could not be used; the others are those of `TrackingStatus`."""
@@ -38,6 +42,13 @@ class EstimateRow:
         Standard deviations of d, alpha, w, beta [px, rad]; None where no cable is claimed.
     n_eff : float or None
         Effective sample size; None for a refused frame.
+    presence : float or None
+        Probability that a cable is in view; None for a refused frame, and where the filter has no
+        notion of it.
+    evidence : float or None
+        How clearly the image shows the cable; None for a refused frame.
+    hypotheses : int or None
+        In how many places the cable may be; None for a refused frame.
     ms : float or None
         Time the tracker took for the frame [ms]; None if it was not measured.
     """
@@ -48,6 +59,9 @@ class EstimateRow:
     state: CableState | None = None
     sigma: tuple[float, float, float, float] | None = None
     n_eff: float | None = None
+    presence: float | None = None
+    evidence: float | None = None
+    hypotheses: int | None = None
     ms: float | None = None
 
 
@@ -69,14 +83,15 @@ def _format_number(value: float | None) -> str:
 
 
 def _format_row(row: EstimateRow) -> list[str]:
-    state: Sequence[float | None] = (None,) * 6
+    state: Sequence[float | None] = (None,) * STATE_SIZE
     if row.state is not None:
         state = tuple(float(value) for value in row.state.to_array())
     sigma: Sequence[float | None] = row.sigma if row.sigma is not None else (None,) * 4
     ms = "" if row.ms is None else f"{row.ms:.3f}"
+    belief = (row.n_eff, row.presence, row.evidence, row.hypotheses)
     return [
         str(row.frame), format_stamp(row.stamp), row.status,
-        *(_format_number(value) for value in (*state, *sigma, row.n_eff)), ms,
+        *(_format_number(value) for value in (*state, *sigma, *belief)), ms,
     ]  # fmt: skip
 
 
@@ -89,17 +104,22 @@ def write_estimates(path: Path, rows: Iterable[EstimateRow]) -> None:
 
 
 def _parse_row(fields: Sequence[str]) -> EstimateRow:
-    numbers = [float(text) if text else None for text in fields[3:]]
-    present = [value for value in numbers[:10] if value is not None]
-    claimed = len(present) == 10
+    *numbers, hypotheses, ms = fields[3:]
+    values = [float(text) if text else None for text in numbers]
+    present = [value for value in values[:CLAIM_SIZE] if value is not None]
+    claimed = len(present) == CLAIM_SIZE
+    n_eff, presence, evidence = values[CLAIM_SIZE:]
     return EstimateRow(
         frame=int(fields[0]),
         stamp=parse_stamp(fields[1]),
         status=fields[2],
-        state=CableState(*present[:6]) if claimed else None,
-        sigma=(present[6], present[7], present[8], present[9]) if claimed else None,
-        n_eff=numbers[10],
-        ms=numbers[11],
+        state=CableState(*present[:STATE_SIZE]) if claimed else None,
+        sigma=(present[-4], present[-3], present[-2], present[-1]) if claimed else None,
+        n_eff=n_eff,
+        presence=presence,
+        evidence=evidence,
+        hypotheses=int(hypotheses) if hypotheses else None,
+        ms=float(ms) if ms else None,
     )
 
 
@@ -117,7 +137,10 @@ def read_estimates(path: Path) -> list[EstimateRow]:
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise RecordingError(f"{path}: cannot be read as a table of estimates ({error})") from error
     if not lines or tuple(lines[0]) != HEADER:
-        raise RecordingError(f"{path}: line 1 is not the header of a table of estimates")
+        raise RecordingError(
+            f"{path}: line 1 is not the header of a table of estimates with the columns"
+            f" {','.join(HEADER)}; tables of older versions lack some: track the recording again"
+        )
     rows = []
     for number, fields in enumerate(lines[1:], start=2):
         try:

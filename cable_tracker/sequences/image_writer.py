@@ -12,7 +12,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
-from cable_tracker.sequences.output_folder import PartialFolder
+from cable_tracker.sequences.output_folder import PartialOutput
 from cable_tracker.sequences.sequence_file import Label, write_labels
 
 SEQUENCE_NAME = "sequence.txt"
@@ -83,7 +83,7 @@ def write_sequence(folder: Path, frames: Iterable[Frame], *, overwrite: bool = F
     FrameError
         A frame cannot be decoded.
     """
-    partial = PartialFolder(folder, overwrite=overwrite, is_ours=_is_sequence)
+    partial = PartialOutput(folder, overwrite=overwrite, is_ours=_is_sequence)
     try:
         count = _write_all(partial.content, frames)
     except OSError as error:

@@ -135,9 +135,7 @@ def make_state(
     velocity: FloatArray = np.empty(0)
     if state is not None:
         values = state.to_array()
-        position = values[:4]
-        # Width and skew have no rates in the state of the thesis.
-        velocity = np.array([state.distance_rate, state.angle_rate, 0.0, 0.0])
+        position, velocity = values[:4], values[4:]
     return factory.make(
         "sensor_msgs/msg/JointState",
         header=header,
@@ -164,9 +162,9 @@ def read_state(message: Message) -> CableState | None:
         raise FrameError(f"a state message names {names}, with {len(message.position)} positions")
     columns = [names.index(name) for name in STATE_NAMES]
     values = [float(message.position[column]) for column in columns]
-    rates = [0.0, 0.0]
+    rates: list[float] = []
     if len(message.velocity) == len(names):
-        rates = [float(message.velocity[column]) for column in columns[:2]]
+        rates = [float(message.velocity[column]) for column in columns]
     return CableState(*values, *rates)
 
 
@@ -254,15 +252,15 @@ def read_prior(message: Message) -> StatePrior:
 
 
 def cloud_of(particles: Particles) -> FloatArray:
-    """Return the six state columns and the weight of each particle, shape (N, 7)."""
+    """Return the eight state columns and the weight of each particle, shape (N, 9)."""
     return np.column_stack((particles.states, particles.weights))
 
 
 def make_particles(factory: MessageFactory, header: Message, cloud: FloatArray) -> Message:
-    """Pack particles (N, 7) as a PointCloud2 of float32.
+    """Pack particles (N, 9) as a PointCloud2 of float32.
 
-    Fields x, y, z (foot point [px], z = 0, for rviz), d, alpha, w, beta, v_d, v_alpha [px, rad, per
-    second], weight (summing to one).
+    Fields x, y, z (foot point [px], z = 0, for rviz), d, alpha, w, beta, v_d, v_alpha, v_w, v_beta
+    [px, rad, per second], weight (summing to one).
     """
     distance, angle = cloud[:, StateColumn.DISTANCE], cloud[:, StateColumn.ANGLE]
     points = np.column_stack(
@@ -293,7 +291,7 @@ def make_particles(factory: MessageFactory, header: Message, cloud: FloatArray) 
 
 
 def read_cloud(message: Message) -> FloatArray:
-    """Read particles packed by `make_particles`; shape (N, 7)."""
+    """Read particles packed by `make_particles`; shape (N, 9)."""
     points = np.frombuffer(memoryview(message.data).cast("B"), dtype="<f4")
     columns = points.reshape(-1, len(CLOUD_COLUMNS))[:, 3:]
     return columns.astype(np.float64)
@@ -409,10 +407,16 @@ def make_report(
 
 
 def report_values(estimate: CableEstimate, ms: float) -> dict[str, str]:
-    """Return the facts about one tracked frame that `make_report` publishes."""
+    """Return the facts about one tracked frame that `make_report` publishes.
+
+    What the filter has no notion of is empty.
+    """
+    probabilities = [f"{hypothesis.probability:.3f}" for hypothesis in estimate.hypotheses]
     return {
         "n_eff": repr(estimate.effective_sample_size),
         "ms": repr(ms),
         "evidence": repr(estimate.evidence),
+        "presence": "" if estimate.presence is None else repr(estimate.presence),
+        "hypotheses": " ".join(probabilities),
         "event": estimate.event,
     }

@@ -1,4 +1,4 @@
-"""Write a folder in such a way that nothing half-written ever looks complete."""
+"""Write a folder or a file in such a way that nothing half-written ever looks complete."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ def _delete(path: Path) -> None:
         path.unlink()
 
 
-class PartialFolder:
-    """A folder that is filled under another name and moved into place when it is complete.
+class PartialOutput:
+    """A folder or a file that is made under another name and moved into place when complete.
 
     Parameters
     ----------
     path : Path
-        Where the folder is to appear.
+        Where it is to appear.
     overwrite : bool
-        Replace what lies there, once the new folder is complete.
+        Replace what lies there, once the new one is complete.
     is_ours : callable
-        Tells whether an existing folder is of the kind that is written here; no other folder is
-        ever replaced.
+        Tells whether what lies there is of the kind that is written here; nothing else is ever
+        replaced.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class PartialFolder:
 
     def __init__(self, path: Path, *, overwrite: bool, is_ours: Callable[[Path], bool]) -> None:
         if path.name in ("", ".."):
-            raise OutputError(f"{path}: is no name for a new folder; choose one")
+            raise OutputError(f"{path}: is no name for a new output; choose one")
         self.path = path
         self._partial = path.with_name(f".{path.name}.partial")
         self.content = self._partial / path.name

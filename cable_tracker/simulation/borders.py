@@ -8,6 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.geometry import Borders, states_from_borders, wrap_states
+from cable_tracker.cable.state import STATE_SIZE
 from cable_tracker.simulation.camera import Camera, CameraPoses
 from cable_tracker.simulation.tube import Tube
 
@@ -79,8 +80,8 @@ def fit_states(projected: ProjectedBorders, image_size: tuple[int, int]) -> Floa
     Returns
     -------
     FloatArray
-        d, alpha, w, beta and two zeros, shape (N, 6), alpha in (-pi/2, pi/2]; NaN where the camera
-        looks past the cable altogether.
+        d, alpha, w, beta and zeros for their rates, shape (N, 8), alpha in (-pi/2, pi/2]; NaN where
+        the camera looks past the cable altogether.
     """
     width, height = image_size
     usable = np.isfinite(projected.points).all(axis=-1) & (projected.lengths > 0)
@@ -92,7 +93,7 @@ def fit_states(projected: ProjectedBorders, image_size: tuple[int, int]) -> Floa
     nearest = np.where(np.isfinite(nearest), nearest, 0.0)
     fade = FADE * width / 320
     weights = np.where(usable, projected.lengths, 0.0) * np.exp(-(outside - nearest) / fade)
-    states = np.zeros((points.shape[0], 6))
+    states = np.zeros((points.shape[0], STATE_SIZE))
     states[:, :4] = states_from_borders(_fit_lines(points, weights))
     states[lost] = np.nan
     states[~lost] = wrap_states(states[~lost])

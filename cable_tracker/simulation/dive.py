@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.geometry import wrap_states
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.state import CableState, StateColumn
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.borders import (
@@ -20,7 +20,7 @@ from cable_tracker.simulation.borders import (
     visible_share,
 )
 from cable_tracker.simulation.camera import Camera, CameraPoses
-from cable_tracker.simulation.clutter import random_streaks
+from cable_tracker.simulation.clutter import random_companions, random_streaks
 from cable_tracker.simulation.laid_cable import BuriedStretch, LaidCable, random_gaps
 from cable_tracker.simulation.look import Look, Skin
 from cable_tracker.simulation.photographs import make_photographed_bed
@@ -78,8 +78,8 @@ class Views:
     projected : ProjectedBorders
         Of the cable.
     states : FloatArray
-        Exact d, alpha, w, beta and the rates of d and alpha, shape (N, 6); NaN where no border is
-        inside the image.
+        Exact d, alpha, w, beta and their rates, shape (N, 8), columns of `StateColumn`; NaN where
+        no border is inside the image.
     """
 
     times: FloatArray
@@ -113,10 +113,11 @@ class Dive:
         poses = steer(self.tube, self.camera, wanted, lean, way)
         projected = project_tube(self.tube, self.camera, poses)
         states = fit_states(projected, self.camera.image_size)
-        # Where the line is written the other way round, so is the sense of its distance.
+        # Where the line is written the other way round, so is the sense of its distance and skew.
         states[:, 4:] = wanted[:, 4:]
         turned = np.abs(wrap_states(wanted)[:, 1] - wanted[:, 1]) > np.pi / 2
-        states[turned, 4] *= -1
+        states[turned, StateColumn.DISTANCE_RATE] *= -1
+        states[turned, StateColumn.SKEW_RATE] *= -1
         states[~projected.in_view()] = np.nan
         return Views(times, poses, projected, states)
 
@@ -202,15 +203,25 @@ def _lay_out(
     streaks = random_streaks(
         -VIEW_LENGTH / radius, (length + VIEW_LENGTH) / radius, look.clutter, clutter_rng
     )
-    gaps = random_gaps(-VIEW_LENGTH, length + VIEW_LENGTH, radius, look.skin.cover, clutter_rng)
+    gaps = random_gaps(-VIEW_LENGTH, length + VIEW_LENGTH, radius, look.skin, clutter_rng)
+    streaks += random_companions(
+        dive.tube,
+        -VIEW_LENGTH / radius,
+        (length + VIEW_LENGTH) / radius,
+        look.companions,
+        clutter_rng,
+    )
     scale = dive.camera.image_size[0] / 320
     resolution = int(np.clip(round(5 * scale), 2, 10)) * 4
     bed = _make_bed(surroundings, resolution, picture_rng)
     own = LaidCable(
-        dive.tube, make_cable(resolution, look.skin, picture_rng), gaps + surroundings.stretches
+        dive.tube,
+        make_cable(resolution, look.skin, picture_rng),
+        gaps + surroundings.stretches,
+        look.skin.shade,
     )
     others = tuple(
-        LaidCable(tube, make_cable(resolution, skin, picture_rng))
+        LaidCable(tube, make_cable(resolution, skin, picture_rng), shade=skin.shade)
         for tube, skin in surroundings.others
     )
     cable = own if surroundings.has_cable else None

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.arrays import Image
+from cable_tracker.arrays import BoolArray, Image
+from cable_tracker.simulation.look import Skin
 from cable_tracker.simulation.seabed import CABLE_REACH, CHANNELS, burial_cover
 from cable_tracker.simulation.texture import TiledTexture, smooth_step
 from cable_tracker.simulation.tube import Sight, Tube
@@ -50,12 +51,25 @@ class CableSkin:
         Reflected light of the bare cable, cover and reflected light of what grows there.
     burial : Image
         Cover of sand.
+    turf : Image
+        Cover of growth and sediment that look like the bottom.
+    outline : Image
+        How much farther out than the bare cable's the border is seen [radii].
+    shade : float
+        Strength of the shadows beside the cable.
     """
 
     surface: Image
     growth: Image
     growth_tone: Image
     burial: Image
+    turf: Image
+    outline: Image
+    shade: float
+
+    def hides(self) -> BoolArray:
+        """Tell where the cable is covered."""
+        return np.asarray(np.maximum(np.maximum(self.growth, self.turf), self.burial) > 0.5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,11 +84,14 @@ class LaidCable:
         See `seabed.make_cable`.
     stretches : tuple of BuriedStretch
         Where it is buried besides the patches of sand in the texture.
+    shade : float
+        Strength of the shadows beside it, 0 to 1.
     """
 
     tube: Tube
     texture: TiledTexture
     stretches: tuple[BuriedStretch, ...] = ()
+    shade: float = 1.0
 
     def skin(self, sight: Sight, footprint: Image) -> CableSkin:
         """Look the surface up.
@@ -101,20 +118,23 @@ class LaidCable:
             growth=texels[..., CHANNELS.growth] * (1 - extra * np.float32(1 / SAND_DEPTH)),
             growth_tone=texels[..., CHANNELS.growth_tone],
             burial=burial_cover(texels[..., CHANNELS.sand] + extra),
+            turf=texels[..., CHANNELS.turf],
+            outline=texels[..., CHANNELS.outline],
+            shade=self.shade,
         )
 
 
 def random_gaps(
-    start: float, end: float, radius: float, cover: float, rng: np.random.Generator
+    start: float, end: float, radius: float, skin: Skin, rng: np.random.Generator
 ) -> tuple[BuriedStretch, ...]:
     """Draw short gaps in a cable between `start` and `end` [m]."""
     length = max(end - start, 0.0)
-    count = int(rng.poisson(length / radius / GAP_SPACING * cover))
+    count = int(rng.poisson(length / radius / GAP_SPACING * skin.cover))
     return tuple(
         BuriedStretch(float(place), float(place + extent), 0.2 * radius)
         for place, extent in zip(
             np.sort(rng.uniform(start, end, count)),
-            radius * rng.uniform(1.0, 3.0, count),
+            radius * rng.uniform(*skin.gap_lengths, count),
             strict=True,
         )
     )

@@ -15,6 +15,8 @@ class Bottom:
         Mean reflected light, 0 to 1.
     ripples, stones, algae, gravel : float
         How much of each there is; 1 is usual for the first three, 0 none.
+    ripple_angle : float or None
+        Angle of the ripples' crests from the cable's course, to the left [deg]; None: drawn.
     """
 
     tone: float = 0.31
@@ -22,6 +24,7 @@ class Bottom:
     stones: float = 1.0
     algae: float = 1.0
     gravel: float = 0.0
+    ripple_angle: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +40,33 @@ class Skin:
     cover : float
         How much grows on it and beside it and how much sand lies on it, 0 to 1; at 1 about four
         tenths of the borders are hidden.
+    turf : float
+        Share of the borders' length that is hidden by growth and sediment with the look of the
+        bottom around, 0 to 1. It leaves a soft ridge without edges.
+    silt : float
+        Mean opacity of the thin film of the bottom's look on all of the cable, 0 to 0.45. It takes
+        contrast away and hides nothing.
+    bulge : float
+        Standard deviation of the way by which crusts on the sides push the seen border outwards or
+        keep it inwards [radii].
+    drift : float
+        Share of the cable's length along which sand has drifted over one of its sides, 0 to 0.9.
+        There one border is hidden and the edge of the sand runs along the cable instead.
+    shade : float
+        Strength of the shadows beside the cable, 0 to 1.
+    gap_lengths : (float, float)
+        Shortest and longest of the short stretches at which the cable is buried altogether [radii].
     """
 
     tone: float = 0.57
     stains: float = 0.7
     cover: float = 0.5
+    turf: float = 0.0
+    silt: float = 0.0
+    bulge: float = 0.0
+    drift: float = 0.0
+    shade: float = 1.0
+    gap_lengths: tuple[float, float] = (1.0, 3.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +134,9 @@ class Look:
         None: two lamps drawn at random.
     clutter : float
         How many ropes, furrows and tracks lie about, 0 to 1.
+    companions : float
+        How many furrows, ropes and pairs of lines run alongside the cable, nearly parallel to it,
+        0 to 1.
     noise : float
         Standard deviation of the sensor's noise [grey levels].
     jpeg_quality : int or None
@@ -121,6 +149,7 @@ class Look:
     daylight: float = 0.42
     lamps: tuple[Lamp, ...] | None = None
     clutter: float = 0.5
+    companions: float = 0.0
     noise: float = 3.0
     jpeg_quality: int | None = None
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.simulation.camera import Camera
-from cable_tracker.simulation.clutter import Streak, streak_cover
+from cable_tracker.simulation.clutter import Streak, draw_streak, streak_cover
 from cable_tracker.simulation.laid_cable import CableSkin, LaidCable
 from cable_tracker.simulation.look import Look
 from cable_tracker.simulation.seabed import BED_UNIT, CABLE_REACH
@@ -31,6 +31,12 @@ ROW = 1024
 
 MEAN_TONE = 0.3
 """Mean grey that the camera's exposure aims at, 0 to 1."""
+
+TURF_RELIEF = 0.35
+"""How much turf on a cable is lit and shaded by its slopes."""
+
+TURF_SLOPE = 1.2
+"""Decay of those slopes away from the cable's axis [radii²]."""
 
 EXPOSURE_LIMITS = (0.4, 1.8)
 """Smallest and largest gain of the exposure."""
@@ -147,7 +153,7 @@ class SceneRenderer:
         rays = np.ascontiguousarray((world[usable] - position).T, dtype=np.float32)[:, None]
         fine = np.full(rays.shape[1:], 1e-3, dtype=np.float32)
         skin = cable.skin(cable.tube.sight(position, rays), fine)
-        covered = np.maximum(skin.growth, skin.burial) > 0.5
+        covered = skin.hides()
         for other in self._scene.cables[self._scene.cables.index(cable) + 1 :]:
             sight = other.tube.sight(position, rays)
             covered |= (np.abs(sight.p) < 1) & (other.skin(sight, fine).burial < 0.5)
@@ -189,9 +195,7 @@ class SceneRenderer:
         footprint = view.footprint * np.float32(1 / self._scene.streak_unit)
         start = float(view.eye[1]) / self._scene.streak_unit
         for streak in streaks:
-            cover = streak_cover(streak, p, q, start, footprint)
-            if cover is not None:
-                scene = scene + (np.float32(streak.tone) - scene) * cover
+            scene = draw_streak(scene, streak, p, q, start, footprint=footprint)
         return scene
 
     def _streak_places(self, x: Image, y: Image, eye: FloatArray) -> tuple[Image, Image]:
@@ -251,14 +255,18 @@ class SceneRenderer:
 def _blend_cable(ground: Image, sight: Sight, skin: CableSkin, pixel: Image) -> Image:
     """Return the reflected light of pixels near a cable: shadow, round body, growth."""
     p = sight.p
-    bare = 1 - skin.burial
-    side = np.clip(np.abs(p) - 1, 0, None)
-    lee = np.clip(p - 1, 0, None) + 9 * (p < 1)
+    outside = np.abs(p) - 1 - skin.outline
+    bare = (1 - skin.burial) * (1 - skin.turf)
+    side = np.clip(outside, 0, None)
+    lee = side + 9 * (p < 1)
     shadow = 0.4 * np.exp(-side / np.float32(0.3)) + 0.25 * np.exp(-lee / np.float32(0.9))
-    shaded = ground * (1 - bare * shadow)
+    shaded = ground * (1 - np.float32(skin.shade) * bare * shadow)
+    # A cable under turf is still a ridge, lit from the left; its slopes have no edges.
+    slope = p * np.exp(p * p * np.float32(-1 / TURF_SLOPE))
+    shaded *= 1 - np.float32(TURF_RELIEF) * skin.turf * (1 - skin.burial) * slope
     roundness = np.sqrt(np.clip(1 - p * p, 0, 1))
     body = skin.surface * (0.68 + 0.32 * roundness) * (1 - 0.08 * p)
-    cover = np.clip((1 - np.abs(p)) / pixel + 0.5, 0, 1) * bare
+    cover = np.clip(0.5 - outside / pixel, 0, 1) * bare
     scene = shaded + (body - shaded) * cover
     growth = skin.growth * (np.abs(p) < CABLE_REACH)
     return np.asarray(scene + (skin.growth_tone - scene) * growth)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.state import STATE_SIZE
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.camera import Camera
@@ -174,9 +175,8 @@ def scenario_states(
     Returns
     -------
     FloatArray
-        Exact d, alpha, w, beta and the rates of d and alpha in each frame, shape (N, 6) [px, rad,
-        per second]; NaN where no border of the cable is inside the image. Sand and growth are not
-        asked.
+        Exact d, alpha, w, beta and their rates in each frame, shape (N, 8) [px, rad, per second];
+        NaN where no border of the cable is inside the image. Sand and growth are not asked.
 
     Raises
     ------
@@ -187,7 +187,7 @@ def scenario_states(
     _check_size(image_size)
     _check_seed(seed)
     if not chosen.has_cable:
-        return np.full((chosen.frame_count, 6), np.nan)
+        return np.full((chosen.frame_count, STATE_SIZE), np.nan)
     dive = _scenario_dive(chosen, Seeds.of(seed), image_size)
     starts = range(0, chosen.frame_count, BATCH)
     batches = [dive.views(frame_times(start, SCENARIO_RATE)).states for start in starts]

@@ -1,7 +1,8 @@
 """The built-in scenarios, by name.
 
 S1 to S6 have the length and the frame-to-frame variances of the sequences of the thesis (Tables 4.2
-and 4.3), and their characters.
+and 4.3), and their characters. All but the calm S3 show an old cable, overgrown and half buried,
+that is hard to tell from what lies beside it.
 """
 
 from __future__ import annotations
@@ -167,6 +168,20 @@ USUAL_MOTION = Motion(
 
 _STOPPING = (FrameMove(70, 25, -0.93), FrameMove(170, 25, 0.93))
 
+_LAMP_FROM_THE_LEFT = (
+    Lamp((-0.35, 0.1, 0.0), (0.0, 0.06), 0.35, 0.7),
+    Lamp((0.3, 0.0, 0.0), (0.14, -0.1), 0.4, 0.3),
+)
+_LAMP_FROM_THE_RIGHT = (
+    Lamp((0.35, 0.1, 0.0), (0.02, -0.06), 0.35, 0.7),
+    Lamp((-0.3, 0.0, 0.0), (-0.1, 0.14), 0.4, 0.3),
+)
+_CROSSED_LAMPS = (
+    Lamp((-0.3, 0.1, 0.0), (0.2, 0.14), 0.3, 0.55),
+    Lamp((0.3, 0.1, 0.0), (-0.24, -0.14), 0.3, 0.55),
+)
+"""Cones whose rims cross the picture."""
+
 _ALL = (
     Scenario(
         "S1",
@@ -179,10 +194,24 @@ _ALL = (
             skew=Sway(2.4, 2.6, BRISK, 0.008, strength=(FrameMove(105, 30, -0.75),)),
         ),
         Look(
-            bottom=Bottom(stones=1.8, algae=1.4, gravel=0.4),
-            skin=Skin(tone=0.52, stains=0.9, cover=0.7),
-            water=Water(absorption=0.2, scatter=0.24, veil=0.28, blur=0.9, flakes=0.7),
-            clutter=1.0,
+            bottom=Bottom(tone=0.33, stones=1.8, algae=1.4, gravel=0.5),
+            skin=Skin(
+                tone=0.58,
+                stains=1.0,
+                cover=0.45,
+                turf=0.1,
+                silt=0.1,
+                bulge=0.08,
+                drift=0.28,
+                shade=0.6,
+                gap_lengths=(1.5, 4.0),
+            ),
+            water=Water(absorption=0.22, scatter=0.24, veil=0.28, blur=0.9, flakes=0.8),
+            daylight=0.28,
+            lamps=_CROSSED_LAMPS,
+            clutter=0.8,
+            companions=0.5,
+            noise=4.0,
         ),
     ),
     Scenario(
@@ -196,8 +225,23 @@ _ALL = (
             skew=Sway(3.2, 3.0, SWELL, 0.034),
         ),
         Look(
-            bottom=Bottom(ripples=2.2, stones=0.4, algae=0.6),
-            skin=Skin(tone=0.6, stains=0.7, cover=0.45),
+            bottom=Bottom(tone=0.33, ripples=2.0, stones=0.6, algae=1.0, ripple_angle=6.0),
+            skin=Skin(
+                tone=0.6,
+                stains=1.0,
+                cover=0.4,
+                turf=0.09,
+                silt=0.1,
+                bulge=0.07,
+                drift=0.26,
+                shade=0.6,
+                gap_lengths=(1.0, 3.5),
+            ),
+            water=Water(absorption=0.2, scatter=0.2, veil=0.3, blur=0.9, flakes=0.7),
+            daylight=0.32,
+            lamps=_LAMP_FROM_THE_LEFT,
+            companions=0.4,
+            noise=4.0,
         ),
     ),
     Scenario(
@@ -211,10 +255,20 @@ _ALL = (
             skew=Sway(2.0, 1.8, BRISK, 0.004),
         ),
         Look(
-            bottom=Bottom(stones=0.5, algae=0.8),
-            skin=Skin(tone=0.62, stains=0.6, cover=0.35),
-            water=Water(absorption=0.12, scatter=0.14, flakes=0.25),
-            clutter=0.3,
+            bottom=Bottom(stones=0.7, algae=0.9),
+            skin=Skin(
+                tone=0.58,
+                stains=0.7,
+                cover=0.38,
+                turf=0.07,
+                silt=0.1,
+                bulge=0.05,
+                drift=0.1,
+                shade=0.75,
+            ),
+            water=Water(absorption=0.13, scatter=0.15, flakes=0.3),
+            clutter=0.35,
+            companions=0.1,
         ),
     ),
     Scenario(
@@ -240,8 +294,23 @@ _ALL = (
             ),
         ),
         Look(
-            bottom=Bottom(tone=0.27, stones=2.2, gravel=0.75, algae=0.5),
-            skin=Skin(tone=0.6, stains=0.8, cover=0.45),
+            bottom=Bottom(tone=0.3, stones=2.2, gravel=0.8, algae=0.6),
+            skin=Skin(
+                tone=0.58,
+                stains=1.0,
+                cover=0.35,
+                turf=0.08,
+                silt=0.1,
+                bulge=0.07,
+                drift=0.25,
+                shade=0.6,
+                gap_lengths=(1.0, 3.0),
+            ),
+            water=Water(absorption=0.2, scatter=0.18, veil=0.3, blur=0.9, flakes=0.6),
+            daylight=0.3,
+            lamps=_LAMP_FROM_THE_RIGHT,
+            companions=0.4,
+            noise=4.0,
         ),
     ),
     Scenario(
@@ -255,10 +324,23 @@ _ALL = (
             skew=Sway(2.4, 2.6, BRISK, 0.021),
         ),
         Look(
-            bottom=Bottom(tone=0.62, ripples=1.6, stones=0.5, algae=0.35),
-            skin=Skin(tone=0.13, stains=0.8, cover=0.4),
-            water=Water(absorption=0.1, scatter=0.2, veil=0.34, blur=0.7, flakes=0.2),
-            daylight=0.8,
+            bottom=Bottom(tone=0.6, ripples=2.0, stones=0.7, algae=0.6, ripple_angle=-8.0),
+            skin=Skin(
+                tone=0.21,
+                stains=1.0,
+                cover=0.4,
+                turf=0.1,
+                silt=0.13,
+                bulge=0.07,
+                drift=0.3,
+                shade=0.5,
+                gap_lengths=(1.5, 4.0),
+            ),
+            water=Water(absorption=0.12, scatter=0.22, veil=0.36, blur=0.9, flakes=0.5),
+            daylight=0.45,
+            lamps=_LAMP_FROM_THE_RIGHT,
+            companions=0.5,
+            noise=4.0,
         ),
     ),
     Scenario(
@@ -272,8 +354,23 @@ _ALL = (
             skew=Sway(0.8, 3.4, SHAKY, 0.177, moves=(FrameMove(16, 9, 6.4),)),
         ),
         Look(
-            bottom=Bottom(stones=0.9, algae=1.3),
-            skin=Skin(tone=0.55, stains=0.9, cover=0.5),
+            bottom=Bottom(tone=0.32, ripples=1.4, stones=1.2, algae=1.3),
+            skin=Skin(
+                tone=0.57,
+                stains=0.9,
+                cover=0.4,
+                turf=0.1,
+                silt=0.1,
+                bulge=0.07,
+                drift=0.24,
+                shade=0.7,
+                gap_lengths=(1.0, 3.0),
+            ),
+            water=Water(absorption=0.18, scatter=0.18, veil=0.3, blur=0.85, flakes=0.6),
+            daylight=0.32,
+            lamps=_LAMP_FROM_THE_LEFT,
+            companions=0.35,
+            noise=3.5,
         ),
         mounting=35.0,
     ),
@@ -320,6 +417,14 @@ _ALL = (
         250,
         USUAL_MOTION,
         Look(clutter=1.0),
+        has_cable=False,
+    ),
+    Scenario(
+        "decoys",
+        "no cable, but trenches and pairs of parallel lines that look like one",
+        250,
+        USUAL_MOTION,
+        Look(clutter=1.0, companions=0.8),
         has_cable=False,
     ),
     Scenario(

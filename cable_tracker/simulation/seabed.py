@@ -42,6 +42,18 @@ PEBBLES_PER_AREA = 7.0
 LAY_SPACING = 0.5
 """Distance between the wires wound around the cable [radii]; divides `CABLE_LENGTH`."""
 
+DRIFT_LENGTHS = (6.0, 20.0)
+"""Shortest and longest stretch at which sand lies over one side of a cable [radii]."""
+
+DRIFT_RAMP = 3.0
+"""Way over which such sand creeps up the cable and recedes again [radii]."""
+
+MOST_SILT = 0.45
+"""A film of silt is never as opaque as to hide a border."""
+
+LARGEST_BULGE = 2.0
+"""Crusts are cut off here [standard deviations]."""
+
 NEVER_BURIED = -3.0
 """Level of sand on a cable that lies free everywhere."""
 
@@ -53,14 +65,17 @@ LIGHT = (-0.8, 0.6)
 class CableChannels:
     """Names of the channels of the cable's texture.
 
-    All are between 0 and 1 except the level of the sand, which covers the cable where it is
-    positive; see `burial_cover`.
+    All are between 0 and 1 but two: the level of the sand, which covers the cable where it is
+    positive (see `burial_cover`), and the outline, by which the border is seen farther out than
+    the bare cable's [radii]; the latter is told by the side of the cable alone.
     """
 
     surface: int = 0
     growth: int = 1
     growth_tone: int = 2
     sand: int = 3
+    turf: int = 4
+    outline: int = 5
 
 
 CHANNELS = CableChannels()
@@ -110,7 +125,8 @@ def make_bed(resolution: int, bottom: Bottom, rng: np.random.Generator) -> Tiled
     side = BED_SIZE * resolution
     shape = (side, side)
     sediment = spectral_noise(cloud_response(shape, resolution, (9.0, 9.0), 0.12), shape, rng)
-    height = 0.05 * sediment + bottom.ripples * _ripples(shape, resolution, rng)
+    ripples = _ripples(shape, resolution, bottom.ripple_angle, rng)
+    height = 0.05 * sediment + bottom.ripples * ripples
     albedo = bottom.tone * (1 + 0.145 * sediment)
     if bottom.gravel > 0:
         _spread_gravel(height, albedo, resolution, bottom.gravel, rng)
@@ -137,7 +153,7 @@ def make_cable(resolution: int, skin: Skin, rng: np.random.Generator) -> TiledTe
     Returns
     -------
     TiledTexture
-        Four channels, see `CableChannels`; p = -1 and p = 1 are at 1 and 3 across.
+        Six channels, see `CableChannels`; p = -1 and p = 1 are at 1 and 3 across.
     """
     shape = (CABLE_LENGTH * resolution, 2 * CABLE_REACH * resolution)
     small = _patches(shape, resolution, (0.8, 1.5), share=0.10 * skin.cover, crest=0.3, rng=rng)
@@ -148,7 +164,12 @@ def make_cable(resolution: int, skin: Skin, rng: np.random.Generator) -> TiledTe
     kinds = spectral_noise(cloud_response(shape, resolution, (5.0, 5.0), 1.0), shape, rng)
     tone = np.clip(0.25 + 0.1 * tufts + 0.05 * kinds, 0.05, 0.7)
     surface = _cable_surface(shape, resolution, skin, rng)
-    channels = np.stack((surface, growth, tone, sand), axis=-1)
+    # What is not asked for draws nothing, and so leaves all that is drawn later as it is.
+    turf = _turf(shape, resolution, skin, rng)
+    outline = _outline(shape, resolution, skin.bulge, rng)
+    if skin.drift > 0.0:
+        sand = np.maximum(sand, _drifts(shape, resolution, skin.drift, rng))
+    channels = np.stack((surface, growth, tone, sand, turf, outline), axis=-1)
     return TiledTexture.from_tile(np.ascontiguousarray(channels, dtype=np.float32), resolution)
 
 
@@ -165,9 +186,15 @@ def _relief(height: Image, resolution: float) -> Image:
     return np.clip(1 + 0.55 * np.tanh(slope), 0.25, 1.7)
 
 
-def _ripples(shape: tuple[int, int], resolution: float, rng: np.random.Generator) -> Image:
-    """Return the height of sand ripples, which come and go over the bottom [units]."""
-    direction = rng.uniform(0.0, np.pi)
+def _ripples(
+    shape: tuple[int, int], resolution: float, angle: float | None, rng: np.random.Generator
+) -> Image:
+    """Return the height of sand ripples, which come and go over the bottom [units].
+
+    `angle` is that of the crests from the course of the cable [deg]; None: any.
+    """
+    drawn = rng.uniform(0.0, np.pi)
+    direction = drawn if angle is None else float(np.deg2rad(angle))
     wavelength = rng.uniform(1.3, 2.0)
     across, along = frequencies(shape, resolution)
     u = across * np.cos(direction) + along * np.sin(direction)
@@ -274,12 +301,61 @@ def _patches(
     noise = spectral_noise(cloud_response(shape, resolution, size, 0.15, 2.2), shape, rng)
     if share <= 0.0:
         return np.asarray(NEVER_BURIED + np.float32(0.3) * np.clip(noise, -2, 2))
-    borders = noise[:, [shape[1] // 4, 3 * shape[1] // 4]]
+    borders = noise[:, _border_columns(shape)]
     threshold = np.float32(np.quantile(borders, 1 - share))
     # Fade out to the rim of the texture, where it would be cut off along a straight line.
     across = np.abs((np.arange(shape[1]) + 0.5) / resolution - CABLE_REACH)
     lowered = 4 * smooth_step(across, 1.3, 1.95) + crest * np.sqrt(np.clip(1 - across**2, 0, 1))
     return np.asarray(noise - threshold - lowered.astype(np.float32))
+
+
+def _turf(shape: tuple[int, int], resolution: int, skin: Skin, rng: np.random.Generator) -> Image:
+    """Return how much growth and sediment with the bottom's look cover the cable, 0 to 1."""
+    turf = np.zeros(shape, dtype=np.float32)
+    if skin.silt > 0.0:
+        film = spectral_noise(cloud_response(shape, resolution, (2.0, 4.0), 0.15), shape, rng)
+        turf = np.clip(np.float32(skin.silt) * (1 + 0.35 * film), 0.0, MOST_SILT)
+    if skin.turf > 0.0:
+        level = _patches(shape, resolution, (2.5, 5.0), share=skin.turf, crest=0.2, rng=rng)
+        turf = np.maximum(turf, smooth_step(level, -0.3, 0.3))
+    return turf
+
+
+def _outline(
+    shape: tuple[int, int], resolution: int, bulge: float, rng: np.random.Generator
+) -> Image:
+    """Return how far crusts push each border outwards, the same all over its side [radii]."""
+    if bulge <= 0.0:
+        return np.zeros(shape, dtype=np.float32)
+    crusts = spectral_noise(cloud_response(shape, resolution, (1.5, 1.5), 0.12), shape, rng)
+    borders = np.clip(crusts[:, _border_columns(shape)], -LARGEST_BULGE, LARGEST_BULGE)
+    return np.asarray(np.float32(bulge) * np.repeat(borders, shape[1] // 2, axis=1))
+
+
+def _drifts(
+    shape: tuple[int, int], resolution: int, share: float, rng: np.random.Generator
+) -> Image:
+    """Return the level of sand that has drifted over one side of the cable, here and there."""
+    level = np.full(shape, NEVER_BURIED, dtype=np.float32)
+    p = ((np.arange(shape[1]) + 0.5) / resolution - CABLE_REACH).astype(np.float32)
+    q = ((np.arange(shape[0]) + 0.5) / resolution).astype(np.float32)
+    waves = spectral_noise(cloud_response(shape, resolution, (3.0, 3.0), 0.3), shape, rng)
+    bare = float(np.mean(DRIFT_LENGTHS)) * (1 / share - 1)
+    place = float(rng.uniform(0.0, bare))
+    while place + DRIFT_LENGTHS[0] < CABLE_LENGTH:
+        length = float(min(rng.uniform(*DRIFT_LENGTHS), CABLE_LENGTH - place))
+        side, highest = float(rng.choice((-1, 1))), float(rng.uniform(-0.1, 0.65))
+        risen = smooth_step(q, place, place + DRIFT_RAMP)
+        risen = risen - smooth_step(q, place + length - DRIFT_RAMP, place + length)
+        edge = highest + 0.13 * waves + (1 - risen[:, None]) * (2.5 - highest)
+        level = np.maximum(level, side * p[None, :] - edge)
+        place += length + bare * float(rng.uniform(0.5, 1.5))
+    return level
+
+
+def _border_columns(shape: tuple[int, int]) -> list[int]:
+    """Return the columns of p = -1 and p = 1 in the texture of a cable."""
+    return [shape[1] // 4, 3 * shape[1] // 4]
 
 
 def _cable_surface(

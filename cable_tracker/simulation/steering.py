@@ -12,6 +12,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.geometry import project_borders, unwrap_states
+from cable_tracker.cable.state import STATE_SIZE
 from cable_tracker.simulation.borders import fit_states, project_tube
 from cable_tracker.simulation.camera import Camera, CameraPoses, chain
 from cable_tracker.simulation.tube import Tube
@@ -35,13 +36,13 @@ def steer(
     camera : Camera
         The camera.
     states : FloatArray
-        d, alpha, w, beta wanted, shape (N, 4) or (N, 6) [px, rad]; |alpha| below about 80 deg.
+        d, alpha, w, beta wanted, shape (N, 4) or (N, 8) [px, rad]; |alpha| below about 80 deg.
     lean : FloatArray
         How far the image's right side hangs down, shape (N,) [rad].
     travel : FloatArray
         Where along the cable the camera is, shape (N,) [m].
     """
-    wanted = np.zeros((states.shape[0], 6))
+    wanted = np.zeros((states.shape[0], STATE_SIZE))
     wanted[:, :4] = states[:, :4]
     command = wanted.copy()
     poses = _steer_straight(tube, camera, command, lean, travel)

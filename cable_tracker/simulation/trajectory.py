@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.state import STATE_SIZE
 from cable_tracker.errors import ParameterError
 
 REFERENCE_WIDTH = 320
@@ -214,18 +215,20 @@ class Trajectory:
     pause: Pause | None = None
 
     def states(self, times: FloatArray, image_width: int) -> FloatArray:
-        """Return d, alpha, w, beta and the rates of d and alpha, shape (N, 6) [px, rad, 1/s].
+        """Return d, alpha, w, beta and their rates, shape (N, 8) [px, rad, per second].
 
         The angle is not wrapped.
         """
         scale = image_width / REFERENCE_WIDTH
-        states = np.empty((times.size, 6))
+        states = np.empty((times.size, STATE_SIZE))
         states[:, 0] = scale * self.distance.values(times)
         states[:, 1] = self.angle.values(times)
         states[:, 2] = scale * self.width.values(times)
         states[:, 3] = self.skew.values(times)
         states[:, 4] = scale * _rate(self.distance, times)
         states[:, 5] = _rate(self.angle, times)
+        states[:, 6] = scale * _rate(self.width, times)
+        states[:, 7] = _rate(self.skew, times)
         return states
 
     def way(self, times: FloatArray) -> FloatArray:

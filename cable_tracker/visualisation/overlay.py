@@ -9,11 +9,13 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.estimate import Hypothesis
 from cable_tracker.cable.geometry import image_to_pixel, project_borders, segment_inside
 from cable_tracker.cable.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.errors import FrameError
 from cable_tracker.visualisation.palette import (
     ESTIMATE,
+    HYPOTHESES,
     PARTICLES,
     TRUTH,
     WHITE,
@@ -24,6 +26,9 @@ from cable_tracker.visualisation.palette import (
 
 LARGEST_CLOUD = 100
 """No more particles are drawn than this: those of highest weight."""
+
+LEAST_PROBABILITY = 0.05
+"""Hypotheses below this are not drawn."""
 
 LARGEST_SIGMA = 1e6
 """What stands for unknown; wider bands fill the image anyway [px, rad]."""
@@ -70,6 +75,8 @@ def draw_overlay(
     sigma: Sequence[float] | FloatArray | None = None,
     truth: CableState | None = None,
     cloud: FloatArray | None = None,
+    hypotheses: Sequence[Hypothesis] = (),
+    presence: float | None = None,
     caption: str = "",
     minimum_width: int | None = None,
 ) -> Image:
@@ -90,7 +97,12 @@ def draw_overlay(
     truth : CableState or None
         Where the cable really runs; drawn dashed.
     cloud : FloatArray or None
-        Particles, shape (N, 7): the columns of `StateColumn`, and the weight.
+        Particles, shape (N, 9): the columns of `StateColumn`, and the weight.
+    hypotheses : sequence of Hypothesis
+        Where the cable may be, likeliest first. Of those after the first, which is the estimate's,
+        the centrelines are drawn where there is a state or a cloud.
+    presence : float or None
+        Probability that a cable is in view, 0 to 1, shown behind the status.
     caption : str
         Shown in the lower left corner, one line of ASCII.
     minimum_width : int or None
@@ -105,11 +117,11 @@ def draw_overlay(
     Raises
     ------
     FrameError
-        The image is no grey or colour image, or the cloud has not seven columns.
+        The image is no grey or colour image, or the cloud has not nine columns.
     """
     canvas = _as_bgr(image)
     if cloud is not None and (cloud.ndim != 2 or cloud.shape[1] != STATE_SIZE + 1):
-        raise FrameError(f"cloud: shape is {cloud.shape}; give (N, 7), six of the state and weight")
+        raise FrameError(f"cloud: shape is {cloud.shape}; give (N, 9), the state and its weight")
     scale = 1.0
     if minimum_width is not None and canvas.shape[1] < minimum_width:
         scale = minimum_width / canvas.shape[1]
@@ -118,11 +130,13 @@ def draw_overlay(
     pen = _Pen.for_image(canvas)
     if cloud is not None:
         _draw_cloud(canvas, cloud, scale, pen)
+    if state is not None or cloud is not None:
+        _draw_hypotheses(canvas, hypotheses[1:], scale, pen)
     if state is not None and state.is_finite():
         _draw_estimate(canvas, _scaled(state, scale), _scaled_sigma(sigma, scale), status, pen)
     if truth is not None and truth.is_finite():
         _draw_truth(canvas, _scaled(truth, scale), pen)
-    _write_legend(canvas, state, status, caption)
+    _write_legend(canvas, state, status, presence, caption)
     return canvas
 
 
@@ -224,6 +238,18 @@ def _blend(canvas: Image, opacity: Image, colour: Colour) -> None:
     region[:] = cv2.blendLinear(paint, region, share, 1 - share)
 
 
+def _draw_hypotheses(
+    canvas: Image, hypotheses: Sequence[Hypothesis], scale: float, pen: _Pen
+) -> None:
+    segments = [
+        segment
+        for hypothesis in hypotheses
+        if hypothesis.probability >= LEAST_PROBABILITY and hypothesis.state.is_finite()
+        for segment in _centre_segments(_scaled(hypothesis.state, scale), pen.image_size)
+    ]
+    _draw_segments(canvas, segments, HYPOTHESES, pen.thin, pen)
+
+
 def _draw_estimate(
     canvas: Image, state: CableState, sigma: tuple[float, float] | None, status: str, pen: _Pen
 ) -> None:
@@ -277,7 +303,9 @@ def _numbers(state: CableState) -> str:
     )
 
 
-def _write_legend(canvas: Image, state: CableState | None, status: str, caption: str) -> None:
+def _write_legend(
+    canvas: Image, state: CableState | None, status: str, presence: float | None, caption: str
+) -> None:
     """Write status and numbers on a dark strip at the top, the caption at the bottom."""
     height, width = canvas.shape[:2]
     numbers = _numbers(state) if state is not None and state.is_finite() else ""
@@ -285,11 +313,13 @@ def _write_legend(canvas: Image, state: CableState | None, status: str, caption:
     # Measured by a text of the widest kind, so that the size does not flicker with the digits.
     scale = min(_scale_to_fit(wide, 0.97 * width), 0.0021 * height + 0.02, 1.6)
     line = round(_text_height(scale) * 1.6)
-    side_by_side = _text_width(f"INITIALISING  {wide}", scale) < width - 2 * line
+    longest = _with_presence("INITIALISING", None if presence is None else 1.0)
+    side_by_side = _text_width(f"{longest}  {wide}", scale) < width - 2 * line
     strip = min(height, line if side_by_side else 2 * line)
     _darken(canvas[:strip])
     margin = max(2, line // 4)
-    _write(canvas, status, (margin, line), scale, status_colour(status))
+    words = _with_presence(status, presence)
+    _write(canvas, words, (margin, line), scale, status_colour(status))
     if numbers and side_by_side:
         _write(canvas, numbers, (width - margin - _text_width(wide, scale), line), scale, WHITE)
     elif numbers:
@@ -297,6 +327,10 @@ def _write_legend(canvas: Image, state: CableState | None, status: str, caption:
     if caption:
         _darken(canvas[height - min(height, line) :, : _text_width(caption, scale) + 2 * margin])
         _write(canvas, caption, (margin, height), scale, WHITE)
+
+
+def _with_presence(status: str, presence: float | None) -> str:
+    return status if presence is None else f"{status} {100 * presence:.0f} %"
 
 
 def _darken(region: Image) -> None:

@@ -14,11 +14,13 @@ RED: Colour = (230, 95, 20)
 AMBER: Colour = (240, 180, 0)
 GREY: Colour = (170, 170, 170)
 PINK: Colour = (255, 130, 200)
+STRAW: Colour = (215, 205, 140)
 SKY: Colour = (86, 180, 233)
 WHITE: Colour = (255, 255, 255)
 BLACK: Colour = (0, 0, 0)
 
 ESTIMATE = GREEN
+HYPOTHESES = STRAW
 TRUTH = PINK
 PARTICLES = SKY
 

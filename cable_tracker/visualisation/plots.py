@@ -34,6 +34,9 @@ SHADED_STATUSES = ("INITIALISING", "LOST", "REFUSED")
 LONGEST_BRIDGE = 0.5
 """Longest time without a label that the line of the truth runs across [s]."""
 
+PANEL_HEIGHT = 2.1
+"""[inch]."""
+
 HALF_TURN_JUMP = np.pi / 2
 """An angle that changes by more than this between two frames has wrapped."""
 
@@ -64,6 +67,8 @@ class _Series:
         Since the first stamp, shape (T,) [s].
     estimates, sigmas, truths : FloatArray
         d, alpha, w, beta, shape (T, 4) [px, rad].
+    presence : FloatArray
+        Probability that a cable is in view, shape (T,).
     statuses : tuple of str
         Length T.
     """
@@ -72,6 +77,7 @@ class _Series:
     estimates: FloatArray
     sigmas: FloatArray
     truths: FloatArray
+    presence: FloatArray
     statuses: tuple[str, ...]
 
 
@@ -79,6 +85,8 @@ def plot_estimates(
     path: Path, rows: Sequence[EstimateRow], truths: Mapping[int, CableState]
 ) -> None:
     """Plot d, alpha, w and beta over time, with bands of two sigma, and the truth where known.
+
+    Where the filter knows the probability that a cable is in view, a panel below shows it.
 
     Parameters
     ----------
@@ -115,7 +123,8 @@ def _series(rows: Sequence[EstimateRow], truths: Mapping[int, CableState]) -> _S
         truth = truths.get(row.frame)
         if truth is not None:
             true[index] = _in_chart(truth, row.state)
-    return _Series(times, estimates, sigmas, true, tuple(row.status for row in rows))
+    presence = np.array([np.nan if row.presence is None else row.presence for row in rows])
+    return _Series(times, estimates, sigmas, true, presence, tuple(row.status for row in rows))
 
 
 def _in_chart(truth: CableState, estimate: CableState | None) -> FloatArray:
@@ -127,14 +136,19 @@ def _in_chart(truth: CableState, estimate: CableState | None) -> FloatArray:
 
 
 def _draw(series: _Series) -> Figure:
-    figure = Figure(figsize=(11.0, 8.5), dpi=DOTS_PER_INCH)
-    axes: list[Axes] = list(figure.subplots(4, 1, sharex=True))
+    knows_presence = bool(np.isfinite(series.presence).any())
+    count = len(PANELS) + knows_presence
+    figure = Figure(figsize=(11.0, 0.1 + PANEL_HEIGHT * count), dpi=DOTS_PER_INCH)
+    axes: list[Axes] = list(figure.subplots(count, 1, sharex=True))
     low, high = float(series.times.min()), float(series.times.max())
     shaded = [status for status in SHADED_STATUSES if status in series.statuses]
-    for axis, panel in zip(axes, PANELS, strict=True):
+    for axis in axes:
         for status in shaded:
             _shade(axis, series, status)
+    for axis, panel in zip(axes, PANELS, strict=False):
         _draw_panel(axis, series, panel)
+    if knows_presence:
+        _draw_presence(axes[-1], series)
     axes[-1].set_xlim(low, high if high > low else low + 1.0)
     axes[-1].set_xlabel("time since the first frame [s]")
     _add_legend(figure, series, shaded)
@@ -159,6 +173,19 @@ def _draw_panel(axis: Axes, series: _Series, panel: _Panel) -> None:
     axis.plot(true_times, truth, color=_dark(TRUTH), linewidth=1.3, linestyle=(0, (4, 2)))
     axis.set_ylim(_limits(np.concatenate((estimate, truth)), sigma))
     axis.set_ylabel(panel.label)
+    _decorate(axis)
+
+
+def _draw_presence(axis: Axes, series: _Series) -> None:
+    percent = 100 * series.presence
+    axis.plot(series.times, percent, color=_dark(ESTIMATE), linewidth=1.4)
+    _mark_single_points(axis, series.times, percent, _dark(ESTIMATE))
+    axis.set_ylim(-4, 104)
+    axis.set_ylabel("presence [%]")
+    _decorate(axis)
+
+
+def _decorate(axis: Axes) -> None:
     axis.grid(color="0.9", linewidth=0.7)
     axis.set_axisbelow(True)
     for side in ("top", "right"):

@@ -5,12 +5,12 @@ import pytest
 
 from cable_tracker.cable.evidence import NOISE_FLOOR, border_evidence, response_scale
 from cable_tracker.cable.observation import BorderObservation
-from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.presets import preset
 from cable_tracker.cable.state import CableState
 from cable_tracker.cable.working_image import make_working_image
 
 TRUE = CableState(15.0, 0.2, 50.0, 0.05)
-PARAMETERS = TrackerParameters()
+PARAMETERS = preset("thesis")
 MODEL = BorderObservation(PARAMETERS)
 
 

@@ -24,7 +24,7 @@ ANGLES = st.floats(-np.pi / 2, np.pi / 2)
 
 @st.composite
 def cables(draw) -> np.ndarray:
-    """One state, shape (1, 6)."""
+    """One state, shape (1, 8)."""
     return np.array(
         [
             [
@@ -34,6 +34,8 @@ def cables(draw) -> np.ndarray:
                 draw(st.floats(-1.2, 1.2)),
                 draw(st.floats(-100, 100)),
                 draw(st.floats(-3, 3)),
+                draw(st.floats(-50, 50)),
+                draw(st.floats(-1, 1)),
             ]
         ]
     )
@@ -111,7 +113,7 @@ def test_a_cable_written_the_other_way_round_has_the_same_borders(states, half_t
     turned = states.copy()
     turned[:, 1] += np.pi * half_turns
     if half_turns % 2:
-        turned[:, [0, 3, 4]] *= -1
+        turned[:, [0, 3, 4, 7]] *= -1
     before, after = project_borders(states), project_borders(turned)
     for side in (0, 1):
         other = 1 - side if half_turns % 2 else side
@@ -126,7 +128,8 @@ def test_a_cable_written_the_other_way_round_has_the_same_borders(states, half_t
 @given(cables())
 def test_wrapping_keeps_what_is_wrapped(states):
     once = wrap_states(states)
-    np.testing.assert_array_equal(wrap_states(once)[:, [0, 2, 3, 4, 5]], once[:, [0, 2, 3, 4, 5]])
+    others = [0, 2, 3, 4, 5, 6, 7]
+    np.testing.assert_array_equal(wrap_states(once)[:, others], once[:, others])
     assert -np.pi / 2 < once[0, 1] <= np.pi / 2
     assert once[0, 2] == states[0, 2]
     assert once[0, 5] == states[0, 5]
@@ -142,7 +145,7 @@ def test_in_a_chart_angles_are_near_its_centre_and_the_line_is_the_same(states, 
 
 
 def test_the_states_given_are_not_changed():
-    states = np.array([[10.0, 3.0, 20.0, 0.1, 1.0, 0.1]])
+    states = np.array([[10.0, 3.0, 20.0, 0.1, 1.0, 0.1, 2.0, 0.05]])
     before = states.copy()
     wrap_states(states)
     unwrap_states(states, 1.0)

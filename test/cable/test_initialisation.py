@@ -6,6 +6,7 @@ import pytest
 from cable_tracker.cable.initialisation import (
     StatePrior,
     random_states,
+    search_box,
     states_from_prior,
     usual_sigma,
 )
@@ -16,7 +17,7 @@ from cable_tracker.cable.state import CableState
 
 COUNT = 20_000
 DEGREE = np.pi / 180
-KNOWN = CableState(20.0, 0.3, 40.0, 0.02, 5.0, 0.1)
+KNOWN = CableState(20.0, 0.3, 40.0, 0.02, 5.0, 0.1, 2.0, -0.05)
 
 
 def parameters(**changes) -> TrackerParameters:
@@ -27,10 +28,12 @@ def parameters(**changes) -> TrackerParameters:
 def test_a_random_start_fills_table_5_2_and_no_more(width, rng):
     scale = width / 320
     states = random_states(parameters(), width, rng)
-    assert states.shape == (COUNT, 6)
+    assert states.shape == (COUNT, 8)
     # Rates are per frame in the table and per second here.
     half = np.array([150 * scale, 45 * DEGREE, 47.5 * scale, 5 * DEGREE, 25 * scale, 2.5 * DEGREE])
     middle = np.array([0, 0, 52.5 * scale, 5 * DEGREE, 0, 0])
+    assert (states[:, 6:] == 0.0).all()
+    states = states[:, :6]
     assert (np.abs(states - middle) <= half * (1 + 1e-12)).all()
     # A uniform distribution: mean and variance to five standard errors.
     assert (np.abs(states.mean(axis=0) - middle) < 5 * half / np.sqrt(3 * COUNT)).all()
@@ -46,7 +49,8 @@ def test_a_random_start_stays_within_the_limits(rng):
 
 
 def test_a_given_state_is_the_middle_of_a_narrow_cloud(rng):
-    states = states_from_prior(StatePrior.around(KNOWN), parameters(), 320, rng)
+    moving = parameters(width_rate_variance=1.0, skew_rate_variance=0.1)
+    states = states_from_prior(StatePrior.around(KNOWN), moving, 320, rng)
     sigma = usual_sigma(320)
     error = np.abs(states.mean(axis=0) - KNOWN.to_array())
     assert (error < 5 * sigma / np.sqrt(COUNT)).all()
@@ -54,19 +58,26 @@ def test_a_given_state_is_the_middle_of_a_narrow_cloud(rng):
     np.testing.assert_allclose(sigma[:4], [2.0, 0.5 * DEGREE, 2.0, 0.5 * DEGREE])
 
 
+def test_a_model_whose_width_and_skew_have_no_rates_is_given_none(rng):
+    still = CableState(20.0, 0.3, 40.0, 0.02, 5.0, 0.1)
+    states = states_from_prior(StatePrior.around(still), preset("thesis"), 320, rng)
+    assert (states[:, 6:] == 0.0).all()
+    assert (states[:, :6].std(axis=0) > 0.0).all()
+
+
 def test_sigmas_that_are_given_are_used(rng):
-    sigma = np.array([5.0, 0.01, 1.0, 0.001, 2.0, 0.5])
+    sigma = np.array([5.0, 0.01, 1.0, 0.001, 2.0, 0.5, 3.0, 0.1])
     states = states_from_prior(StatePrior(KNOWN, sigma), parameters(), 320, rng)
     np.testing.assert_allclose(states.std(axis=0), sigma, rtol=0.03)
 
 
 def test_a_sigma_of_zero_is_exact(rng):
-    states = states_from_prior(StatePrior(KNOWN, np.zeros(6)), parameters(), 320, rng)
+    states = states_from_prior(StatePrior(KNOWN, np.zeros(8)), parameters(), 320, rng)
     np.testing.assert_allclose(states, np.tile(KNOWN.to_array(), (COUNT, 1)))
 
 
 def test_what_is_not_known_is_drawn_as_in_a_random_start(rng):
-    sigma = np.array([1.0, 0.01, np.inf, np.inf, np.inf, np.inf])
+    sigma = np.array([1.0, 0.01, *[np.inf] * 6])
     states = states_from_prior(
         StatePrior(CableState(20.0, 0.3, 0.0), sigma), parameters(), 320, rng
     )
@@ -88,3 +99,23 @@ def test_a_state_beyond_the_limits_is_brought_inside(rng):
     states = states_from_prior(far, parameters(), 320, rng)
     box = state_limits(parameters(), 320)
     np.testing.assert_allclose(states[:, [0, 2, 3]], np.tile(box.upper[[0, 2, 3]], (COUNT, 1)))
+
+
+@pytest.mark.parametrize("width", [160, 320])
+def test_the_density_of_the_search_integrates_to_one_over_its_box(width, rng):
+    box = search_box(parameters(), width)
+    density = np.exp(box.log_density_of_places(box.draw(100, rng)))
+    volume = np.prod((box.upper - box.lower)[:4])
+    np.testing.assert_allclose(density * volume, 1.0)
+    # A box twice as wide: the density is zero in what is added.
+    middle, half = (box.upper + box.lower) / 2, box.upper - box.lower
+    draws = rng.uniform(middle - half, middle + half, (COUNT, 8))
+    share = np.exp(box.log_density_of_places(draws)).mean() * np.prod(2 * half[:4])
+    assert share == pytest.approx(1.0, abs=0.15)
+
+
+def test_a_range_of_zero_is_a_narrow_box_and_no_division_by_zero():
+    point = search_box(parameters(initial_distance_range=0.0, initial_angle_range=0.0), 320)
+    middle = (point.lower + point.upper)[None, :] / 2
+    with np.errstate(all="raise"):
+        assert np.isfinite(point.log_density_of_places(middle)).all()

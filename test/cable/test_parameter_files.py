@@ -32,6 +32,8 @@ def any_parameters(draw) -> TrackerParameters:
     spec = draw(st.sampled_from([spec for spec in PARAMETER_TABLE if spec.kind is not bool]))
     if spec.choices:
         value = draw(st.sampled_from(spec.choices))
+    elif spec.kind is str:
+        value = draw(st.text())
     elif spec.kind is int:
         value = draw(st.integers(int(spec.minimum), int(spec.maximum)))
     else:
@@ -48,6 +50,37 @@ def test_what_is_written_is_read_back_exactly(written, parameters):
     path = written(format_parameter_file(parameters, "Any."))
     again = filter_parameters(TrackerParameters(), read_parameter_file(path), set())
     assert again == parameters
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        " ",
+        "null",
+        "~",
+        "no",
+        "1",
+        "1e-5",
+        "a b",
+        "my # table.json",
+        "C:\\x",
+        "it's",
+        '"',
+        "ä",
+        "{",
+    ],
+)
+def test_any_text_is_written_so_that_it_is_read_back(written, text):
+    parameters = TrackerParameters(response_table=text)
+    path = written(format_parameter_file(parameters, "Any."))
+    assert read_parameter_file(path)["response_table"] == text
+
+
+def test_a_text_that_is_left_out_is_refused(written):
+    values = read_parameter_file(written("response_table:\n"))
+    with pytest.raises(ParameterError, match="response_table: None is not a word"):
+        filter_parameters(TrackerParameters(), values, set())
 
 
 @pytest.mark.parametrize("name", PRESETS)

@@ -21,7 +21,7 @@ NUMBERS = pytest.mark.parametrize(
     ids=lambda spec: spec.name,
 )
 WORDS = pytest.mark.parametrize(
-    "spec", [spec for spec in PARAMETER_TABLE if spec.kind is str], ids=lambda spec: spec.name
+    "spec", [spec for spec in PARAMETER_TABLE if spec.choices], ids=lambda spec: spec.name
 )
 
 
@@ -59,6 +59,14 @@ def test_what_is_no_finite_number_is_refused_in_one_line(spec, value):
 @pytest.mark.parametrize("value", ["", "other", 1, True, None])
 def test_what_is_no_choice_is_refused(spec, value):
     with pytest.raises(ParameterError, match=spec.name):
+        spec.coerce(value)
+
+
+@pytest.mark.parametrize("value", [1, True, None, 0.5])
+def test_what_is_no_text_is_refused_where_any_text_will_do(value):
+    spec = PARAMETERS_BY_NAME["response_table"]
+    assert spec.coerce("any.json") == "any.json"
+    with pytest.raises(ParameterError, match="is not a word"):
         spec.coerce(value)
 
 

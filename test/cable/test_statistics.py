@@ -12,31 +12,35 @@ DEGREE = np.pi / 180
 
 def cloud(rng, angle: float, count: int = 200) -> np.ndarray:
     """Cables around one direction, all written with angles near it."""
-    sigma = np.array([3.0, 4 * DEGREE, 2.0, DEGREE, 5.0, 0.05])
-    mean = np.array([20.0, angle, 30.0, 2 * DEGREE, 4.0, 0.1])
-    return mean + rng.standard_normal((count, 6)) * sigma
+    sigma = np.array([3.0, 4 * DEGREE, 2.0, DEGREE, 5.0, 0.05, 3.0, 0.02])
+    mean = np.array([20.0, angle, 30.0, 2 * DEGREE, 4.0, 0.1, 1.0, 0.03])
+    return mean + rng.standard_normal((count, 8)) * sigma
 
 
 def rewritten(states: np.ndarray, which: np.ndarray, half_turn: float = np.pi) -> np.ndarray:
     """Write some of the cables with their normals turned round."""
     result = states.copy()
     result[which, 1] += half_turn
-    for column in (0, 3, 4):
+    for column in (0, 3, 4, 7):
         result[which, column] *= -1
     return result
 
 
 def test_lines_on_both_sides_of_the_wrap_average_across_it():
     states = np.array(
-        [[10.0, 89 * DEGREE, 30.0, 0.1, 5.0, 0.2], [-12.0, -89 * DEGREE, 34.0, -0.1, -7.0, 0.4]]
+        [
+            [10.0, 89 * DEGREE, 30.0, 0.1, 5.0, 0.2, 1.0, 0.04],
+            [-12.0, -89 * DEGREE, 34.0, -0.1, -7.0, 0.4, 3.0, -0.02],
+        ]
     )
     mean, covariance = cable_mean_and_covariance(states, np.array([0.5, 0.5]))
-    np.testing.assert_allclose(mean, [11.0, 90 * DEGREE, 32.0, 0.1, 6.0, 0.3], atol=1e-12)
+    expected = [11.0, 90 * DEGREE, 32.0, 0.1, 6.0, 0.3, 2.0, 0.03]
+    np.testing.assert_allclose(mean, expected, atol=1e-12)
     np.testing.assert_allclose(np.diag(covariance)[:3], [1.0, DEGREE**2, 4.0], atol=1e-12)
 
 
 def test_lines_on_one_side_average_like_numbers():
-    states = np.array([[1.0, 0.1, 20.0, 0.0, 0.0, 0.0], [3.0, 0.3, 22.0, 0.0, 0.0, 0.0]])
+    states = np.array([[1.0, 0.1, 20.0, *[0.0] * 5], [3.0, 0.3, 22.0, *[0.0] * 5]])
     mean, covariance = cable_mean_and_covariance(states, np.array([0.25, 0.75]))
     np.testing.assert_allclose(mean[:3], [2.5, 0.25, 21.5])
     assert covariance[0, 1] == pytest.approx(0.25 * 0.75 * 2.0 * 0.2)
@@ -44,21 +48,26 @@ def test_lines_on_one_side_average_like_numbers():
 
 @pytest.mark.parametrize("angle", [0.3, np.pi / 2, -np.pi / 2, 3.0])
 def test_a_single_particle_is_its_own_mean_without_covariance(angle):
-    state = np.array([[5.0, angle, 30.0, 0.1, 1.0, 0.1]])
+    state = np.array([[5.0, angle, 30.0, 0.1, 1.0, 0.1, 2.0, 0.2]])
     mean, covariance = cable_mean_and_covariance(state, np.ones(1))
     assert -np.pi / 2 < mean[1] <= np.pi / 2
     sign = 1.0 if np.cos(mean[1] - angle) > 0 else -1.0
     np.testing.assert_allclose(mean[[0, 2, 3, 4]], [5.0 * sign, 30.0, 0.1 * sign, sign])
+    np.testing.assert_allclose(mean[[6, 7]], [2.0, 0.2 * sign])
     np.testing.assert_allclose(covariance, 0.0, atol=1e-20)
 
 
 def test_a_mean_beyond_the_wrap_is_written_the_other_way_round_with_its_covariance():
     # Lines at 80 and 130 deg; the directions' mean is 89.6 deg, that of the angles 92.5.
     states = np.array(
-        [[10.0, 80 * DEGREE, 30.0, 0.1, 4.0, 0.0], [-14.0, -50 * DEGREE, 30.0, -0.2, -8.0, 0.0]]
+        [
+            [10.0, 80 * DEGREE, 30.0, 0.1, 4.0, 0.0, 2.0, 0.04],
+            [-14.0, -50 * DEGREE, 30.0, -0.2, -8.0, 0.0, 2.0, -0.08],
+        ]
     )
     mean, covariance = cable_mean_and_covariance(states, np.array([0.75, 0.25]))
-    np.testing.assert_allclose(mean, [-11.0, -87.5 * DEGREE, 30.0, -0.125, -5.0, 0.0], atol=1e-9)
+    expected = [-11.0, -87.5 * DEGREE, 30.0, -0.125, -5.0, 0.0, 2.0, -0.05]
+    np.testing.assert_allclose(mean, expected, atol=1e-9)
     share = 0.75 * 0.25
     assert covariance[0, 0] == pytest.approx(share * 4.0**2)
     assert covariance[0, 1] == pytest.approx(-share * 4.0 * 50 * DEGREE)
@@ -89,7 +98,7 @@ def test_the_covariance_is_symmetric_positive_and_that_of_the_wrapped_line(angle
     # Correlations change their sign with the line's way of writing: compare with the plain ones.
     plain = np.cov(states.T, bias=True)
     turned = np.cos(mean[1] - states[:, 1].mean()) < 0
-    signs = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0]) if turned else np.ones(6)
+    signs = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0]) if turned else np.ones(8)
     np.testing.assert_allclose(covariance, plain * np.outer(signs, signs), atol=1e-8)
 
 

@@ -17,10 +17,19 @@ TRACKING, LOST, INITIALISING = (
 )
 
 
+def after(machine, evidence, dt=0.05, converged=True) -> StatusMachine:
+    return machine.after(
+        rises=converged and evidence >= PARAMETERS.evidence_to_track,
+        holds=converged and evidence >= PARAMETERS.evidence_to_lose,
+        dt=dt,
+        parameters=PARAMETERS,
+    )
+
+
 def run(machine, evidences, dt=0.05, converged=True) -> list[TrackingStatus]:
     statuses = []
     for evidence in evidences:
-        machine = machine.after(evidence, converged, dt, PARAMETERS)
+        machine = after(machine, evidence, dt, converged)
         statuses.append(machine.status)
     return statuses
 
@@ -71,7 +80,7 @@ def test_who_was_told_where_the_cable_is_needs_one_good_frame():
 def test_the_time_without_a_claim_adds_up_until_a_search_begins():
     machine = StatusMachine()
     for _ in range(4):
-        machine = machine.after(BAD, False, 0.25, PARAMETERS)
+        machine = after(machine, BAD, 0.25)
     assert machine.unclaimed_time == pytest.approx(1.0)
     assert machine.searched().unclaimed_time == 0.0
     assert machine.searched().status is INITIALISING
@@ -79,6 +88,6 @@ def test_the_time_without_a_claim_adds_up_until_a_search_begins():
 
 def test_a_cable_that_is_being_confirmed_is_known_as_such():
     assert not StatusMachine().is_confirming
-    assert StatusMachine().after(GOOD, True, 0.04, PARAMETERS).is_confirming
-    assert not StatusMachine().after(BAD, True, 0.04, PARAMETERS).is_confirming
-    assert not StatusMachine(TRACKING).after(BAD, True, 0.04, PARAMETERS).is_confirming
+    assert after(StatusMachine(), GOOD).is_confirming
+    assert not after(StatusMachine(), BAD).is_confirming
+    assert not after(StatusMachine(TRACKING), BAD).is_confirming

@@ -41,6 +41,20 @@ def test_scenarios_are_evaluated(command, tmp_path):
     assert "--scenario S6" in (out / REPORT).read_text(encoding="utf-8")
 
 
+def test_seeds_begin_where_they_are_told(command, tmp_path):
+    out = tmp_path / "out"
+    code, _, _ = command(
+        "evaluate", "--scenario", "S6", "--method", "thesis", "--frames", 2, "--workers", 1,
+        "--first-seed", 40, "--seeds", 2, "--output", out,
+    )  # fmt: skip
+    assert code == 0
+    assert [line.split(",")[2] for line in (out / "runs.csv").read_text().splitlines()[1:]] == [
+        "40",
+        "41",
+    ]
+    assert "seeds 40 to 41" in (out / REPORT).read_text(encoding="utf-8")
+
+
 def test_a_labelled_recording_is_evaluated(command, labels, tmp_path):
     out = tmp_path / "out"
     code, _, _ = command(
@@ -71,6 +85,8 @@ def test_results_are_not_overwritten_unless_told(command, labels, tmp_path):
         (("--scenario", "S7"), "'S7' is none of S1 | S2"),
         (("--method", "magic"), "'magic' is none of default | thesis"),
         (("--seeds", "0"), "seeds is 0"),
+        (("--first-seed", "-1"), "first-seed is -1: give 0 to"),
+        (("--first-seed", "2000000000"), "first-seed is 2000000000: give 0 to"),
         (("--truth", "x.txt"), "give it with --source"),
         (("--source", "x.txt", "--scenario", "S1"), "--source takes the place of"),
         (("--source", "x.txt"), "no such file"),

@@ -6,7 +6,9 @@ from typer.testing import CliRunner
 
 from cable_tracker.cli import app
 from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments import EXPERIMENTS, SPEED_SEQUENCE, SpeedExperiment
+from cable_tracker.evaluation.frames import scenario_sequences
 
 
 def run(*arguments):
@@ -29,6 +31,26 @@ def test_an_experiment_writes_table_and_figure(monkeypatch, tmp_path):
         "speed.png",
     }
     assert "particles" in result.stdout
+
+
+def test_chosen_rows_of_the_ablation_are_run(monkeypatch, tmp_path):
+    short = partial(AblationExperiment, sequences=scenario_sequences(("S3",), 2))
+    monkeypatch.setattr("cable_tracker.commands.experiment.EXPERIMENTS", {"ablation": short})
+    result = run(
+        "ablation", "--row", "thesis", "--row", "any_width", "--first-seed", 5, "--seeds", 1,
+        "--workers", 1, "--output", tmp_path / "out",
+    )  # fmt: skip
+    assert result.exit_code == 0
+    files = {path.name: path.read_text() for path in (tmp_path / "out").iterdir()}
+    assert set(files) == {"table.md", "taken_away.csv", "built_up.csv"}
+    assert files["taken_away.csv"].splitlines()[1].startswith("any_width,")
+    assert files["built_up.csv"].splitlines()[1].startswith("thesis,")
+
+
+def test_rows_are_only_for_the_ablation(tmp_path):
+    result = run("speed", "--row", "thesis", "--output", tmp_path / "out")
+    assert str(result.exception).startswith("--row chooses what the experiment ablation runs")
+    assert not any(tmp_path.iterdir())
 
 
 def test_an_unknown_experiment_is_named_with_what_there_is(tmp_path):

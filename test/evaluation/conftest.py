@@ -81,6 +81,7 @@ class _StripeSequence:
     name: str = "stripe"
     description: str = "a stripe"
     length: int = 12
+    visibility: float = 1.0
 
     def frame_count(self) -> int | None:
         return self.length
@@ -92,7 +93,8 @@ class _StripeSequence:
             left = 140 + index
             image[:, left : left + 40] += 90
             truth = CableState(left + 19.5 - 159.5, 0.0, 40.0, 0.0)
-            yield JudgedFrame(index, 1_000_000_000 + index * FRAME_NS, image, truth, 1.0)
+            stamp = 1_000_000_000 + index * FRAME_NS
+            yield JudgedFrame(index, stamp, image, truth, self.visibility)
 
 
 @pytest.fixture(scope="session")

@@ -136,7 +136,7 @@ def test_all_that_is_said_is_finite_even_if_nothing_is_known():
     assert estimate.state.is_finite()
     assert estimate.evidence == 0.0
     assert np.isfinite(estimate.covariance).all()
-    assert estimate.covariance.shape == (6, 6)
+    assert estimate.covariance.shape == (8, 8)
 
 
 def test_the_time_between_frames_is_the_real_one():

@@ -3,9 +3,11 @@ import dataclasses
 import numpy as np
 import pytest
 
+from cable_tracker.cable.presets import preset
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.frames import RecordingSequence, ScenarioSequence
+from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.runs import Start
 
 
@@ -51,6 +53,15 @@ def test_the_number_of_workers_does_not_change_the_results():
 def test_another_seed_is_another_run(results):
     first, second = (r for r in results if r.sequence == "stripe" and r.method == "default")
     assert not np.array_equal(first.trace.estimates, second.trace.estimates)
+
+
+def test_filters_of_ones_own_are_run_after_the_methods(stripe):
+    own = ConfiguredFilter("small", preset("thesis").replaced({"particle_count": 50}))
+    same = ConfiguredFilter("same", preset("thesis"))
+    named, small, again = run_campaign(Campaign(("thesis",), (stripe,), (1,), filters=(own, same)))
+    assert [result.method for result in (named, small, again)] == ["thesis", "small", "same"]
+    assert np.array_equal(named.trace.estimates, again.trace.estimates)
+    assert not np.array_equal(named.trace.estimates, small.trace.estimates)
 
 
 def test_an_error_in_a_worker_reaches_the_caller(tmp_path):

@@ -1,21 +1,12 @@
-import csv
 import dataclasses
 
-import cv2
-import numpy as np
 import pytest
 
 from cable_tracker.evaluation.experiments import (
     EXPERIMENTS,
-    TABLE_CSV,
-    TABLE_MARKDOWN,
-    ExperimentResult,
-    Picture,
     ReinitialisationExperiment,
     SequenceExperiment,
     SpeedExperiment,
-    table_csv,
-    write_experiment,
 )
 
 
@@ -28,7 +19,7 @@ def test_sequences_are_followed_by_every_method(stripe):
     experiment = SequenceExperiment((0, 1), sequences=(stripe,))
     told = []
     result = experiment.run(1, told.append)
-    assert [row[:3] for row in result.rows] == [
+    assert [row[:3] for row in result.tables[0].rows] == [
         ("stripe", "default", "2"),
         ("stripe", "thesis", "2"),
     ]
@@ -39,45 +30,40 @@ def test_sequences_are_followed_by_every_method(stripe):
 def test_the_search_begins_anew_every_100_frames(long_stripe):
     experiment = ReinitialisationExperiment((0,), ("default",), (long_stripe,))
     result = experiment.run(1, lambda count: None)
-    sequence, everything = result.rows
+    sequence, everything = result.tables[0].rows
     # 135 frames: one whole part and one of 35 frames, enough to tell.
     assert sequence[:3] == ("stripe", "default", "2")
     assert everything[:3] == ("all", "default", "2")
     assert sum(float(share) for share in sequence[3:6]) == pytest.approx(100.0)
 
 
+def test_clear_starts_are_told_apart(long_stripe):
+    faint = dataclasses.replace(long_stripe, name="faint", visibility=0.5)
+    experiment = ReinitialisationExperiment((0,), ("default",), (long_stripe, faint))
+    every, clear = experiment.run(1, lambda count: None).tables
+    assert [row[2] for row in every.rows] == ["2", "2", "4"]
+    assert [row[2] for row in clear.rows] == ["2", "0", "2"]
+    assert clear.rows[0] == every.rows[0]
+    assert set(clear.rows[1][3:]) == {"–"}
+
+
 def test_speed_is_measured_for_every_combination(stripe):
     experiment = SpeedExperiment((0,), stripe, particles=(50, 400), taps=(5, 11))
     result = experiment.run(2, lambda count: None)
-    assert [row[:2] for row in result.rows] == [
+    assert [row[:2] for row in result.tables[0].rows] == [
         ("50", "5"),
         ("400", "5"),
         ("50", "11"),
         ("400", "11"),
     ]
-    few, many = (float(row[2]) for row in result.rows[2:])
+    few, many = (float(row[2]) for row in result.tables[0].rows[2:])
     assert 0.0 < few < many
 
 
 def test_every_row_has_a_number_for_every_heading(stripe):
     result = SpeedExperiment((0,), stripe, particles=(50,), taps=(5,)).run(1, lambda count: None)
-    assert all(len(row) == len(result.headings) for row in result.rows)
-
-
-def test_tables_and_figures_are_written(tmp_path):
-    picture = cv2.imencode(".png", np.zeros((4, 4), np.uint8))[1].tobytes()
-    result = ExperimentResult("T", ("a", "b [px]"), (("x", "−1.5"),), (Picture("f.png", picture),))
-    write_experiment(tmp_path, result, "On a machine.")
-    with (tmp_path / TABLE_CSV).open() as file:
-        assert list(csv.reader(file)) == [["a", "b [px]"], ["x", "-1.5"]]
-    text = (tmp_path / TABLE_MARKDOWN).read_text(encoding="utf-8")
-    assert "| x | −1.5 |" in text
-    assert "![f.png](f.png)" in text
-    assert (tmp_path / "f.png").read_bytes() == picture
-
-
-def test_unknown_numbers_are_left_empty_for_machines():
-    assert table_csv(ExperimentResult("T", ("a", "b"), (("–", "1"),), ())) == "a,b\n,1\n"
+    (table,) = result.tables
+    assert all(len(row) == len(table.headings) for row in table.rows)
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)

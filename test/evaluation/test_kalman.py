@@ -135,4 +135,4 @@ def test_the_covariance_stays_symmetric_and_positive(measurements):
     np.testing.assert_allclose(belief.covariance, belief.covariance.T, rtol=1e-9, atol=1e-12)
     assert np.linalg.eigvalsh(belief.covariance).min() > 0
     assert -np.pi / 2 <= belief.state.angle <= np.pi / 2
-    assert belief.state_covariance.shape == (6, 6)
+    assert belief.state.to_array() == pytest.approx(belief.mean)

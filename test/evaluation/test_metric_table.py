@@ -35,6 +35,12 @@ def test_numbers_are_in_their_units(trace, name, value):
     assert METRICS_BY_NAME[name].read(metrics) == pytest.approx(value)
 
 
+def test_a_return_is_a_share_in_per_cent(trace):
+    metrics = run_metrics(trace("hhnn" + "ss" + "h" * 30), started_at_random=False)
+    values = [METRICS_BY_NAME[n].read(metrics) for n in ("returns", "found_again", "time_to_find")]
+    assert values == pytest.approx([1.0, 100.0, 0.08])
+
+
 def test_angles_are_in_degrees(outcome):
     run = trace_of([outcome(0, error=(2.0, math.radians(1.0), 3.0, math.radians(-0.5)))])
     metrics = run_metrics(run, started_at_random=False)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from cable_tracker.cable.state import CableState
 from cable_tracker.evaluation.metrics import (
     StartOutcome,
+    cable_returns,
     claim_statistics,
     consistency_statistics,
     coverage,
@@ -15,6 +16,7 @@ from cable_tracker.evaluation.metrics import (
     loss_episodes,
     loss_statistics,
     nees,
+    return_statistics,
     run_metrics,
     start_statistics,
     state_errors,
@@ -154,6 +156,63 @@ def test_a_start_is_right_if_the_cable_is_claimed_within_30_frames_that_show_it(
     start = start_statistics(trace(letters))
     assert start.outcome is outcome
     assert start.frames_to_right == pytest.approx(frames, nan_ok=True)
+
+
+def test_a_start_is_as_clear_as_the_frames_that_it_is_judged_by(outcome):
+    shares = [0.0, 0.0, *[0.4, 0.8] * 15, *[1.0] * 5]
+    run = trace_of([outcome(i, visibility=share) for i, share in enumerate(shares)])
+    assert start_statistics(run).visibility == pytest.approx(0.6)
+
+
+def shown(outcome, *pieces):
+    """Make a run of pieces: number of frames, visibility, whether the cable is claimed rightly."""
+    frames = [(share, right) for count, share, right in pieces for _ in range(count)]
+    return trace_of(
+        [outcome(i, visibility=share, claimed=right) for i, (share, right) in enumerate(frames)]
+    )
+
+
+def test_a_return_counts_from_when_the_cable_clearly_shows(outcome):
+    run = shown(
+        outcome, (3, 0.9, True), (5, 0.0, False), (4, 0.2, False), (2, 0.3, False), (40, 0.9, True)
+    )
+    (back,) = cable_returns(run)
+    assert back.start == 12
+    assert back.seconds == pytest.approx(0.08)
+
+
+@pytest.mark.parametrize(("silent", "found"), [(0, 1.0), (25, 1.0), (26, 0.0)])
+def test_a_cable_is_found_again_within_a_second(outcome, silent, found):
+    run = shown(outcome, (3, 0.9, True), (5, 0.0, False), (silent, 0.9, False), (30, 0.9, True))
+    returns = return_statistics(run)
+    assert (returns.count, returns.found) == (1.0, found)
+    assert returns.seconds == pytest.approx(silent * 0.04 if found else math.nan, nan_ok=True)
+
+
+def test_a_wrong_claim_finds_nothing(trace):
+    assert return_statistics(trace("hhnn" + "l" * 30)).found == 0.0
+
+
+@pytest.mark.parametrize(
+    "letters",
+    [
+        "h" * 60,
+        "n" * 10 + "h" * 60,
+        "hhnn" + "h" * 25,
+        "hhnn" + "s" * 10 + "n" * 30,
+        "nnff",
+    ],
+    ids=["never away", "never seen before", "run ends", "leaves again", "no cable"],
+)
+def test_without_a_full_return_nothing_is_found_again(trace, letters):
+    returns = return_statistics(trace(letters))
+    assert returns.count == 0.0
+    assert math.isnan(returns.found)
+
+
+def test_every_return_counts(trace):
+    returns = return_statistics(trace("hhnn" + "h" * 30 + "n" + "s" * 30))
+    assert (returns.count, returns.found, returns.seconds) == (2.0, 0.5, 0.0)
 
 
 def test_a_start_from_the_truth_is_not_judged(trace):

@@ -39,7 +39,7 @@ def test_a_steady_motion_has_no_variance():
 
 @given(arrays(float, (12, 4), elements=st.floats(-1, 1)), st.floats(-20, 20))
 def test_the_wrap_of_the_angle_does_not_matter(steps, start):
-    states = np.zeros((13, 6))
+    states = np.zeros((13, 8))
     states[1:, :4] = np.cumsum(steps * (10, 0.2, 5, 0.02), axis=0)
     states[:, 1] += start
     straight = np.var(np.diff(states[:, :4], axis=0), axis=0, ddof=1) * (

@@ -11,6 +11,7 @@ from cable_tracker.evaluation.report import (
     format_number,
     make_cell,
     render_report,
+    seeds_text,
     summary_table,
     write_report,
 )
@@ -99,6 +100,18 @@ def test_columns_of_which_nothing_is_known_are_left_out(results):
     labels = [label for label, _ in summary_table(results).headings]
     assert "false tracking" not in labels
     assert "right start" in labels
+
+
+def test_the_report_says_which_seeds(page):
+    assert "seeds 0 to 1." in "".join(page.texts)
+
+
+@pytest.mark.parametrize(
+    ("seeds", "text"),
+    [((7,), "seed 7"), ((5, 4, 5, 6), "seeds 4 to 6"), ((1, 3), "seeds 1, 3")],
+)
+def test_seeds_are_named_in_a_few_words(seeds, text):
+    assert seeds_text(seeds) == text
 
 
 def test_the_folder_holds_report_and_tables(results, tmp_path):

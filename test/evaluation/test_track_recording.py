@@ -79,8 +79,8 @@ def test_bag_and_table_say_the_same(track, make_recording, dive):
         assert read_sigma(state) == row.sigma
         assert read_state(messages["/ground_truth"][index]) == dive[index].truth
         cloud = read_cloud(messages["/particles"][index])
-        assert cloud.shape == (200, 7)
-        assert cloud[:, 6] @ cloud[:, 0] == pytest.approx(row.state.distance, abs=0.5)
+        assert cloud.shape == (200, 9)
+        assert cloud[:, -1] @ cloud[:, 0] == pytest.approx(row.state.distance, abs=0.5)
         pose = messages["/centreline"][index].pose.pose
         assert np.hypot(pose.position.x, pose.position.y) == pytest.approx(
             abs(row.state.distance), abs=1e-9
@@ -94,6 +94,8 @@ def test_where_no_cable_is_claimed_there_are_no_numbers(track, make_recording):
     assert rows[0].state is None
     assert rows[0].sigma is None
     assert rows[0].n_eff is not None
+    assert rows[0].evidence is not None
+    assert rows[0].hypotheses is not None
     messages = messages_of(folder)
     claimed = sum(row.status == "TRACKING" for row in rows)
     assert len(messages.get("/centreline", [])) == claimed

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from cable_tracker.cable.estimate import TrackingStatus
+from cable_tracker.cable.estimate import CableEstimate, Hypothesis, TrackingStatus
+from cable_tracker.cable.state import CableState
 from cable_tracker.ros.diagnostics import (
     DISABLED,
     LATENCIES_KEPT,
@@ -62,5 +64,33 @@ def test_latencies_are_summed_up_as_median_and_95th_percentile() -> None:
 
 def test_figures_before_the_first_frame_are_empty_not_wrong() -> None:
     values = diagnostic_values(FrameStatistics(), None, 0.0)
-    assert values["N_eff"] == values["evidence"] == values["last bad frame"] == ""
+    for key in ("N_eff", "evidence", "presence [%]", "hypotheses", "last bad frame"):
+        assert values[key] == ""
     assert values["frames tracked"] == "0"
+
+
+@pytest.mark.parametrize(
+    ("presence", "probabilities", "words"),
+    [
+        (0.984, (0.91, 0.08), ("98", "2 (91 %, 8 %)")),
+        (0.0, (1.0,), ("0", "1 (100 %)")),
+        (None, (), ("", "")),
+    ],
+)
+def test_presence_and_hypotheses_are_given_in_percent(
+    presence: float | None, probabilities: tuple[float, ...], words: tuple[str, str]
+) -> None:
+    state = CableState(1.0, 0.1, 30.0)
+    estimate = CableEstimate(
+        stamp=1,
+        status=TrackingStatus.TRACKING,
+        state=state,
+        covariance=np.eye(8),
+        effective_sample_size=10.0,
+        evidence=2.0,
+        image_size=(320, 240),
+        presence=presence,
+        hypotheses=tuple(Hypothesis(each, state) for each in probabilities),
+    )
+    values = diagnostic_values(FrameStatistics(), estimate, 0.0)
+    assert (values["presence [%]"], values["hypotheses"]) == words

@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Callable
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,6 +15,7 @@ from rclpy.parameter import Parameter
 
 from cable_tracker.cable.parameters import PARAMETER_TABLE
 from cable_tracker.cable.presets import preset
+from cable_tracker.cable.response_table import load_table
 from cable_tracker.errors import ParameterError
 from cable_tracker.node_parameter_tables import REPLAY_NODE_PARAMETERS, TRACKER_NODE_PARAMETERS
 from cable_tracker.ros import node_parameters
@@ -99,6 +101,8 @@ class TestStart:
             ("initial_state", "1,2,3"),
             ("initial_state", "nan,0,40,0"),
             ("input_timeout", 0.0),
+            ("response_table", "nowhere.json"),
+            ("response_table", 3),
         ],
     )
     def test_a_bad_value_stops_the_start_with_its_name(
@@ -156,6 +160,9 @@ class TestRuntime:
             ("evidence_to_lose", 5.0, "evidence_to_lose = 5 must not exceed"),
             ("resampling", "never", "resampling: 'never' is none of"),
             ("initial_state", "there", "initial.state: 'there'"),
+            ("response_table", "nowhere.json", "response_table: nowhere.json cannot be read"),
+            ("response_table", __file__, "response_table: .* is no table that"),
+            ("response_table", 3, "type"),
             ("initial_state", 3, "type"),
             ("input_timeout", -1.0, "input_timeout.*range"),
             ("diagnostics_period", 0, "diagnostics_period.*range"),
@@ -189,6 +196,66 @@ class TestRuntime:
         assert values_of(node) == before
         assert node.tracker.parameters == preset("default")
         assert node._input_timeout == 1.0
+
+    def test_a_bad_table_among_good_values_changes_nothing(self, world: Any) -> None:
+        node = world.tracker()
+        before, parameters = values_of(node), node.tracker.parameters
+        result = set_together(node, distance_variance=5.0, response_table="nowhere.json")
+        assert not result.successful and "nowhere.json cannot be read" in result.reason
+        assert values_of(node) == before
+        assert node.tracker.parameters is parameters
+
+    def test_another_table_is_taken_and_kept_when_its_file_is_gone(
+        self, world: Any, tmp_path: Path, image_message: Callable[..., Any]
+    ) -> None:
+        from std_srvs.srv import Trigger  # noqa: PLC0415
+
+        path = tmp_path / "own.json"
+        load_table("").save(path)
+        node = world.tracker()
+        node.on_image(image_message())
+        assert set_one(node, "response_table", str(path)).successful
+        assert node.tracker.parameters.response_table == str(path)
+        path.unlink()
+        assert set_one(node, "distance_variance", 5.0).successful
+        node.on_reset(Trigger.Request(), Trigger.Response())
+        node.on_image(image_message(index=1))
+        assert node.statistics.tracked == 2
+        assert set_one(node, "response_table", "").successful
+        assert node.get_parameter("response_table").value == ""
+
+    @pytest.mark.parametrize(
+        ("values", "back"),
+        [
+            ({"detector": "none"}, {"detector": "line_pairs"}),
+            ({"filter": "bootstrap"}, {"filter": "multi_hypothesis"}),
+            (
+                {"filter": "bootstrap", "observation": "responses"},
+                {"filter": "multi_hypothesis", "observation": "likelihood_ratio"},
+            ),
+        ],
+    )
+    def test_filter_observation_and_detector_change_while_it_runs(
+        self,
+        world: Any,
+        near: str,
+        image_message: Callable[..., Any],
+        values: dict[str, str],
+        back: dict[str, str],
+    ) -> None:
+        from sensor_msgs.msg import JointState  # noqa: PLC0415
+
+        node = world.tracker(initial_state=near)
+        states = world.listen(JointState, "state")
+        for index in range(9):
+            if index in (3, 6):
+                assert set_together(node, **(values if index == 3 else back)).successful
+            node.on_image(image_message(index=index))
+        world.spin(lambda: len(states) == 9)
+        estimates = [read_state(state) for state in states]
+        for before, after in pairwise(estimates):
+            assert before is not None and after is not None
+            assert abs(after.distance - before.distance) < 5.0
 
     def test_sets_are_accepted_and_refused_over_ros(self, world: Any) -> None:
         node = world.tracker()
@@ -255,7 +322,9 @@ class TestRuntime:
         assert node.tracker.particles.states[:, 0].std() > 10.0
         node.on_reset(Trigger.Request(), Trigger.Response())
         node.on_image(image_message(index=2))
-        assert node.tracker.particles.states[:, 0].mean() == pytest.approx(-60.0, abs=1.0)
+        particles = node.tracker.particles
+        mean = float(particles.weights @ particles.states[:, 0])
+        assert mean == pytest.approx(-60.0, abs=1.0)
 
     def test_the_timeouts_take_effect_at_once(self, world: Any) -> None:
         node = world.tracker(input_timeout=3600.0)

@@ -176,6 +176,7 @@ class TestExitCodes:
         [
             ("particle_count:=many", "particle_count"),
             ("particle_count:=[]", "particle_count"),
+            ("response_table:=nowhere.json", "response_table"),
             ("use_sim_time:=3", "use_sim_time"),
         ],
     )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.estimate import CableEstimate, Hypothesis, TrackingStatus
 from cable_tracker.cable.state import CableState
 from cable_tracker.ros.diagnostics import FrameStatistics, diagnostic_values, make_diagnostics
 from cable_tracker.ros.rclpy_messages import RclpyMessages, message_class
@@ -17,13 +17,14 @@ from cable_tracker.sequences.frame import CompressedImage
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.typestores import typestore
 
-STATE = CableState(12.5, -0.3, 40.25, 0.01, -3.0, 0.2)
-COVARIANCE = np.diag([1.0, 1e-3, 2.0, 1e-4, 5.0, 1e-2]) + 1e-5
-CLOUD = np.random.default_rng(1).normal(size=(9, 7))
+STATE = CableState(12.5, -0.3, 40.25, 0.01, -3.0, 0.2, 1.5, -0.01)
+COVARIANCE = np.diag([1.0, 1e-3, 2.0, 1e-4, 5.0, 1e-2, 3.0, 1e-3]) + 1e-5
+CLOUD = np.random.default_rng(1).normal(size=(9, 9))
 GREY = np.random.default_rng(2).integers(0, 256, (6, 8), dtype=np.uint8)
 ESTIMATE = CableEstimate(
-    5, TrackingStatus.TRACKING, STATE, COVARIANCE, 123.4, 2.5, (320, 240), "é, because"
-)
+    5, TrackingStatus.TRACKING, STATE, COVARIANCE, 123.4, 2.5, (320, 240), "é, because",
+    presence=0.98, hypotheses=(Hypothesis(0.91, STATE), Hypothesis(0.08, STATE)),
+)  # fmt: skip
 
 Make = Callable[[Any, Any], Any]
 

@@ -90,7 +90,7 @@ def test_all_messages_about_a_frame_are_put_together(
         stamp = stamp_of(image_message(index=index).header)
         stamped = set(frame.messages) - {output_topics.MARKERS}
         assert {stamp_of(frame.read(topic).header) for topic in stamped} == {stamp}
-        assert read_cloud(frame.read(output_topics.PARTICLES)).shape == (500, 7)
+        assert read_cloud(frame.read(output_topics.PARTICLES)).shape == (500, 9)
     assert recorder.take() is None
 
 

@@ -380,9 +380,16 @@ class TestLockstep:
         self, world: Any, make_dive: Dive
     ) -> None:
         states = world.listen(JointState, "state")
-        tracker = world.tracker(image_reliability="reliable")
-        path = str(make_dive(10))
-        for count in (10, 20):
+        tracker = world.tracker(
+            image_reliability="reliable",
+            presence_to_track=0.0,
+            presence_to_lose=0.0,
+            evidence_to_track=-10.0,
+            evidence_to_lose=-10.0,
+            confirmation_time=0.0,
+        )
+        path = str(make_dive(20))
+        for count in (20, 40):
             node = world.replay(source=path, lockstep=True)
             world.spin(lambda node=node: node.finished)
             world.spin(lambda count=count: len(states) == count)
@@ -390,7 +397,7 @@ class TestLockstep:
             node.destroy_node()
             tracker.on_reset(Trigger.Request(), Trigger.Response())
         assert any(state.position for state in states)
-        assert states[:10] == states[10:]
+        assert states[:20] == states[20:]
 
     def test_refused_frames_are_answered_too(
         self, world: Any, make_dive: Dive, tmp_path: Path

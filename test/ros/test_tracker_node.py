@@ -12,11 +12,12 @@ from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
 from cable_tracker.cable.initial_state_text import parse_initial_state
+from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.state import CableState
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.evaluation.track_recording import start_from
 from cable_tracker.ros import tracker_node
 from cable_tracker.sequences.messages import UNKNOWN_VARIANCE, read_cloud, read_state
+from cable_tracker.trackers import make_tracker
 
 FRAMES = 6
 
@@ -80,7 +81,7 @@ def reference(
     near: str, strip: Callable[..., np.ndarray], stamp_of_index: Callable[[int], int]
 ) -> CableState:
     """The estimate of the strip by the tracker without a node."""
-    tracker = CableTracker()
+    tracker = make_tracker(TrackerParameters())
     start_from(tracker, parse_initial_state(near))
     for index in range(FRAMES):
         estimate = tracker.process(strip(), stamp_of_index(index))
@@ -395,17 +396,18 @@ class TestTopics:
         track_strip(node, 1)
         world.spin(lambda: clouds)
         cloud = clouds[0]
-        names = ["x", "y", "z", "d", "alpha", "w", "beta", "v_d", "v_alpha", "weight"]
+        names = ["x", "y", "z", "d", "alpha", "w", "beta", "v_d", "v_alpha"]
+        names += ["v_w", "v_beta", "weight"]
         assert [field.name for field in cloud.fields] == names
-        assert [field.offset for field in cloud.fields] == list(range(0, 40, 4))
-        assert (cloud.width, cloud.height, cloud.point_step) == (70, 1, 40)
-        assert len(cloud.data) == cloud.row_step == 2800
+        assert [field.offset for field in cloud.fields] == list(range(0, 48, 4))
+        assert (cloud.width, cloud.height, cloud.point_step) == (70, 1, 48)
+        assert len(cloud.data) == cloud.row_step == 3360
         assert cloud.header == image_message().header
         columns = read_cloud(cloud)
         assert np.array_equal(
-            columns[:, :6].astype("f4"), node.tracker.particles.states.astype("f4")
+            columns[:, :8].astype("f4"), node.tracker.particles.states.astype("f4")
         )
-        assert columns[:, 6].sum() == pytest.approx(1.0, abs=1e-5)
+        assert columns[:, 8].sum() == pytest.approx(1.0, abs=1e-5)
 
     def test_a_change_of_the_image_size_starts_anew_and_says_so(
         self,
@@ -461,7 +463,8 @@ class TestInitialState:
         image_message: Callable[..., Any],
         turned: float,
     ) -> None:
-        node = world.tracker()
+        # That filter keeps the particles as they were drawn; the other draws about the best ones.
+        node = world.tracker(filter="bootstrap")
         publisher = world.me.create_publisher(PoseWithCovarianceStamped, "initial_state", 10)
         world.spin(publisher.get_subscription_count)
         # The same line, with its normal to the other side.
@@ -477,7 +480,7 @@ class TestInitialState:
     def test_unknown_variances_leave_the_component_open(
         self, world: Any, image_message: Callable[..., Any]
     ) -> None:
-        node = world.tracker()
+        node = world.tracker(filter="bootstrap")
         variances = (UNKNOWN_VARIANCE, UNKNOWN_VARIANCE, 1e-4)
         node.on_initial_state(prior_message(0.0, 0.3, variances=variances))
         node.on_image(image_message())
@@ -515,7 +518,7 @@ class TestInitialState:
     def test_one_sent_while_disabled_counts_when_enabled(
         self, world: Any, truth: CableState, image_message: Callable[..., Any]
     ) -> None:
-        node = world.tracker()
+        node = world.tracker(filter="bootstrap")
         node.on_enable(SetBool.Request(data=False), SetBool.Response())
         node.on_initial_state(prior_message(truth.distance, truth.angle))
         node.on_enable(SetBool.Request(data=True), SetBool.Response())

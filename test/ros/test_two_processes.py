@@ -15,7 +15,6 @@ from rosbags.rosbag2 import Reader
 
 from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.state import CableState
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.result_folder import BAG, ESTIMATES, ResultFolder
 from cable_tracker.evaluation.track_recording import (
@@ -33,6 +32,7 @@ from cable_tracker.sequences.messages import make_header, make_image
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.typestores import typestore
+from cable_tracker.trackers import make_tracker
 
 PARAMETERS = TrackerParameters(seed=4, particle_count=200)
 OVERLAY = "/tracker/overlay/compressed"
@@ -43,7 +43,7 @@ FOOTAGE_FRAMES = 20
 class TableAndBag(ResultFolder):
     """Results as always, but for the pictures: those take their time, and are tested elsewhere."""
 
-    def _add_picture(self, frame: Frame, row: Any, picture: Any, cloud: Any) -> None:
+    def _add_picture(self, frame: Frame, *_: Any) -> None:
         self._video.add(np.zeros((32, 32, 3), np.uint8), frame.stamp)
 
     def _write_summaries(self) -> None:
@@ -79,7 +79,7 @@ def track(tmp_path: Path) -> Callable[..., Outcome]:
                 request = RecordingRequest({"source": str(path)}, PARAMETERS, initial)
                 damage = track_recording_over_ros(source, request, results, advance)
             else:
-                tracker = CableTracker(PARAMETERS)
+                tracker = make_tracker(PARAMETERS)
                 start_from(tracker, initial)
                 damage = track_recording(source, tracker, results, advance)
         return Outcome(results.rows, results.truths, folder / BAG, damage, len(steps))

@@ -76,7 +76,7 @@ class MessageMaker:
             header=self.header(stamp),
             name=["d", "alpha", "w", "beta"],
             position=np.array([state.distance, state.angle, state.width, state.skew]),
-            velocity=np.array([state.distance_rate, state.angle_rate, 0.0, 0.0]),
+            velocity=state.to_array()[4:],
             effort=np.array([]),
         )
 
@@ -97,7 +97,7 @@ def picture_of(index: int, size: tuple[int, int] = (32, 24)) -> np.ndarray:
 
 
 def state_of(index: int) -> CableState:
-    return CableState(index + 0.5, 0.1, 30.0, 0.01, 2.0, -0.25)
+    return CableState(index + 0.5, 0.1, 30.0, 0.01, 2.0, -0.25, 1.5, 0.125)
 
 
 def _image_message(maker: MessageMaker, plan: BagPlan, index: int) -> Any:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.state import STATE_SIZE, CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.estimates import (
     HEADER,
@@ -19,7 +19,7 @@ from cable_tracker.sequences.estimates import (
 )
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
-states = st.builds(CableState, finite, finite, finite, finite, finite, finite)
+states = st.builds(CableState, *[finite] * STATE_SIZE)
 claimed = st.builds(
     EstimateRow,
     frame=st.integers(0, 10**9),
@@ -28,6 +28,9 @@ claimed = st.builds(
     state=states,
     sigma=st.tuples(finite, finite, finite, finite),
     n_eff=finite,
+    presence=st.none() | finite,
+    evidence=finite,
+    hypotheses=st.integers(0, 100),
     ms=st.none() | st.integers(0, 10**6).map(lambda micro: micro / 1000),
 )
 unclaimed = st.builds(
@@ -36,6 +39,9 @@ unclaimed = st.builds(
     stamp=st.integers(0, 10**19),
     status=st.sampled_from(["LOST", "INITIALISING", "REFUSED"]),
     n_eff=st.none() | finite,
+    presence=st.none() | finite,
+    evidence=st.none() | finite,
+    hypotheses=st.none() | st.integers(0, 100),
 )
 with_files = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 
@@ -43,9 +49,12 @@ ROW = EstimateRow(
     frame=7,
     stamp=1_700_000_000_040_000_000,
     status="TRACKING",
-    state=CableState(1.5, -0.25, 40.0, 0.125, 2.0, -3.0),
+    state=CableState(1.5, -0.25, 40.0, 0.125, 2.0, -3.0, 4.0, 0.5),
     sigma=(0.5, 0.25, 1.0, 0.125),
     n_eff=120.5,
+    presence=0.98,
+    evidence=2.25,
+    hypotheses=2,
     ms=16.5,
 )
 
@@ -58,14 +67,24 @@ def test_rows_are_read_as_they_were_written(tmp_path, rows):
 
 
 def test_the_file_looks_as_the_design_says(tmp_path):
-    lost = EstimateRow(8, 40_000_000, "LOST", n_eff=3.0)
+    lost = EstimateRow(8, 40_000_000, "LOST", n_eff=3.0, evidence=0.5, hypotheses=0)
     write_estimates(tmp_path / "e.csv", [ROW, lost])
     assert (tmp_path / "e.csv").read_text().splitlines() == [
-        "frame,stamp,status,d,alpha,w,beta,v_d,v_alpha,"
-        "sigma_d,sigma_alpha,sigma_w,sigma_beta,n_eff,ms",
-        "7,1700000000.040000000,TRACKING,1.5,-0.25,40.0,0.125,2.0,-3.0,0.5,0.25,1.0,0.125,120.5,16.500",
-        "8,0.040000000,LOST,,,,,,,,,,,3.0,",
+        "frame,stamp,status,d,alpha,w,beta,v_d,v_alpha,v_w,v_beta,"
+        "sigma_d,sigma_alpha,sigma_w,sigma_beta,n_eff,presence,evidence,hypotheses,ms",
+        "7,1700000000.040000000,TRACKING,1.5,-0.25,40.0,0.125,2.0,-3.0,4.0,0.5,"
+        "0.5,0.25,1.0,0.125,120.5,0.98,2.25,2,16.500",
+        "8,0.040000000,LOST,,,,,,,,,,,,,3.0,,0.5,0,",
     ]
+
+
+def test_a_table_of_an_older_version_is_refused_with_the_way_out(tmp_path):
+    (tmp_path / "e.csv").write_text(
+        "frame,stamp,status,d,alpha,w,beta,v_d,v_alpha,"
+        "sigma_d,sigma_alpha,sigma_w,sigma_beta,n_eff,ms\n"
+    )
+    with pytest.raises(RecordingError, match="older versions lack some: track the recording again"):
+        read_estimates(tmp_path / "e.csv")
 
 
 def test_equal_rows_give_equal_bytes(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.estimate import CableEstimate, Hypothesis, TrackingStatus
 from cable_tracker.cable.geometry import wrap_states
 from cable_tracker.cable.state import CableState
 from cable_tracker.errors import FrameError
@@ -39,9 +39,9 @@ from cable_tracker.sequences.typestores import typestore
 
 FACTORY = RosbagsMessages()
 HEADER = make_header(FACTORY, 1_700_000_000_123_456_789, "camera")
-STATE = CableState(12.5, 0.3, 40.0, 0.02, -7.0, 0.05)
+STATE = CableState(12.5, 0.3, 40.0, 0.02, -7.0, 0.05, 3.0, -0.01)
 SIZE = (320, 240)
-COVARIANCE = np.diag([4.0, 0.01, 9.0, 0.001, 25.0, 0.1])
+COVARIANCE = np.diag([4.0, 0.01, 9.0, 0.001, 25.0, 0.1, 4.0, 0.02])
 COVARIANCE[0, 1] = COVARIANCE[1, 0] = 0.05
 ANGLES = st.floats(-math.pi / 2 + 1e-6, math.pi / 2)
 
@@ -77,6 +77,7 @@ def test_compressed_images_are_kept():
 def test_a_state_is_kept_exactly_with_its_sigma():
     message = sent(make_state(FACTORY, HEADER, STATE, [1.0, 0.1, 2.0, 0.01]))
     assert list(message.name) == ["d", "alpha", "w", "beta"]
+    assert list(message.velocity) == [-7.0, 0.05, 3.0, -0.01]
     assert read_state(message) == STATE
     assert read_sigma(message) == (1.0, 0.1, 2.0, 0.01)
 
@@ -95,6 +96,16 @@ def test_a_state_of_another_sender_may_have_another_order_and_no_rates():
         position=FACTORY.doubles([30.0, 9.0, 1.0, 0.1, 0.2]),
     )
     assert read_state(message) == CableState(1.0, 0.2, 30.0, 0.1)
+
+
+def test_rates_are_read_by_their_names_too():
+    message = FACTORY.make(
+        "sensor_msgs/msg/JointState",
+        name=["beta", "w", "d", "alpha"],
+        position=FACTORY.doubles([0.1, 30.0, 1.0, 0.2]),
+        velocity=FACTORY.doubles([0.01, 3.0, -7.0, 0.05]),
+    )
+    assert read_state(message) == CableState(1.0, 0.2, 30.0, 0.1, -7.0, 0.05, 3.0, 0.01)
 
 
 @pytest.mark.parametrize(
@@ -191,15 +202,15 @@ def test_a_prior_that_makes_no_sense_is_refused_in_one_line(spoil):
 
 
 def test_particles_are_kept_as_float32():
-    states = np.random.default_rng(0).normal(size=(50, 6))
+    states = np.random.default_rng(0).normal(size=(50, 8))
     cloud = cloud_of(Particles.equally_weighted(states))
     message = sent(make_particles(FACTORY, HEADER, cloud))
     np.testing.assert_allclose(read_cloud(message), cloud, rtol=1e-6)
     assert [field.name for field in message.fields] == [
-        "x", "y", "z", "d", "alpha", "w", "beta", "v_d", "v_alpha", "weight",
+        "x", "y", "z", "d", "alpha", "w", "beta", "v_d", "v_alpha", "v_w", "v_beta", "weight",
     ]  # fmt: skip
-    assert (message.width, message.point_step, message.row_step) == (50, 40, 2000)
-    points = np.frombuffer(message.data, "<f4").reshape(50, 10)
+    assert (message.width, message.point_step, message.row_step) == (50, 48, 2400)
+    points = np.frombuffer(message.data, "<f4").reshape(50, 12)
     np.testing.assert_allclose(points[:, 0], states[:, 0] * np.cos(states[:, 1]), rtol=1e-5)
     np.testing.assert_allclose(points[:, 1], states[:, 0] * np.sin(states[:, 1]), rtol=1e-5)
 
@@ -235,6 +246,8 @@ def test_a_report_holds_status_and_facts():
         evidence=0.25,
         image_size=SIZE,
         event="time went back by 1.000 s",
+        presence=0.0625,
+        hypotheses=(Hypothesis(0.91, STATE), Hypothesis(0.0804, STATE)),
     )
     report = sent(make_report(FACTORY, HEADER, "LOST", report_values(estimate, 1.5))).status[0]
     assert (report.message, report.hardware_id) == ("LOST", "camera")
@@ -242,5 +255,13 @@ def test_a_report_holds_status_and_facts():
         "n_eff": "123.5",
         "ms": "1.5",
         "evidence": "0.25",
+        "presence": "0.0625",
+        "hypotheses": "0.910 0.080",
         "event": "time went back by 1.000 s",
     }
+
+
+def test_what_the_filter_has_no_notion_of_is_empty_in_the_report():
+    estimate = CableEstimate(1, TrackingStatus.LOST, STATE, COVARIANCE, 1.0, 0.0, SIZE)
+    values = report_values(estimate, 1.5)
+    assert values["presence"] == values["hypotheses"] == values["event"] == ""

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from cable_tracker.errors import OutputError
-from cable_tracker.sequences.output_folder import PartialFolder
+from cable_tracker.sequences.output_folder import PartialOutput
 
 
 def always(_path: Path) -> bool:
@@ -13,7 +13,7 @@ def always(_path: Path) -> bool:
 
 
 def test_a_committed_folder_lies_in_place(tmp_path):
-    folder = PartialFolder(tmp_path / "out", overwrite=False, is_ours=always)
+    folder = PartialOutput(tmp_path / "out", overwrite=False, is_ours=always)
     folder.content.mkdir()
     (folder.content / "a").touch()
     folder.commit()
@@ -23,7 +23,7 @@ def test_a_committed_folder_lies_in_place(tmp_path):
 def test_what_lay_there_comes_back_when_the_move_fails(tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "old").touch()
-    folder = PartialFolder(tmp_path / "out", overwrite=True, is_ours=always)
+    folder = PartialOutput(tmp_path / "out", overwrite=True, is_ours=always)
     with pytest.raises(OutputError, match="out"):
         folder.commit()
     assert [path.name for path in tmp_path.rglob("*")] == ["out", "old"]
@@ -33,7 +33,7 @@ def test_a_link_is_replaced_not_followed(tmp_path):
     (tmp_path / "target").mkdir()
     (tmp_path / "target" / "kept").touch()
     (tmp_path / "out").symlink_to(tmp_path / "target")
-    folder = PartialFolder(tmp_path / "out", overwrite=True, is_ours=always)
+    folder = PartialOutput(tmp_path / "out", overwrite=True, is_ours=always)
     folder.content.mkdir()
     folder.commit()
     assert not (tmp_path / "out").is_symlink()
@@ -41,7 +41,7 @@ def test_a_link_is_replaced_not_followed(tmp_path):
 
 
 def test_discarding_leaves_nothing(tmp_path):
-    folder = PartialFolder(tmp_path / "out", overwrite=False, is_ours=always)
+    folder = PartialOutput(tmp_path / "out", overwrite=False, is_ours=always)
     folder.content.mkdir()
     folder.discard()
     assert list(tmp_path.iterdir()) == []

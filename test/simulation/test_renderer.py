@@ -181,3 +181,51 @@ def test_a_buried_cable_is_not_visible_and_leaves_no_trace(clean_scene):
 def test_a_cable_on_top_hides_part_of_the_lower_one():
     visible = _visible(_scene(CLEAN, others=(Tube(0.08, (), (0.0, 1.7), 0.8),)))
     assert 0.7 < visible.mean() < 0.95
+
+
+def _with_skin(**changes):
+    return _scene(dataclasses.replace(CLEAN, skin=dataclasses.replace(CLEAN.skin, **changes)))
+
+
+def test_turf_and_drifts_take_from_what_is_visible():
+    turf, drift = _visible(_with_skin(turf=0.4)), _visible(_with_skin(drift=0.9))
+    assert 0.2 < turf.mean() < 0.9
+    assert 0.3 < drift.mean() < 0.95
+
+
+def test_silt_takes_contrast_but_nothing_that_is_visible(clean_scene):
+    dusty = _with_skin(silt=0.4)
+    assert _visible(dusty).all()
+    assert _contrast(dusty) < 0.8 * _contrast(clean_scene)
+
+
+def _contrast(scene):
+    """Return how much brighter the middle of the cable is than the bottom [grey levels]."""
+    image = _picture(scene, STATES[0]).astype(float)
+    x, y = np.meshgrid(np.arange(SIZE[0]) - 159.5, 119.5 - np.arange(SIZE[1]))
+    state = STATES[0]
+    away = np.abs(x * np.cos(state.angle) + y * np.sin(state.angle) - state.distance)
+    bottom = image[(away > state.width) & (away < 2 * state.width)].mean()
+    return image[away < 0.3 * state.width].mean() - bottom
+
+
+def test_turf_looks_like_the_bottom():
+    turf = _with_skin(turf=1.0)
+    assert abs(_contrast(turf)) < 0.25 * _contrast(_with_skin())
+
+
+def test_crusts_displace_the_edges_that_are_seen(clean_scene):
+    spread = [
+        np.std(_edge_offsets(_picture(scene, STATES[0]), STATES[0], SIZE))
+        for scene in (clean_scene, _with_skin(bulge=0.15))
+    ]
+    assert spread[1] > spread[0] + 0.5
+
+
+def test_without_shadows_the_bottom_beside_the_cable_is_brighter(clean_scene):
+    cable = dataclasses.replace(clean_scene.cables[0], shade=0.0)
+    pale = dataclasses.replace(clean_scene, cables=(cable,))
+    brighter = _picture(pale, STATES[0]).astype(int) - _picture(clean_scene, STATES[0])
+    # The exposure answers with a little less gain everywhere.
+    assert brighter.max() > 10
+    assert brighter.min() > -5

@@ -22,14 +22,14 @@ def _skew_steps(name, frames):
 
 def test_names_are_those_of_the_table():
     assert all(SCENARIOS[name].name == name for name in SCENARIOS)
-    more = {"leaves", "buried", "crossing", "no_cable", "night", "stop"}
+    more = {"leaves", "buried", "crossing", "no_cable", "decoys", "night", "stop"}
     assert set(SCENARIOS) == set(THESIS_LENGTHS) | more
 
 
 @pytest.mark.parametrize(("name", "length"), THESIS_LENGTHS.items())
 def test_sequences_of_the_thesis_have_its_lengths(name, length):
     states = scenario_states(name)
-    assert states.shape == (length, 6)
+    assert states.shape == (length, 8)
     assert np.isfinite(states).all()
 
 
@@ -55,6 +55,20 @@ def test_the_truth_of_frames_is_that_of_the_geometry():
         np.testing.assert_array_equal(each.frame.truth.to_array(), states[each.frame.index])
 
 
+@pytest.mark.parametrize("name", ["S1", "S2", "S4", "S5", "S6"])
+def test_hard_sequences_hide_much_of_the_borders_but_rarely_nearly_all(name):
+    frames = (each for seed in range(100, 104) for each in _some(name, 0, 121, seed=seed, step=20))
+    shares = np.array([each.visibility for each in frames])
+    assert 0.45 < shares.mean() < 0.85
+    assert np.mean(shares > 0.35) > 0.8
+
+
+def test_the_calm_sequence_is_clearer_than_the_hard_ones():
+    calm = np.mean([each.visibility for each in _some("S3", 0, 170, seed=100, step=10)])
+    hard = np.mean([each.visibility for each in _some("S5", 0, 170, seed=100, step=10)])
+    assert calm > hard + 0.1
+
+
 def test_s1_wavers_at_first_and_s6_looks_forward_after_frame_20():
     assert _skew_steps("S1", (0, 105)) > 2 * _skew_steps("S1", (140, 248))
     skew = np.rad2deg(scenario_states("S6")[:, 3])
@@ -72,14 +86,14 @@ def test_s4_pitches_near_70_and_125():
 
 
 def test_s5_is_a_dark_cable_on_bright_ground():
-    each = _some("S5", 0, 1, size=(320, 240))[0]
+    each = _some("S5", 0, 1, seed=100, size=(320, 240))[0]
     image = np.frombuffer(each.frame.image.data, np.uint8).reshape(240, 320).astype(float)
     x, y = np.meshgrid(np.arange(320) - 159.5, 119.5 - np.arange(240))
     truth = each.frame.truth
     across = np.abs(x * np.cos(truth.angle) + y * np.sin(truth.angle) - truth.distance)
     near = np.hypot(x, y) < 90
     bottom = image[near & (across > 1.5 * truth.width)].mean()
-    assert image[near & (across < 0.2 * truth.width)].mean() < 0.6 * bottom
+    assert image[near & (across < 0.2 * truth.width)].mean() < 0.75 * bottom
 
 
 @pytest.mark.parametrize("seed", range(3))

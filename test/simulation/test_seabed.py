@@ -77,3 +77,59 @@ def test_gravel_repeats_without_a_seam():
     bed = _tile(make_bed(RESOLUTION, Bottom(gravel=1.0, stones=0.0), np.random.default_rng(1)))
     inside = np.abs(np.diff(bed, axis=1)).mean(axis=0)
     assert np.abs(bed[:, 0] - bed[:, -1]).mean() < inside.max() * 1.2
+
+
+def _channel(skin, channel, seed=0):
+    return _tile(make_cable(RESOLUTION, skin, np.random.default_rng(seed)))[..., channel]
+
+
+def _at_borders(values):
+    return values[:, [(CABLE_REACH - 1) * RESOLUTION, (CABLE_REACH + 1) * RESOLUTION]]
+
+
+def test_turf_hides_about_the_share_of_the_borders_asked_for():
+    turf = _channel(Skin(cover=0.0, turf=0.3), CHANNELS.turf)
+    assert np.mean(_at_borders(turf) > 0.5) == pytest.approx(0.3, abs=0.06)
+
+
+def test_silt_lies_everywhere_and_hides_nothing():
+    silt = _channel(Skin(cover=0.0, silt=0.3), CHANNELS.turf)
+    assert silt.mean() == pytest.approx(0.3, abs=0.05)
+    assert silt.max() < 0.5
+
+
+def test_crusts_push_each_border_both_ways_by_the_size_asked_for():
+    outline = _at_borders(_channel(Skin(bulge=0.1), CHANNELS.outline))
+    assert outline.std() == pytest.approx(0.1, rel=0.3)
+    assert abs(outline.mean()) < 0.02
+    assert abs(np.corrcoef(outline.T)[0, 1]) < 0.5
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_drifts_bury_one_border_at_a_time_over_long_stretches(seed):
+    sand = _channel(Skin(cover=0.0, drift=0.5), CHANNELS.sand, seed)
+    buried = _at_borders(sand) > 0
+    assert not buried.all(axis=1).any()
+    assert 0.2 < buried.any(axis=1).mean() < 0.7
+    either = buried.any(axis=1)
+    longest = max(len(run) for run in "".join("x" if each else " " for each in either).split())
+    assert longest > 6 * RESOLUTION
+
+
+def test_what_is_not_asked_for_leaves_the_surface_as_it_is():
+    plain, coated = (
+        make_cable(RESOLUTION, skin, np.random.default_rng(5)).levels[0][..., :3]
+        for skin in (Skin(), Skin(turf=0.3, silt=0.2, bulge=0.1, drift=0.4))
+    )
+    np.testing.assert_array_equal(plain, coated)
+
+
+def _across_over_along(ripple_angle):
+    bottom = Bottom(ripples=3.0, stones=0.0, algae=0.0, ripple_angle=ripple_angle)
+    bed = _tile(make_bed(RESOLUTION, bottom, np.random.default_rng(0)))
+    across, along = (np.abs(np.diff(bed, axis=axis)).mean() for axis in (1, 0))
+    return across / along
+
+
+def test_ripples_run_as_asked():
+    assert _across_over_along(0.0) > 1.15 * _across_over_along(90.0)

@@ -15,7 +15,7 @@ STATES = st.tuples(
 
 
 def _steer(tube, camera, state, lean=0.0, way=0.0):
-    states = np.zeros((1, 6))
+    states = np.zeros((1, 8))
     states[0, :4] = state
     poses = steer(tube, camera, states, np.array([lean]), np.array([way]))
     return poses, fit_states(project_tube(tube, camera, poses), camera.image_size)[0]

@@ -7,14 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cable_tracker.cable.estimate import Hypothesis
 from cable_tracker.cable.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.visualisation.overlay import draw_overlay
-from cable_tracker.visualisation.palette import GREEN, PINK, RED, to_bgr
+from cable_tracker.visualisation.palette import GREEN, HYPOTHESES, PINK, RED, to_bgr
 
 STATE = CableState(20.0, 0.2, 40.0, 0.03)
 BLACK = np.zeros((240, 320), dtype=np.uint8)
 SIGMA = np.array([2.0, 0.01, 2.0, 0.01])
+SPREAD = np.array([5.0, 0.05, 2.0, 0.01, 1.0, 0.1, 1.0, 0.01])
 
 
 def _near(picture, colour, tolerance=70):
@@ -26,8 +28,8 @@ def _below_strip(picture):
     return picture[picture.shape[0] // 3 :]
 
 
-def _cloud(count, rng, spread=5.0):
-    states = STATE.to_array() + rng.normal(0, 1, (count, 6)) * [spread, 0.05, 2, 0.01, 1, 0.1]
+def _cloud(count, rng):
+    states = STATE.to_array() + rng.normal(0, 1, (count, 8)) * SPREAD
     return np.hstack((states, rng.random((count, 1))))
 
 
@@ -130,9 +132,9 @@ def test_band_opens_with_the_uncertainty_of_the_angle():
 
 
 def test_heavy_particles_are_clearer_than_light_ones():
-    cloud = np.zeros((2, 7))
+    cloud = np.zeros((2, 9))
     cloud[:, 0] = (-60.0, 60.0)
-    cloud[:, 6] = (0.99, 0.01)
+    cloud[:, -1] = (0.99, 0.01)
     picture = draw_overlay(BLACK, state=None, status="INITIALISING", cloud=cloud).sum(axis=2)
     heavy, light = picture[150:, 95:104].max(), picture[150:, 215:224].max()
     assert heavy > 2 * light > 0
@@ -140,25 +142,76 @@ def test_heavy_particles_are_clearer_than_light_ones():
 
 def test_only_the_heaviest_particles_are_drawn():
     rng = np.random.default_rng(0)
-    heavy = np.zeros((100, 7))
-    heavy[:, 0], heavy[:, 6] = rng.uniform(-100, -20, 100), 0.5
+    heavy = np.zeros((100, 9))
+    heavy[:, 0], heavy[:, -1] = rng.uniform(-100, -20, 100), 0.5
     light = heavy.copy()
-    light[:, 0], light[:, 6] = rng.uniform(20, 100, 100), 0.4
+    light[:, 0], light[:, -1] = rng.uniform(20, 100, 100), 0.4
     picture = draw_overlay(BLACK, state=None, status="LOST", cloud=np.vstack((light, heavy)))
     assert picture[150:, :150].any()
     assert not picture[150:, 170:].any()
 
 
 def test_unusable_particles_are_left_out():
-    cloud = np.array([[np.nan, 0, 9, 0, 0, 0, 1], [1e12, 0, 9, 0, 0, 0, 1], [0, 0, 9, 0, 0, 0, 0],
-                      [0, np.inf, 9, 0, 0, 0, 1], [0, 0, 9, 0, 0, 0, np.nan]])  # fmt: skip
+    bad = [(np.nan, 0.0, 1.0), (1e12, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, np.inf, 1.0),
+           (0.0, 0.0, np.nan)]  # fmt: skip
+    cloud = np.zeros((len(bad), 9))
+    cloud[:, [0, 1, -1]] = bad
     picture = draw_overlay(BLACK, state=None, status="LOST", cloud=cloud)
     assert not _below_strip(picture).any()
 
 
 def test_an_empty_cloud_is_nothing():
-    picture = draw_overlay(BLACK, state=None, status="LOST", cloud=np.zeros((0, 7)))
+    picture = draw_overlay(BLACK, state=None, status="LOST", cloud=np.zeros((0, 9)))
     np.testing.assert_array_equal(picture, draw_overlay(BLACK, state=None, status="LOST"))
+
+
+def _hypotheses(*pairs):
+    return [Hypothesis(share, CableState(distance, 0.0, 30.0)) for share, distance in pairs]
+
+
+def _columns(picture, colour):
+    """Return the columns of the lower half in which a colour appears."""
+    return set(np.flatnonzero(_near(picture[120:], colour, 40).any(axis=0)).tolist())
+
+
+def test_further_hypotheses_are_centrelines_where_they_are_likely_enough():
+    hypotheses = _hypotheses((0.8, 0.5), (0.12, -99.5), (0.05, 100.5), (0.03, 60.5))
+    picture = draw_overlay(
+        BLACK, state=CableState(0.5, 0.0, 40.0), status="TRACKING", hypotheses=hypotheses
+    )
+    assert _columns(picture, HYPOTHESES) == {60, 260}
+
+
+def test_without_state_hypotheses_are_drawn_with_the_particles_only():
+    hypotheses = _hypotheses((0.8, 0.5), (0.2, -99.5))
+    for cloud, columns in ((None, set()), (np.zeros((0, 9)), {60})):
+        picture = draw_overlay(BLACK, state=None, status="LOST", cloud=cloud, hypotheses=hypotheses)
+        assert _columns(picture, HYPOTHESES) == columns
+
+
+def test_enlarging_keeps_hypotheses_in_place():
+    hypotheses = _hypotheses((0.8, 0.0), (0.2, -99.5))
+    picture = draw_overlay(
+        BLACK, state=STATE, status="TRACKING", hypotheses=hypotheses, minimum_width=960
+    )
+    assert all(abs(column - (479.5 - 3 * 99.5)) < 3 for column in _columns(picture, HYPOTHESES))
+    assert _columns(picture, HYPOTHESES)
+
+
+def test_a_hypothesis_that_is_no_number_is_not_drawn():
+    hypotheses = _hypotheses((0.8, 0.0), (0.2, np.nan))
+    picture = draw_overlay(BLACK, state=STATE, status="TRACKING", hypotheses=hypotheses)
+    np.testing.assert_array_equal(picture, draw_overlay(BLACK, state=STATE, status="TRACKING"))
+
+
+def test_the_presence_stands_behind_the_status():
+    strips = [
+        draw_overlay(BLACK, state=None, status="TRACKING", presence=presence)[:30]
+        for presence in (None, 0.976, 0.98, 0.12)
+    ]
+    assert (strips[0] != strips[1]).any()
+    np.testing.assert_array_equal(strips[1], strips[2])
+    assert (strips[2] != strips[3]).any()
 
 
 def test_the_frame_itself_is_not_changed(grey):
@@ -204,7 +257,11 @@ def test_caption_is_written_below(grey):
 def test_words_fit_into_every_size(size):
     dark = np.zeros((size[1], size[0]), dtype=np.uint8)
     picture = draw_overlay(
-        dark, state=CableState(-888.8, -1.5, 888.8, -0.5), status="INITIALISING", caption="frame 0"
+        dark,
+        state=CableState(-888.8, -1.5, 888.8, -0.5),
+        status="INITIALISING",
+        presence=1.0,
+        caption="frame 0",
     )
     written = picture[: size[1] // 3].max(axis=2) > 150
     columns = np.flatnonzero(written.any(axis=0))
@@ -247,7 +304,7 @@ def test_what_is_no_image_is_refused(shape):
 
 def test_a_cloud_without_weights_is_refused():
     with pytest.raises(FrameError, match="cloud: shape is"):
-        draw_overlay(BLACK, state=None, status="LOST", cloud=np.zeros((3, 6)))
+        draw_overlay(BLACK, state=None, status="LOST", cloud=np.zeros((3, 8)))
 
 
 def test_it_is_quick(grey):

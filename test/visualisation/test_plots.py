@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -50,6 +52,15 @@ def test_panels_are_in_pixels_and_degrees_over_seconds():
     np.testing.assert_allclose(_line(axes[0])[:, 1], [s.distance for s in states])
     np.testing.assert_allclose(_line(axes[1])[:, 1], np.rad2deg([s.angle for s in states]))
     np.testing.assert_allclose(_line(axes[3])[:, 1], np.rad2deg([s.skew for s in states]))
+
+
+def test_presence_has_a_panel_in_percent_where_it_is_known():
+    rows = [replace(row, presence=0.01 * row.frame) for row in _rows(_swaying(5))]
+    rows[2] = replace(rows[2], presence=None)
+    axes = _axes(rows)
+    assert len(axes) == 5
+    assert axes[4].get_ylabel() == "presence [%]"
+    np.testing.assert_allclose(_line(axes[4])[:, 1], [0.0, 1.0, np.nan, 3.0, 4.0])
 
 
 def test_a_wrap_draws_no_line_across_the_panel():

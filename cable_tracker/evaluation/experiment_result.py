@@ -1,0 +1,117 @@
+"""What an experiment found: tables and figures, and how they are written into a folder."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+from cable_tracker.visualisation.files import write_bytes
+
+TABLE_CSV, TABLE_MARKDOWN = "table.csv", "table.md"
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A figure as a PNG file."""
+
+    file_name: str
+    content: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class ResultTable:
+    """One table of an experiment.
+
+    Attributes
+    ----------
+    headings : tuple of str
+        With units.
+    rows : tuple of tuple of str
+        As many cells each as there are headings.
+    title : str
+        What it shows; empty if the experiment has only this table.
+    file_name : str
+        Of the CSV file.
+    notes : tuple of str
+        Markdown, one item of a list each, below the table.
+    brief : int or None
+        So many columns fit on a terminal; None: all.
+    """
+
+    headings: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    title: str = ""
+    file_name: str = TABLE_CSV
+    notes: tuple[str, ...] = ()
+    brief: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ExperimentResult:
+    """What an experiment found.
+
+    Attributes
+    ----------
+    title : str
+        What was done.
+    tables : tuple of ResultTable
+        The numbers, each table with a file name of its own.
+    pictures : tuple of Picture
+        The figures.
+    """
+
+    title: str
+    tables: tuple[ResultTable, ...]
+    pictures: tuple[Picture, ...] = ()
+
+    def file_names(self) -> tuple[str, ...]:
+        """Return the names of all files that `write_experiment` writes."""
+        tables = (table.file_name for table in self.tables)
+        return (TABLE_MARKDOWN, *tables, *(picture.file_name for picture in self.pictures))
+
+
+def table_csv(table: ResultTable) -> str:
+    """Return a table as CSV."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(table.headings)
+    writer.writerows([_for_machines(cell) for cell in row] for row in table.rows)
+    return buffer.getvalue()
+
+
+def _for_machines(cell: str) -> str:
+    return cell.removeprefix("–").replace("−", "-")
+
+
+def result_markdown(result: ExperimentResult, note: str) -> str:
+    """Return title, note, tables and figures as Markdown."""
+    parts = [f"# {result.title}", note, *(_table_markdown(table) for table in result.tables)]
+    parts += [f"![{picture.file_name}]({picture.file_name})" for picture in result.pictures]
+    return "\n\n".join(parts) + "\n"
+
+
+def _table_markdown(table: ResultTable) -> str:
+    lines = [f"## {table.title}", ""] if table.title else []
+    lines.append(f"| {' | '.join(table.headings)} |")
+    lines.append("|" + "---|" * len(table.headings))
+    lines += [f"| {' | '.join(row)} |" for row in table.rows]
+    if table.notes:
+        lines += ["", *(f"- {note}" for note in table.notes)]
+    return "\n".join(lines)
+
+
+def write_experiment(folder: Path, result: ExperimentResult, note: str) -> None:
+    """Write tables and figures; the note stands below the title.
+
+    Raises
+    ------
+    OutputError
+        A file cannot be written.
+    """
+    for table in result.tables:
+        write_bytes(folder / table.file_name, table_csv(table).encode())
+    write_bytes(folder / TABLE_MARKDOWN, result_markdown(result, note).encode())
+    for picture in result.pictures:
+        write_bytes(folder / picture.file_name, picture.content)

@@ -1,0 +1,72 @@
+"""Whether the thing that is tracked exists at all: the Bernoulli filter's probability of existence.
+
+References
+----------
+B. Ristic, B.-T. Vo, B.-N. Vo and A. Farina (2013), "A tutorial on Bernoulli filters: theory,
+implementation and applications". J. Ha (2008, section 6.6) has the same two-state Markov chain for
+a cable that leaves the image.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class PredictedExistence:
+    """Probabilities of how the thing comes to exist at the next observation.
+
+    Attributes
+    ----------
+    survived : float
+        It existed before and still does.
+    born : float
+        It did not and now does.
+    """
+
+    survived: float
+    born: float
+
+    @property
+    def total(self) -> float:
+        """Probability that it exists, before the observation."""
+        return self.survived + self.born
+
+
+def predict_existence(probability: float, survival: float, birth: float) -> PredictedExistence:
+    """Predict existence from one observation to the next.
+
+    Parameters
+    ----------
+    probability : float
+        That it existed, 0 to 1.
+    survival : float
+        Probability that what existed still does.
+    birth : float
+        Probability that what did not exist now does.
+    """
+    return PredictedExistence(probability * survival, (1.0 - probability) * birth)
+
+
+def update_existence(
+    predicted: PredictedExistence, log_evidence: float, least: float, most: float
+) -> float:
+    """Return the probability of existence after an observation.
+
+    Parameters
+    ----------
+    predicted : PredictedExistence
+        Before the observation.
+    log_evidence : float
+        Logarithm of the likelihood ratio, observation with the thing against without it, averaged
+        over the predicted density whose mass is `predicted.total`.
+    least, most : float
+        The probability stays between these, above 0 and below 1, so that it can turn again in time.
+    """
+    absent = 1.0 - predicted.total
+    if log_evidence == -math.inf:
+        return least
+    log_odds = log_evidence - math.log(max(absent, 1e-300))
+    probability = 1.0 / (1.0 + math.exp(-min(max(log_odds, -700.0), 700.0)))
+    return min(max(probability, least), most)

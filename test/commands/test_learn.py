@@ -1,0 +1,220 @@
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from cable_tracker import cli
+from cable_tracker.cable.response_table import is_table, load_table
+from cable_tracker.commands.learn import describe_origin, parse_seeds
+from cable_tracker.errors import ParameterError
+from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.estimates import read_estimates
+from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.simulation.scenario import SimulationSettings, simulate
+
+FRAMES = 6
+DIVE = SimulationSettings(frame_count=FRAMES, image_size=(160, 120), clutter=0.1, seed=1)
+
+
+@pytest.fixture
+def command(monkeypatch, capsys, tmp_path):
+    """Run `cable-tracker` in an empty folder; return its exit code, output and messages."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        monkeypatch.setattr("sys.argv", ["cable-tracker", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        printed = capsys.readouterr()
+        return end.value.code or 0, printed.out, printed.err
+
+    return run
+
+
+@pytest.fixture
+def bag(command):
+    write_bag(Path("dive"), simulate(DIVE))
+    return Path("dive")
+
+
+@pytest.fixture
+def labels(command):
+    """The sequence file of a labelled recording."""
+    write_sequence(Path("pictures"), simulate(DIVE))
+    (path,) = Path("pictures").glob("*.txt")
+    return path
+
+
+@pytest.fixture
+def unlabelled(labels):
+    """Its pictures alone."""
+    folder = Path("unlabelled")
+    folder.mkdir()
+    for picture in Path("pictures").rglob("*.png"):
+        shutil.copy(picture, folder)
+    return folder
+
+
+def left_behind():
+    return {path.name for path in Path().iterdir()}
+
+
+def test_a_bag_with_ground_truth_makes_a_table_for_track(command, bag):
+    code, printed, messages = command("learn", bag, "--output", "table.json")
+    assert (code, messages) == (0, "")
+    assert printed.startswith(f"{FRAMES} frames, ")
+    assert printed.endswith("learnt from dive: table.json\n")
+    table = load_table("table.json")
+    assert table.source == "dive"
+    assert table.edges.max() > 0.5
+    assert table.absent < 0.0
+    Path("p.yaml").write_text("response_table: table.json\n")
+    assert command("track", bag, "--init", "truth", "--params", "p.yaml")[0] == 0
+    statuses = {row.status for row in read_estimates(Path("dive_tracked/estimates.csv"))}
+    assert statuses == {"TRACKING"}
+
+
+def test_all_kinds_of_sources_teach_the_same(command, bag, labels, unlabelled):
+    for name, source in (
+        ("bag", (bag,)),
+        ("sequence", (labels,)),
+        ("pictures", (unlabelled, "--truth", labels)),
+    ):
+        assert command("learn", *source, "--output", f"{name}.json")[0] == 0
+    bag_table, sequence, pictures = (
+        load_table(f"{name}.json") for name in ("bag", "sequence", "pictures")
+    )
+    # The labels are rounded in a sequence file.
+    assert abs(bag_table.edges - sequence.edges).max() < 0.2
+    assert (pictures.edges == sequence.edges).all()
+    assert pictures.source == f"unlabelled labelled by {labels.name}"
+
+
+def test_several_sources_and_scenarios_add_up(command, bag, labels):
+    _, alone, _ = command("learn", bag, "--output", "a.json")
+    code, both, _ = command(
+        "learn", bag, labels, "--scenario", "S6", "--seeds", "3", "--every", 100,
+        "--output", "b.json",
+    )  # fmt: skip
+    assert code == 0
+    assert alone.startswith("6 frames")
+    assert load_table("b.json").source == (
+        f"simulated S6 with seed 3; dive; {labels.name}; one frame in 100"
+    )
+    # Every 100th frame of three sequences, the first of each among them.
+    assert 2 < int(both.split()[0]) < 20
+
+
+def test_the_same_seed_gives_the_same_file_and_another_one_does_not(command, bag):
+    contents = []
+    for name, seed in (("a", 1), ("b", 1), ("c", 2)):
+        assert command("learn", bag, "--seed", seed, "--output", name)[0] == 0
+        contents.append(Path(name).read_bytes())
+    assert contents[0] == contents[1] != contents[2]
+
+
+def test_the_filter_is_that_of_the_parameters(command, bag):
+    Path("p.yaml").write_text("filter_sigma: 3.0\nworking_width: 80\n")
+    assert command("learn", bag, "--output", "a.json")[0] == 0
+    assert command("learn", bag, "--params", "p.yaml", "--output", "b.json")[0] == 0
+    assert (load_table("a.json").edges != load_table("b.json").edges).any()
+
+
+def test_a_table_is_replaced_only_when_told_and_nothing_else_ever_is(command, bag):
+    assert command("learn", bag, "--seed", 1, "--output", "table.json")[0] == 0
+    before = Path("table.json").read_bytes()
+    code, _, messages = command("learn", bag, "--output", "table.json")
+    assert (code, messages.count("\n")) == (2, 1)
+    assert "table.json: exists already" in messages
+    assert Path("table.json").read_bytes() == before
+    assert command("learn", bag, "--seed", 2, "--output", "table.json", "--force")[0] == 0
+    assert Path("table.json").read_bytes() != before
+    Path("mine.json").write_text(json.dumps({"dear": 1}))
+    code, _, messages = command("learn", bag, "--output", "mine.json", "--force")
+    assert code == 2
+    assert "is no earlier output of this kind" in messages
+    assert left_behind() == {"dive", "table.json", "mine.json"}
+
+
+def test_bad_frames_are_passed_over_where_that_is_wanted(command, labels):
+    picture = sorted(Path("pictures").rglob("*.png"))[2]
+    picture.write_bytes(b"garbage")
+    code, _, messages = command("learn", labels, "--output", "table.json")
+    assert (code, messages.count("\n")) == (2, 1)
+    assert picture.name in messages
+    assert left_behind() == {"pictures"}
+    code, printed, _ = command("learn", labels, "--output", "table.json", "--skip-bad-frames")
+    assert code == 0
+    assert printed.startswith(f"{FRAMES - 1} frames")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((), "there is nothing to learn from; name a labelled recording"),
+        (("unlabelled",), "unlabelled: has no ground truth to learn from"),
+        (("dive", "unlabelled"), "unlabelled: has no ground truth to learn from"),
+        (("dive", "unlabelled", "--truth", "x.txt"), "--truth labels a single recording, not 2"),
+        (("--scenario", "S1", "--truth", "x.txt"), "--truth labels a single recording, not 0"),
+        (("nothing.mcap",), "nothing.mcap: there is no such file"),
+        (("garbage.mcap",), "garbage.mcap"),
+        (("dive", "--seeds", "1"), "give it with --scenario"),
+        (("--scenario", "S7"), "scenario 'S7' is unknown"),
+        (("--scenario", "S1", "--seeds", "1-"), "seeds: '1-' is not of the form 0,4-6"),
+        (("--scenario", "no_cable", "--every", "100"), "no labelled frame shows a border"),
+        (("dive", "--seed", "-1"), "seed: -1 is outside"),
+        (("dive", "--params", "missing.yaml"), "missing.yaml: cannot be read"),
+        (("dive", "--output", "dive/metadata.yaml/table.json"), "cannot be written"),
+    ],
+)
+def test_bad_wishes_are_refused_in_one_line(command, bag, unlabelled, arguments, words):
+    Path("garbage.mcap").write_bytes(b"no recording \x00\xff" * 50)
+    before = left_behind()
+    output = () if "--output" in arguments else ("--output", "table.json")
+    code, printed, messages = command("learn", *arguments, *output)
+    assert code == 2
+    assert printed == ""
+    assert words in messages
+    assert messages.count("\n") == 1
+    assert left_behind() == before
+
+
+def test_labels_beside_the_picture_teach_nothing(command, unlabelled):
+    lines = (f"5000 0 30 0 # {path.name}" for path in sorted(unlabelled.iterdir()))
+    Path("far.txt").write_text("\n".join(lines) + "\n")
+    code, _, messages = command("learn", unlabelled, "--truth", "far.txt", "--output", "t.json")
+    assert code == 2
+    assert "no labelled frame shows a border" in messages
+    assert not Path("t.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "seeds"),
+    [("7", (7,)), ("200,204-206", (200, 204, 205, 206)), ("3, 1-3", (3, 1, 2)), ("5-5", (5,))],
+)
+def test_seeds(text, seeds):
+    assert parse_seeds(text) == seeds
+
+
+@pytest.mark.parametrize("text", ["", ",", "1,", "-1", "a", "1.5", "3-1", "²", "0-999999999"])
+def test_what_are_no_seeds(text):
+    with pytest.raises(ParameterError, match="seeds: "):
+        parse_seeds(text)
+
+
+def test_the_origin_names_scenarios_and_seeds():
+    assert describe_origin(["S1", "night"], [2, 3], [], None, 1) == (
+        "simulated S1, night with seeds 2, 3"
+    )
+
+
+def test_the_origin_names_no_folders():
+    origin = describe_origin([], [], [Path("/home/me/dive.mcap")], Path("/x/y/labels.txt"), 4)
+    assert origin == "dive.mcap labelled by labels.txt; one frame in 4"
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", "{}", '{"source": 1}', "[" * 100_000])
+def test_what_is_no_table(tmp_path, content):
+    (tmp_path / "x.json").write_text(content)
+    assert not is_table(tmp_path / "x.json")

@@ -1,0 +1,55 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.parameters import PARAMETERS_BY_NAME, TrackerParameters
+from cable_tracker.cable.presets import PRESETS
+from cable_tracker.cable.proposer import NoProposer
+from cable_tracker.cable.working_image import make_working_image
+from cable_tracker.detection.line_pair_proposer import LinePairProposer
+from cable_tracker.errors import ParameterError
+from cable_tracker.trackers import PROPOSERS, make_proposer, make_tracker
+
+
+def test_every_detector_that_can_be_named_can_be_made():
+    assert set(PARAMETERS_BY_NAME["detector"].choices) == set(PROPOSERS)
+    assert isinstance(make_proposer(TrackerParameters(detector="none")), NoProposer)
+    assert isinstance(make_proposer(TrackerParameters(detector="line_pairs")), LinePairProposer)
+
+
+def test_nothing_proposes_nothing():
+    image = make_working_image(np.zeros((20, 20), np.uint8), 320)
+    assert NoProposer().propose(image).shape == (0, 4)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_makes_a_tracker(name):
+    tracker = make_tracker(PRESETS[name])
+    estimate = tracker.process(np.zeros((20, 20), np.uint8), 1)
+    assert tracker.parameters is PRESETS[name]
+    assert estimate.stamp == 1
+
+
+def stripe() -> np.ndarray:
+    """An upright stripe, 30 px right of the middle and 20 px wide."""
+    x = np.arange(160) - 79.5
+    row = 100.0 + 60.0 * (np.abs(x - 30.0) < 10.0)
+    noise = np.random.default_rng(0).normal(0.0, 4.0, (120, 160))
+    return np.clip(row + noise, 0, 255).astype(np.uint8)
+
+
+def test_the_detector_that_is_named_is_the_one_that_is_asked():
+    shares = {"detector_share": 0.3, "particle_count": 60}
+    found = {}
+    for detector in ("none", "line_pairs"):
+        tracker = make_tracker(TrackerParameters(detector=detector, **shares))
+        tracker.process(stripe(), 1)
+        distances = tracker.particles.states[:, 0] * np.cos(tracker.particles.states[:, 1])
+        found[detector] = (np.abs(distances - 30.0) < 5.0).mean()
+    assert found["line_pairs"] > found["none"] + 0.15
+
+
+def test_a_table_that_cannot_be_read_is_said():
+    with pytest.raises(ParameterError, match="response_table"):
+        make_tracker(TrackerParameters(response_table="no such file.json"))
