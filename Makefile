@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install check-python test lint demo docs table clean
+.PHONY: help install check-python test lint demo docs bench table fuzz soak clean
 
 CANDIDATES := python3 python3.12 python3.11 python3.13 python3.14
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
@@ -17,6 +17,12 @@ TABLE := cable_tracker/cable/border_responses.json
 TABLE_SCENARIOS := S1 S2 S3 S4 S5 S6 night
 TABLE_SEEDS := 200,204-206
 TABLE_EVERY := 4
+RUNS ?= 100000
+FUZZ_SEED ?= 1
+FUZZ_TARGETS ?= picture raw_image sequence_file mcap sqlite ros1 metadata parameters estimates
+FUZZ := fuzz
+MINUTES ?= 10
+SEED ?= 1
 # A home that cannot be written to must not stop ROS from logging.
 export ROS_LOG_DIR ?= $(CURDIR)/$(VENV)/log/ros
 export MPLCONFIGDIR ?= $(CURDIR)/$(VENV)/cache/matplotlib
@@ -27,7 +33,10 @@ help:
 	@echo "make test                  run the whole suite, with linters and type checks"
 	@echo "make install               set up $(VENV); the others do it by themselves"
 	@echo "make docs                  write config/*.yaml and docs/parameters.md from the table"
+	@echo "make bench                 measure speeds, and write them into docs/performance.md"
 	@echo "make table                 learn the tables of the likelihood ratio, in some minutes"
+	@echo "make fuzz RUNS=1000000     feed damaged files to all that reads files, so many to each"
+	@echo "make soak MINUTES=60       feed a tracker process for a long time and inject faults"
 	@echo "make clean                 remove $(VENV) and what the demo wrote"
 
 check-python:
@@ -46,13 +55,15 @@ check-python:
 install: $(VENV)/installed
 
 $(VENV)/installed: setup.py setup.cfg constraints.txt package.xml | check-python
-	@echo "setting up $(VENV) with $(PYTHON), which takes about a minute ..."
+	@echo "setting up $(VENV) with $(PYTHON), which takes some minutes ..."
 	@$(PYTHON) -m venv --clear $(VENV)
 	@mkdir -p $(ROS_LOG_DIR) $(MPLCONFIGDIR)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt \
 		--upgrade pip setuptools wheel
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt \
 		--no-build-isolation -e ".[ros,dev]"
+	@echo "compiling the inner loops, once ..."
+	@$(BIN)/cable-tracker warm-up
 	@touch $@
 
 test: install lint
@@ -78,11 +89,27 @@ endif
 docs: install
 	$(BIN)/python docs/generate.py
 
+bench: install
+	$(BIN)/cable-tracker bench --dds --force --markdown docs/performance.md
+
 # The tables that ship with the package. The evaluation's dives have the seeds 0, 1, ...
 table: install
 	$(BIN)/cable-tracker learn $(TABLE_SCENARIOS:%=--scenario %) --seeds $(TABLE_SEEDS) \
 		--every $(TABLE_EVERY) --seed 0 --output $(TABLE) --force
 
+# What is found lies in $(FUZZ)/findings; mended, it belongs in test/fuzz/examples/TARGET.
+fuzz: install
+	@mkdir -p $(FUZZ)
+	@for target in $(FUZZ_TARGETS); do \
+		echo "fuzzing $$target ..."; \
+		$(BIN)/python test/fuzz/run.py $$target --runs $(RUNS) --seed $(FUZZ_SEED) \
+			--corpus $(FUZZ)/corpus/$$target --findings $(FUZZ)/findings \
+			2> $(FUZZ)/$$target.log || { tail -n 40 $(FUZZ)/$$target.log; exit 1; }; \
+		grep -e executed_units -e slowest -e peak_rss $(FUZZ)/$$target.log; done
+
+soak: install
+	$(BIN)/cable-tracker soak --minutes $(MINUTES) --seed $(SEED) --force
+
 clean:
-	rm -rf $(VENV) $(DEMO) build install log *.egg-info .mypy_cache .ruff_cache .pytest_cache \
+	rm -rf $(VENV) $(DEMO) $(FUZZ) soak.json build install log *.egg-info .mypy_cache .ruff_cache .pytest_cache \
 		.hypothesis

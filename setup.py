@@ -12,7 +12,9 @@ exec((ROOT / PACKAGE / "__init__.py").read_text(encoding="utf-8"), VERSION)
 
 def files(folder: str, pattern: str) -> list[str]:
     """Return the files of a folder, as paths relative to this file."""
-    return sorted(str(path.relative_to(ROOT)) for path in (ROOT / folder).glob(pattern))
+    return sorted(
+        str(path.relative_to(ROOT)) for path in (ROOT / folder).glob(pattern) if path.is_file()
+    )
 
 
 setup(
@@ -33,6 +35,7 @@ setup(
     python_requires=">=3.11",
     install_requires=[
         "Jinja2>=3.1",
+        "numba>=0.60",
         "numpy>=1.26",
         "opencv-python-headless>=4.6",
         "matplotlib>=3.6",
@@ -48,8 +51,11 @@ setup(
     extras_require={
         "ros": ["ros-jazzy-rclpy[fastrtps]", "ros-jazzy-common-interfaces"],
         "dev": [
+            "atheris; python_version < '3.13'",
+            "filterpy",
             "hypothesis",
             "mypy",
+            "particles",
             "pytest",
             "pytest-timeout",
             "pytest-xdist",
@@ -61,6 +67,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
         (f"share/{PACKAGE}/config", files("config", "*")),
+        (f"share/{PACKAGE}/config/sros2", files("config/sros2", "*.xml")),
         (f"share/{PACKAGE}/launch", files("launch", "*.launch.py")),
     ],
     entry_points={

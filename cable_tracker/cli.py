@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker import __version__
+from cable_tracker.commands.bench import bench
 from cable_tracker.commands.convert import convert
 from cable_tracker.commands.dds_profile import dds_profile
 from cable_tracker.commands.estimate_noise import estimate_noise
@@ -18,8 +19,10 @@ from cable_tracker.commands.experiment import experiment
 from cable_tracker.commands.learn import learn
 from cable_tracker.commands.parameters import parameters
 from cable_tracker.commands.simulate import simulate_command
+from cable_tracker.commands.soak import soak
 from cable_tracker.commands.terminal import console, messages
 from cable_tracker.commands.track import track
+from cable_tracker.commands.warm_up import warm_up_command
 from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError
 
 app = typer.Typer(
@@ -55,10 +58,13 @@ app.command()(convert)
 app.command(name="simulate")(simulate_command)
 app.command()(evaluate)
 app.command()(experiment)
+app.command()(bench)
 app.command()(estimate_noise)
 app.command()(learn)
+app.command()(soak)
 app.command()(parameters)
 app.command()(dds_profile)
+app.command(name="warm-up")(warm_up_command)
 
 
 class Stopped(BaseException):

@@ -40,6 +40,46 @@ TRACKER_START_PARAMETERS = (
 )
 """Read at start only."""
 
+METRIC_PARAMETERS = (
+    number("camera_x", 0.0, "m", (-100.0, 100.0), "Camera in base_link: in front of it."),
+    number("camera_y", 0.0, "m", (-100.0, 100.0), "To its left."),
+    number("camera_z", 0.0, "m", (-100.0, 100.0), "Above it."),
+    number("camera_roll", 0.0, "deg", (-180.0, 180.0), "About the line of sight."),
+    number(
+        "camera_pitch",
+        90.0,
+        "deg",
+        (-180.0, 180.0),
+        "90: straight down, the top of the image to the front; 0: straight ahead.",
+    ),
+    number("camera_yaw", 0.0, "deg", (-180.0, 180.0), "To the left."),
+    flag("image_is_rectified", False, "The images are rectified: use P of camera_info, not K, D."),
+    word("base_frame", "base_link", "frame_id of `cross_track`."),
+    number("look_ahead", 1.0, "m", (0.0, 100.0), "Distance ahead for `cross_track_ahead`."),
+    number("cable_height", 0.0, "m", (0.0, 10.0), "Of the cable's axis above the sea bed."),
+    number("fixed_altitude", 0.0, "m", (0.0, 200.0), "Where no `altitude` comes; 0: none."),
+    number("altimeter_z", 0.0, "m", (-100.0, 100.0), "Altimeter in base_link: above it."),
+    flag(
+        "altitude_is_vertical",
+        False,
+        "`altitude` is the vertical distance, not that along the vehicle's own axis.",
+    ),
+    number("altitude_sigma", 0.01, "share", (0.0, 1.0), "Doubt about the altitude."),
+    number("level_sigma", 2.0, "deg", (0.0, 45.0), "Doubt about roll and pitch without `imu`."),
+    number("imu_sigma", 0.3, "deg", (0.0, 45.0), "The least doubt with it."),
+    flag("motion_aid", True, "Let `odometry` predict how the cable moves in the image."),
+    number("velocity_sigma", 0.02, "m/s", (0.0, 10.0), "Least doubt about its velocities."),
+    number("turn_sigma", 0.3, "deg/s", (0.0, 90.0), "Least doubt about its turns."),
+    number(
+        "instrument_timeout",
+        1.0,
+        "s",
+        (0.01, 3600.0),
+        "Measurements that are older than this at the time of a frame do not count.",
+    ),
+)
+"""For `cross_track`; see docs/metric.md."""
+
 TRACKER_RUNTIME_PARAMETERS = (
     word(
         "initial_state",
@@ -47,11 +87,23 @@ TRACKER_RUNTIME_PARAMETERS = (
         "Where start and reset begin: `random`, or `d,alpha,w,beta` in px and rad.",
     ),
     number(
-        "input_timeout", 1.0, "s", (0.05, 3600.0), "Without a frame for this long: STALE INPUT."
+        "input_timeout",
+        1.0,
+        "s",
+        (0.05, 3600.0),
+        "Without a usable frame for this long: STALE INPUT.",
+    ),
+    number(
+        "frozen_timeout",
+        2.0,
+        "s",
+        (0.0, 3600.0),
+        "The same picture for this long, by its stamps: FROZEN INPUT; 0: never.",
     ),
     number(
         "diagnostics_period", 1.0, "s", (0.05, 3600.0), "Time between two messages on /diagnostics."
     ),
+    *METRIC_PARAMETERS,
 )
 """May be changed at any time."""
 
@@ -67,6 +119,7 @@ REPLAY_START_PARAMETERS = (
     ),
     flag("wait_for_tracker", False, "Begin only when somebody subscribes; always so in lockstep."),
     flag("paused", False, "Begin paused."),
+    flag("allow_outside", False, "Let a sequence file name files outside its folder."),
     flag("skip_bad_frames", False, "Send frames that cannot be decoded, instead of stopping."),
 )
 """Read at start only."""

@@ -5,15 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
+import numpy as np
+
 from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.proposer import CableProposer, NoProposer
 from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.compilation import uses_compiled_kernels
+from cable_tracker.detection.compiled.line_pair_proposer import CompiledLinePairProposer
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 
 PROPOSERS: Mapping[str, Callable[[], CableProposer]] = MappingProxyType(
     {"none": NoProposer, "line_pairs": LinePairProposer}
 )
 """The detectors that the parameter `detector` can name."""
+
+WARM_UP_WIDTH, WARM_UP_HEIGHT = 320, 240
+WARM_UP_FRAMES = 4
+WARM_UP_STEP = 40_000_000
+"""Size of the frames for `warm_up` [px], how many, and the time between them [ns]."""
 
 
 def make_tracker(parameters: TrackerParameters) -> CableTracker:
@@ -27,6 +36,28 @@ def make_tracker(parameters: TrackerParameters) -> CableTracker:
     return CableTracker(parameters, make_proposer(parameters))
 
 
+def warm_up(parameters: TrackerParameters) -> None:
+    """Run a tracker of its own on a few frames, so that everything is compiled and loaded.
+
+    The first time on a machine takes some seconds or more; later the machine code is on disk.
+
+    Raises
+    ------
+    ParameterError
+        The response table cannot be read.
+    """
+    for dtype in (np.uint8, np.float32):
+        tracker = make_tracker(parameters)
+        frame = np.full((WARM_UP_HEIGHT, WARM_UP_WIDTH), 60, dtype)
+        frame[:, WARM_UP_WIDTH // 2 - 20 : WARM_UP_WIDTH // 2 + 20] = 160
+        # Frames of messages cannot be written to, and are compiled for as another type.
+        frame.setflags(write=False)
+        for number in range(1, WARM_UP_FRAMES + 1):
+            tracker.process(frame, stamp=number * WARM_UP_STEP)
+
+
 def make_proposer(parameters: TrackerParameters) -> CableProposer:
     """Return the detector that parameters name."""
+    if parameters.detector == "line_pairs" and uses_compiled_kernels(parameters.kernels):
+        return CompiledLinePairProposer()
     return PROPOSERS[parameters.detector]()

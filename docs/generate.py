@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 TITLES = {
     "default": "Preset `default`: what to begin with.",
-    "thesis": "Preset `thesis`: Wirth (2008), Tables 5.1 and 5.2, to the letter.",
+    "thesis": "Preset `thesis`: Wirth (2008), Tables 5.1 and 5.2; its letter with `taps`.",
 }
 
 INTRODUCTION = """\

@@ -7,6 +7,8 @@ from cable_tracker.cable.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.cable.presets import PRESETS
 from cable_tracker.cable.proposer import NoProposer
 from cable_tracker.cable.working_image import make_working_image
+from cable_tracker.compilation import NUMBA_IS_INSTALLED
+from cable_tracker.detection.compiled.line_pair_proposer import CompiledLinePairProposer
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.errors import ParameterError
 from cable_tracker.trackers import PROPOSERS, make_proposer, make_tracker
@@ -15,7 +17,17 @@ from cable_tracker.trackers import PROPOSERS, make_proposer, make_tracker
 def test_every_detector_that_can_be_named_can_be_made():
     assert set(PARAMETERS_BY_NAME["detector"].choices) == set(PROPOSERS)
     assert isinstance(make_proposer(TrackerParameters(detector="none")), NoProposer)
-    assert isinstance(make_proposer(TrackerParameters(detector="line_pairs")), LinePairProposer)
+    parameters = TrackerParameters(detector="line_pairs", kernels="numpy")
+    assert isinstance(make_proposer(parameters), LinePairProposer)
+
+
+@pytest.mark.skipif(not NUMBA_IS_INSTALLED, reason="needs Numba")
+@pytest.mark.parametrize("kernels", ["auto", "compiled"])
+def test_compiled_kernels_mean_the_compiled_detector(kernels):
+    parameters = TrackerParameters(detector="line_pairs", kernels=kernels)
+    assert isinstance(make_proposer(parameters), CompiledLinePairProposer)
+    none = parameters.replaced({"detector": "none"})
+    assert isinstance(make_proposer(none), NoProposer)
 
 
 def test_nothing_proposes_nothing():

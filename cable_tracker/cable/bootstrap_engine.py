@@ -5,24 +5,24 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.bootstrap_filter import (
+    BootstrapFilter,
+    NumpyBootstrapFilter,
+    make_observation,
+)
+from cable_tracker.cable.compiled_bootstrap_filter import CompiledBootstrapFilter
 from cable_tracker.cable.engine import Finding, TrackingEngine
 from cable_tracker.cable.estimate import Hypothesis, TrackingStatus
-from cable_tracker.cable.evidence import border_evidence
 from cable_tracker.cable.initialisation import random_states
-from cable_tracker.cable.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.movement import CableMovement
-from cable_tracker.cable.observation import BorderObservation
+from cable_tracker.cable.motion_aid import MotionAid
 from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.proposer import CableProposer
 from cable_tracker.cable.response_table import ResponseTable
 from cable_tracker.cable.state import CableState
-from cable_tracker.cable.statistics import cable_mean_and_covariance
 from cable_tracker.cable.status import StatusMachine
 from cable_tracker.cable.working_image import WorkingImage
-from cable_tracker.particle_filter.filter import ParticleFilter
+from cable_tracker.compilation import uses_compiled_kernels
 from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
-from cable_tracker.particle_filter.weights import effective_sample_size
 
 
 class BootstrapEngine:
@@ -43,13 +43,8 @@ class BootstrapEngine:
     ) -> None:
         self._parameters = parameters
         self._rng = rng
-        self._responses = BorderObservation(parameters)
-        self._observation: BorderObservation | BorderLikelihoodRatio = (
-            BorderLikelihoodRatio(parameters, table)
-            if parameters.observation == "likelihood_ratio"
-            else self._responses
-        )
-        self._filter: ParticleFilter[WorkingImage] | None = None
+        self._table = table
+        self._filter: BootstrapFilter | None = None
 
     @property
     def particles(self) -> Particles | None:
@@ -77,8 +72,14 @@ class BootstrapEngine:
         self._filter = self._make_filter(particles, image.frame_size[0])
         return self._look(self._filter, image, status)
 
-    def advance(self, image: WorkingImage, dt: float, status: StatusMachine) -> Finding:
-        """Look at the next frame, `dt` seconds later."""
+    def advance(
+        self,
+        image: WorkingImage,
+        dt: float,
+        status: StatusMachine,
+        motion: MotionAid | None = None,
+    ) -> Finding:
+        """Look at the next frame, `dt` seconds later; odometry may say how it has moved."""
         if self._filter is None:
             return self.start(self._random(image), image, status)
         if self._is_search_due(status):
@@ -86,8 +87,7 @@ class BootstrapEngine:
                 Particles.equally_weighted(self._random(image)), image.frame_size[0]
             )
             status = status.searched()
-        self._filter.resample_if_degenerate()
-        self._filter.predict(dt)
+        self._filter.predict(dt, motion)
         return self._look(self._filter, image, status)
 
     def _random(self, image: WorkingImage) -> FloatArray:
@@ -98,35 +98,24 @@ class BootstrapEngine:
             return False
         return status.unclaimed_time >= self._parameters.search_time
 
-    def _make_filter(self, particles: Particles, width: int) -> ParticleFilter[WorkingImage]:
-        return ParticleFilter(
-            particles,
-            movement=CableMovement(self._parameters, width),
-            observation=self._observation,
-            resampling=RESAMPLING_SCHEMES[self._parameters.resampling],
-            resampling_threshold=self._parameters.resampling_threshold,
-            rng=self._rng,
-        )
+    def _make_filter(self, particles: Particles, width: int) -> BootstrapFilter:
+        parameters = self._parameters
+        if parameters.observation == "responses" and uses_compiled_kernels(parameters.kernels):
+            return CompiledBootstrapFilter(particles, parameters, width, self._rng)
+        observation = make_observation(parameters, self._table)
+        return NumpyBootstrapFilter(particles, parameters, observation, width, self._rng)
 
     def _look(
-        self, cable_filter: ParticleFilter[WorkingImage], image: WorkingImage, status: StatusMachine
+        self, cable_filter: BootstrapFilter, image: WorkingImage, status: StatusMachine
     ) -> Finding:
-        cable_filter.update(image)
-        particles = cable_filter.particles
-        mean, covariance = cable_mean_and_covariance(particles.states, particles.weights)
-        evidence = self._evidence(mean, image)
+        sight = cable_filter.look(image)
         return Finding(
-            mean=mean,
-            covariance=covariance,
-            effective_sample_size=effective_sample_size(particles.log_weights),
-            evidence=evidence,
-            rises=evidence >= self._parameters.evidence_to_track,
-            holds=evidence >= self._parameters.evidence_to_lose,
+            mean=sight.mean,
+            covariance=sight.covariance,
+            effective_sample_size=sight.effective_sample_size,
+            evidence=sight.evidence,
+            rises=sight.evidence >= self._parameters.evidence_to_track,
+            holds=sight.evidence >= self._parameters.evidence_to_lose,
             status=status,
-            hypotheses=(Hypothesis(1.0, CableState.from_array(mean)),),
+            hypotheses=(Hypothesis(1.0, CableState.from_array(sight.mean)),),
         )
-
-    def _evidence(self, mean: FloatArray, image: WorkingImage) -> float:
-        if isinstance(self._observation, BorderLikelihoodRatio):
-            return float(self._observation.measure(mean[None, :], image).weaker_borders.max())
-        return border_evidence(self._responses, mean, image)

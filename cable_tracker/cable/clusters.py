@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.geometry import unwrap_states, wrap_states
+from cable_tracker.cable.geometry import unwrap_states, wrap_state
 from cable_tracker.cable.parameters import REFERENCE_WIDTH
 from cable_tracker.cable.state import PLACES, StateColumn
 from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
@@ -51,8 +51,7 @@ class Cluster:
     @property
     def state(self) -> FloatArray:
         """The mean with its angle in (-pi/2, pi/2], shape (8,)."""
-        mean: FloatArray = wrap_states(self.mean[None, :])[0]
-        return mean
+        return wrap_state(self.mean)
 
     def covariance(self, states: FloatArray, weights: FloatArray) -> FloatArray:
         """Return the covariance (8, 8) of its particles, of all states (N, 8) and weights (N,)."""

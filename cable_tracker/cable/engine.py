@@ -7,6 +7,7 @@ from typing import Protocol
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.estimate import Hypothesis
+from cable_tracker.cable.motion_aid import MotionAid
 from cable_tracker.cable.proposer import CableProposer
 from cable_tracker.cable.status import StatusMachine
 from cable_tracker.cable.working_image import WorkingImage
@@ -72,6 +73,12 @@ class TrackingEngine(Protocol):
         """Look at a frame, believing in states (N, 8), equally."""
         ...
 
-    def advance(self, image: WorkingImage, dt: float, status: StatusMachine) -> Finding:
-        """Look at the next frame, `dt` seconds later."""
+    def advance(
+        self,
+        image: WorkingImage,
+        dt: float,
+        status: StatusMachine,
+        motion: MotionAid | None = None,
+    ) -> Finding:
+        """Look at the next frame, `dt` seconds later; odometry may say how it has moved."""
         ...

@@ -7,14 +7,15 @@ same frame.
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.geometry import project_borders
-from cable_tracker.cable.observation import BorderObservation
+from cable_tracker.cable.geometry import Borders, project_borders
+from cable_tracker.cable.observation import BorderResponses
 from cable_tracker.cable.working_image import WorkingImage
 
-GRID_COLUMNS, GRID_ROWS, GRID_DIRECTIONS = 24, 18, 4
 NOISE_FLOOR = 0.3
 """Smallest robust scale of a frame [grey levels]: below it lies the noise of quantisation."""
 
@@ -25,22 +26,28 @@ MINIMUM_POINTS = 3.0
 """A border with fewer points inside the image shows nothing."""
 
 
-def response_scale(model: BorderObservation, image: WorkingImage) -> float:
+class ResponseModel(Protocol):
+    """A way of measuring the filter's answers."""
+
+    def measure(self, borders: Borders, image: WorkingImage) -> BorderResponses:
+        """Sum the answers along each border."""
+        ...
+
+    def scattered_responses(self, image: WorkingImage) -> FloatArray:
+        """Return the answers at places all over the frame [grey levels], shape (G,)."""
+        ...
+
+
+def response_scale(model: ResponseModel, image: WorkingImage) -> float:
     """Return a robust standard deviation of the filter's response over the frame [grey levels].
 
-    Taken at a regular grid of points, across lines of four directions. A cable covers too little of
-    the image to move the median.
+    Taken at places all over it. A cable covers too little of the image to move the median.
     """
-    width, height = image.frame_size
-    x = ((np.arange(GRID_COLUMNS) + 0.5) / GRID_COLUMNS - 0.5) * width
-    y = ((np.arange(GRID_ROWS) + 0.5) / GRID_ROWS - 0.5) * height
-    points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    angles = np.pi * (np.arange(len(points)) % GRID_DIRECTIONS) / GRID_DIRECTIONS
-    responses = model.respond_at(image, points, angles)
+    responses = model.scattered_responses(image)
     return max(GAUSSIAN_MAD * float(np.median(np.abs(responses))), NOISE_FLOOR)
 
 
-def border_evidence(model: BorderObservation, state: FloatArray, image: WorkingImage) -> float:
+def border_evidence(model: ResponseModel, state: FloatArray, image: WorkingImage) -> float:
     """Return the mean response per point of the weaker border, in units of the frame's scale.
 
     Zero when the borders do not oppose each other, or lie outside the image. `state`: shape (8,).

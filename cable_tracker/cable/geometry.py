@@ -6,6 +6,7 @@ the right, y up. A line is given in Hesse normal form, ``x cos(angle) + y sin(an
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,6 +68,18 @@ def wrap_states(states: FloatArray) -> FloatArray:
     result[:, StateColumn.ANGLE] = wrapped
     for column in SIGN_CHANGING_COLUMNS:
         result[:, column] *= sign
+    return result
+
+
+def wrap_state(state: FloatArray) -> FloatArray:
+    """Write one cable, shape (8,), with its normal angle in (-pi/2, pi/2]; see `wrap_states`."""
+    angle = float(state[StateColumn.ANGLE])
+    wrapped = math.pi / 2 - (math.pi / 2 - angle) % math.pi
+    result = state.copy()
+    result[StateColumn.ANGLE] = wrapped
+    if round((angle - wrapped) / math.pi) % 2:
+        for column in SIGN_CHANGING_COLUMNS:
+            result[column] = -result[column]
     return result
 
 

@@ -72,7 +72,11 @@ class SearchBox:
 
     def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Draw cables, shape (count, 8)."""
-        return rng.uniform(self.lower, self.upper, size=(count, STATE_SIZE))
+        return self.placed(rng.random((count, STATE_SIZE)))
+
+    def placed(self, uniform: FloatArray) -> FloatArray:
+        """Return the cables for numbers from 0 to 1, both of shape (N, 8)."""
+        return self.lower + uniform * (self.upper - self.lower)
 
     def log_density_of_places(self, states: FloatArray) -> FloatArray:
         """Return the log-density of d, alpha, w, beta, shape (N,); -inf outside the box."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.geometry import project_borders, sample_points
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.geometry import project_borders
 from cable_tracker.cable.leaving import support
-from cable_tracker.cable.likelihood_ratio import measure_points
+from cable_tracker.cable.likelihood_ratio import BorderPoints, measure_points
 from cable_tracker.cable.parameters import REFERENCE_WIDTH
 from cable_tracker.cable.response_table import (
     PointMeasures,
@@ -17,9 +17,6 @@ from cable_tracker.cable.response_table import (
 )
 from cable_tracker.cable.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.working_image import WorkingImage
-
-SPACING = 5.0
-"""Distance between the points that are counted along a line [px at the reference width]."""
 
 RANDOM_CABLES = 20
 """Cables drawn through each frame for what is not a border; a few meet one by chance."""
@@ -67,7 +64,7 @@ class ResponseCounts:
         The polarity of the cable in the frame is that which most of its border speaks for.
         """
         true = state.to_array()[None, :]
-        points, _ = _measure(true, image)
+        points = _measure(true, image).measures
         if not len(points.responses):
             return
         is_bright = float(points.responses.sum() + points.contrasts.sum()) >= 0.0
@@ -87,7 +84,7 @@ class ResponseCounts:
         return table_from_histograms(self._border, self._background, source)
 
     def _count_elsewhere(self, states: FloatArray, image: WorkingImage) -> None:
-        points, _ = _measure(states, image)
+        points = _measure(states, image).measures
         # A line has no polarity of its own.
         self._background.add(points)
         self._background.add(points.negative())
@@ -100,8 +97,9 @@ class ResponseCounts:
         states[:, StateColumn.WIDTH] += share * true[StateColumn.WIDTH]
         outward = np.where(moved == 0, -0.5, 0.5)
         states[:, StateColumn.DISTANCE] += outward * share * true[StateColumn.WIDTH]
-        points, side = _measure(states, image)
-        wrong = side[0] == moved[side[1]]
+        crossed = _measure(states, image)
+        wrong = crossed.borders % 2 == moved[crossed.borders // 2]
+        points = crossed.measures
         chosen = PointMeasures(
             points.responses[wrong], points.slopes[wrong], points.contrasts[wrong]
         )
@@ -119,12 +117,5 @@ class ResponseCounts:
         return states
 
 
-def _measure(
-    states: FloatArray, image: WorkingImage
-) -> tuple[PointMeasures, tuple[IndexArray, IndexArray]]:
-    """Measure all points inside the image; also which border each is of, and of which cable."""
-    borders = project_borders(states)
-    spacing = SPACING * image.frame_size[0] / REFERENCE_WIDTH
-    points, inside = sample_points(borders, spacing, image.frame_size)
-    cables, sides = (index.astype(np.int64) for index in np.nonzero(inside)[:2])
-    return measure_points(borders, points, inside, image), (sides, cables)
+def _measure(states: FloatArray, image: WorkingImage) -> BorderPoints:
+    return measure_points(project_borders(states), image)

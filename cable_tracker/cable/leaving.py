@@ -60,6 +60,13 @@ def distance_inside(states: FloatArray, image_size: tuple[int, int]) -> FloatArr
     return inside
 
 
+def inset(state: FloatArray, image_size: tuple[int, int]) -> float:
+    """Return how far one centreline, shape (4,) or more, is from leaving the image [px]."""
+    angle, distance = float(state[StateColumn.ANGLE]), float(state[StateColumn.DISTANCE])
+    width, height = image_size
+    return (abs(math.cos(angle)) * width + abs(math.sin(angle)) * height) / 2 - abs(distance)
+
+
 def survival_probabilities(
     states: FloatArray, image_size: tuple[int, int], parameters: TrackerParameters, dt: float
 ) -> FloatArray:
@@ -100,7 +107,7 @@ def remember(
 ) -> RememberedCable:
     """Return the memory of a cable, shape (8,), that is tracked now."""
     margin = LEFT_MARGIN * parameters.leaving_margin * image_size[0] / REFERENCE_WIDTH
-    leaving = float(distance_inside(state[None, :], image_size)[0]) < margin
+    leaving = inset(state, image_size) < margin
     side = float(np.sign(state[StateColumn.DISTANCE])) if leaving else 0.0
     return RememberedCable(state[:PLACES].copy(), side)
 
@@ -127,31 +134,49 @@ class BirthDensity:
     image_size: tuple[int, int]
 
     @property
-    def _memory_share(self) -> float:
+    def memory_share(self) -> float:
+        """Share of the births about the remembered cable."""
         if self.memory is None:
             return 0.0
         fading = math.exp(-self.memory.seconds / self.memory_time)
         # Never quite none: a search without knowledge costs nothing that this would gain.
         return (1.0 - SEARCH_SHARE) * max(fading, 1e-3)
 
+    def remembered_of(self, count: int) -> int:
+        """Return how many of `count` births are about the remembered cable."""
+        return round(self.memory_share * count)
+
     def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Draw cables with their angle in (-pi/2, pi/2], shape (count, 8)."""
-        states = self.box.draw(count, rng)
-        remembered = round(self._memory_share * count)
+        uniform = rng.random((count, STATE_SIZE))
+        return wrap_states(self.placed(uniform, rng.standard_t(TAIL, (count, PLACES))))
+
+    def placed(self, uniform: FloatArray, about_memory: FloatArray) -> FloatArray:
+        """Return the cables, at any angle, for random numbers, shape (N, 8).
+
+        Parameters
+        ----------
+        uniform : FloatArray
+            From 0 to 1, shape (N, 8).
+        about_memory : FloatArray
+            Student-t of `TAIL` degrees of freedom, shape (N, 4).
+        """
+        states = self.box.placed(uniform)
+        remembered = self.remembered_of(len(states))
         if self.memory is not None and remembered:
-            noise = rng.standard_t(TAIL, (remembered, PLACES)) * self._scales(self.memory)
+            noise = about_memory[:remembered] * self.scales(self.memory)
             angles = self.memory.places[StateColumn.ANGLE] + noise[:, StateColumn.ANGLE]
             places = self._centres(self.memory, angles) + noise
             states[:remembered] = np.zeros((remembered, STATE_SIZE))
             states[:remembered, :PLACES] = places
-        return wrap_states(states)
+        return states
 
     def log_density(self, states: FloatArray) -> FloatArray:
         """Return the log-density of d, alpha, w, beta, shape (N,), for states (N, 8)."""
         anywhere = self.box.log_density_of_places(wrap_states(states))
         if self.memory is None:
             return anywhere
-        share = self._memory_share
+        share = self.memory_share
         near = self._log_density_near(states, self.memory)
         mixed: FloatArray = np.logaddexp(np.log1p(-share) + anywhere, math.log(share) + near)
         return mixed
@@ -167,7 +192,7 @@ class BirthDensity:
         return total
 
     def _log_density_in(self, chart: FloatArray, memory: RememberedCable) -> FloatArray:
-        scales = self._scales(memory)
+        scales = self.scales(memory)
         offsets = chart[:, :PLACES] - self._centres(memory, chart[:, StateColumn.ANGLE])
         # The components are independent, given the angle.
         squared = (offsets / scales) ** 2
@@ -181,14 +206,16 @@ class BirthDensity:
         """
         centres = np.tile(memory.places, (len(angles), 1))
         if memory.side:
-            inset = support(memory.places[[StateColumn.ANGLE]], self.image_size)[0] - abs(
-                memory.places[StateColumn.DISTANCE]
-            )
-            along = support(angles, self.image_size) - max(float(inset), 0.0)
+            along = support(angles, self.image_size) - max(self.inset(memory), 0.0)
             centres[:, StateColumn.DISTANCE] = memory.side * along
         return centres
 
-    def _scales(self, memory: RememberedCable) -> FloatArray:
+    def inset(self, memory: RememberedCable) -> float:
+        """Return how far inside the edge of the image the remembered cable was [px]."""
+        return inset(memory.places, self.image_size)
+
+    def scales(self, memory: RememberedCable) -> FloatArray:
+        """Return how far from where it was the cable is looked for, shape (4,) [px, rad]."""
         scale = self.image_size[0] / REFERENCE_WIDTH
         scales = np.minimum(SPREAD + SPREADING * memory.seconds, WIDEST)
         scaled: FloatArray = scales * np.array([scale, 1.0, scale, 1.0])

@@ -1,7 +1,7 @@
 """The learnt observation model: how much likelier a frame is with a cable than without.
 
-Along each border, at regular points, the response across the border and its slope are looked up in
-a table of log-likelihood ratios, border against background. A border that is overgrown at a point
+Where each border crosses the scan lines, the response across it and its slope are looked up in a
+table of log-likelihood ratios, border against background. A border that is overgrown at a point
 costs a bounded amount there. Neighbouring points are not independent, so the sum is tempered.
 """
 
@@ -12,16 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, Image
-from cable_tracker.cable.geometry import (
-    Borders,
-    image_to_pixel,
-    project_borders,
-    sample_points,
-)
-from cable_tracker.cable.gradients import read_channels
-from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.arrays import FloatArray, Image, IndexArray
+from cable_tracker.cable.geometry import Borders, project_borders
+from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.response_table import PointMeasures, ResponseTable, load_table
+from cable_tracker.cable.scanned_gradients import Channel, ScanLines
 from cable_tracker.cable.working_image import WorkingImage
 
 CABLES_AT_ONCE = 512
@@ -54,7 +49,7 @@ class CableEvidence:
     weaker_borders : FloatArray
         Mean log-likelihood ratio per point of the weaker border, not tempered, shape (N, 2).
     seen : FloatArray
-        Number of points inside the image of the border that has fewer, shape (N,).
+        Length inside the image of the shorter border [distances of the scan lines], shape (N,).
     """
 
     log_ratios: FloatArray
@@ -88,8 +83,7 @@ class BorderLikelihoodRatio:
 
     def __init__(self, parameters: TrackerParameters, table: ResponseTable | None = None) -> None:
         self._table = table if table is not None else load_table(parameters.response_table)
-        self._spacing = parameters.sample_spacing
-        self._tempering = parameters.tempering * parameters.sample_spacing / TEMPERED_SPACING
+        self._tempering = parameters.tempering
         self._missing = parameters.missing_cost * self._table.absent
 
     def log_likelihoods(self, states: FloatArray, observation: WorkingImage) -> FloatArray:
@@ -107,96 +101,165 @@ class BorderLikelihoodRatio:
                 ),
                 image,
             )
-            for start in range(0, len(states), CABLES_AT_ONCE)
+            for start in range(0, max(len(states), 1), CABLES_AT_ONCE)
         ]
         return functools.reduce(CableEvidence.joined, blocks)
 
     def _measure_block(self, borders: Borders, image: WorkingImage) -> CableEvidence:
-        spacing = self._spacing * image.frame_size[0] / REFERENCE_WIDTH
-        points, inside = sample_points(borders, spacing, image.frame_size)
-        measures = measure_points(borders, points, inside, image)
-        sums = np.zeros((2, *inside.shape), np.float32)
-        sums[0][inside] = self._table.look_up(measures)
-        sums[1][inside] = self._table.look_up(measures.negative())
-        counts = inside.sum(axis=2)
+        points = measure_points(borders, image)
+        counts = points.per_border(points.lengths)
         # A border that runs through the picture has as many points as the picture is high. Points
         # beyond the edge cannot be seen, but a cable that has none is not to be believed for free.
-        expected = image.frame_size[1] / spacing
+        expected = image.size[1] / image.line_spacing
         missing = self._missing * np.maximum(expected - counts, 0.0)
         # Bright, dark; cables; left, right.
-        totals = sums.sum(axis=3, dtype=np.float64) + missing
+        ratios = self._table.look_up(points.measures)
+        totals = np.stack(
+            [points.per_border(column * points.lengths) + missing for column in ratios.T]
+        )
         per_point = totals / np.maximum(counts, expected)
         return CableEvidence(
-            self._tempering * totals.sum(axis=2).T,
+            self._tempering_in(image) * totals.sum(axis=2).T,
             per_point.min(axis=2).T,
-            counts.min(axis=1).astype(np.float64),
+            counts.min(axis=1),
         )
 
+    def _tempering_in(self, image: WorkingImage) -> float:
+        return self._tempering * image.line_spacing / image.scale / TEMPERED_SPACING
 
-def measure_points(
-    borders: Borders, points: FloatArray, inside: BoolArray, image: WorkingImage
-) -> PointMeasures:
-    """Measure the frame on borders.
 
-    Parameters
+@dataclass(frozen=True, slots=True, eq=False)
+class BorderPoints:
+    """Where the borders of N cables cross the scan lines of a frame, inside it: P points.
+
+    Attributes
     ----------
-    borders : Borders
-        N pairs.
-    points, inside : FloatArray, BoolArray
-        Their points, shapes (N, 2, M, 2) and (N, 2, M): see `geometry.sample_points`.
-    image : WorkingImage
-        The frame.
-
-    Returns
-    -------
-    PointMeasures
-        Of the points inside the image, in the order of `inside`.
+    measures : PointMeasures
+        What is there, each of shape (P,).
+    borders : IndexArray
+        Which border it is of: twice the number of the cable, plus one for the right; shape (P,).
+    lengths : FloatArray
+        Length of border that the point stands for [distances of the scan lines], shape (P,). At
+        least 1; more where the border runs aslant.
+    count : int
+        N.
     """
-    # Inward: from the left border to the right, from the right border to the left.
-    inward = np.stack((np.cos(borders.angles), np.sin(borders.angles)), axis=-1)
-    inward = inward * np.array([1.0, -1.0])[:, None]
-    normals = np.broadcast_to(inward[:, :, None, :], (*inside.shape, 2))[inside]
+
+    measures: PointMeasures
+    borders: IndexArray
+    lengths: FloatArray
+    count: int
+
+    def per_border(self, values: FloatArray) -> FloatArray:
+        """Return the sum of values (P,) along each border, shape (N, 2): left, right."""
+        sums: FloatArray = np.bincount(self.borders, values, minlength=2 * self.count).astype(
+            np.float64, copy=False
+        )
+        return sums.reshape(self.count, 2)
+
+
+def measure_points(borders: Borders, image: WorkingImage) -> BorderPoints:
+    """Measure the frame where borders cross its scan lines.
+
+    Steep borders are measured where they cross rows, flat ones where they cross columns.
+    """
+    cos, sin = np.cos(borders.angles).ravel(), np.sin(borders.angles).ravel()
+    offsets = borders.offsets.ravel() * image.reduction
     widths = np.abs(borders.offsets[:, 1] - borders.offsets[:, 0]) * image.reduction
-    width = np.broadcast_to(widths[:, None, None], inside.shape)[inside]
-    places = image.to_working(points[inside])
-    responses, slopes = _edges_at(image, places, normals)
-    return PointMeasures(responses, slopes, _contrasts_at(image, places, normals, width))
+    steep = np.abs(cos) >= np.abs(sin)
+    parts = []
+    for lines, along, across, chosen in (
+        (image.scanned.rows, cos, sin, steep),
+        (image.scanned.columns, sin, cos, ~steep),
+    ):
+        numbers = np.flatnonzero(chosen)
+        crossing = _Crossing(along[chosen], across[chosen], offsets[chosen])
+        parts.append(_measure_crossings(crossing, numbers, widths, lines, image.scale))
+    measures = [part.measures for part in parts]
+    return BorderPoints(
+        PointMeasures(
+            np.concatenate([each.responses for each in measures]),
+            np.concatenate([each.slopes for each in measures]),
+            np.concatenate([each.contrasts for each in measures]),
+        ),
+        np.concatenate([part.borders for part in parts]),
+        np.concatenate([part.lengths for part in parts]),
+        len(borders.angles),
+    )
 
 
-def _contrasts_at(
-    image: WorkingImage, places: FloatArray, normals: FloatArray, widths: FloatArray
-) -> Image:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Crossing:
+    """Borders that cross scan lines: normal along and across the lines, offset [px]; shape (B,)."""
+
+    along: FloatArray
+    across: FloatArray
+    offsets: FloatArray
+
+
+def _measure_crossings(
+    crossing: _Crossing, numbers: IndexArray, widths: FloatArray, lines: ScanLines, scale: float
+) -> BorderPoints:
+    middle = (lines.smooth.shape[1] - 1) / 2
+    places = (crossing.offsets[:, None] - crossing.across[:, None] * lines.places) / crossing.along[
+        :, None
+    ]
+    of, line = np.nonzero(np.abs(places) <= middle)
+    position = places[of, line] + middle
+    # Inward: from the left border to the right, from the right border to the left.
+    inward = np.where(numbers % 2 == 0, 1.0, -1.0)[of]
+    along, across = crossing.along[of], crossing.across[of]
+    values = _read_between(lines.gradients, line, position)
+    responses = (
+        inward * (along * values[:, Channel.ALONG] + across * values[:, Channel.ACROSS])
+    ).astype(np.float32)
+    slopes = (scale * values[:, Channel.SLOPE] / along).astype(np.float32)
+    # Steps of one pixel inwards are so long along the scan line.
+    stretch = inward / along
+    without = _read_nearest(lines.smooth, line, position - OUTSIDE * scale * stretch)
+    width = widths[numbers[of] // 2]
+    behind, middle_of_cable = (
+        _read_nearest(lines.smooth, line, position + depth * stretch) - without
+        for depth in (
+            np.clip(BEHIND * width, NEAREST * scale, FARTHEST_BEHIND * scale),
+            np.clip(width / 2, NEAREST * scale, FARTHEST_MIDDLE * scale),
+        )
+    )
+    return BorderPoints(
+        PointMeasures(
+            responses,
+            slopes / (np.abs(responses) + np.float32(SMALLEST_RESPONSE)),
+            agreed_contrast(behind, middle_of_cable),
+        ),
+        numbers[of],
+        1.0 / np.abs(along),
+        len(widths),
+    )
+
+
+def agreed_contrast(behind: Image, middle: Image) -> Image:
     """Return how much brighter the inside is than the outside; 0 where its parts disagree.
 
     A furrow has dark borders too, but what lies between them is bottom: the inside is looked at
     close behind the border and in the middle of the cable, and the smaller contrast counts.
     """
-    without = _smooth_at(image, places - OUTSIDE * image.scale * normals)
-    behind, middle = (
-        _smooth_at(image, places + depth[:, None] * normals) - without
-        for depth in (
-            np.clip(BEHIND * widths, NEAREST * image.scale, FARTHEST_BEHIND * image.scale),
-            np.clip(widths / 2, NEAREST * image.scale, FARTHEST_MIDDLE * image.scale),
-        )
-    )
     smaller = np.sign(behind) * np.minimum(np.abs(behind), np.abs(middle))
-    agreed = np.where(behind * middle > 0.0, smaller, 0.0).astype(np.float32)
-    contrasts: Image = agreed / np.float32(image.contrast_scale)
-    return contrasts
+    return np.where(behind * middle > 0.0, smaller, 0.0).astype(np.float32)
 
 
-def _edges_at(image: WorkingImage, places: FloatArray, normals: FloatArray) -> tuple[Image, Image]:
-    pixels = image_to_pixel(places, image.size)
-    values = read_channels(image.gradients.channels, pixels[:, 0], pixels[:, 1])
-    x, y = normals.astype(np.float32).T
-    responses = values[:, 0] * x + values[:, 1] * y
-    slopes = (values[:, 2] * x + values[:, 3] * y) / (np.abs(responses) + SMALLEST_RESPONSE)
-    return responses, slopes * np.float32(image.scale)
+def _read_between(gradients: Image, line: IndexArray, position: FloatArray) -> Image:
+    """Read gradients at P places inside the lines, linearly along them; shape (P, 3)."""
+    left = np.minimum(position.astype(np.int64), gradients.shape[1] - 2)
+    share = (position - left).astype(np.float32)[:, None]
+    values: Image = gradients[line, left] * (1 - share) + gradients[line, left + 1] * share
+    return values
 
 
-def _smooth_at(image: WorkingImage, places: FloatArray) -> Image:
-    pixels = image_to_pixel(places, image.size)
-    return read_channels(image.smooth, pixels[:, 0], pixels[:, 1])[:, 0]
+def _read_nearest(values: Image, line: IndexArray, position: FloatArray) -> Image:
+    """Read values at P places; beyond the ends of a line its last values go on."""
+    nearest = np.clip(position + 0.5, 0, values.shape[1] - 1).astype(np.int64)
+    read: Image = values[line, nearest]
+    return read
 
 
 def marginal_log_ratios(log_ratios: FloatArray, bright: float) -> FloatArray:

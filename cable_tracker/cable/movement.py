@@ -9,9 +9,11 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.geometry import wrap_states
+from cable_tracker.cable.motion_aid import MotionAid
 from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.cable.state import PLACES, StateColumn
-from cable_tracker.particle_filter.student_t import standard_student_t
+from cable_tracker.particle_filter.normal import standard_normals
+from cable_tracker.particle_filter.student_t import student_t_stretches
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,6 +91,13 @@ def diffusion_variances(parameters: TrackerParameters, image_width: int, dt: flo
     large, its variance 625 times. Over a longer gap the changes of the rates within it move the
     cable too, so that the prior widens as it would have done frame by frame.
     """
+    return variances_over(variances_per_frame(parameters, image_width), parameters, dt)
+
+
+def variances_per_frame(
+    parameters: TrackerParameters, image_width: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return what places and rates gain in a reference frame, (4,) each [px², rad², per frame]."""
     pixel = (image_width / REFERENCE_WIDTH) ** 2
     radian = np.deg2rad(1.0) ** 2
     places = np.array(
@@ -107,6 +116,14 @@ def diffusion_variances(parameters: TrackerParameters, image_width: int, dt: flo
             parameters.skew_rate_variance * radian,
         ]
     )
+    return places, rates
+
+
+def variances_over(
+    per_frame: tuple[FloatArray, FloatArray], parameters: TrackerParameters, dt: float
+) -> FloatArray:
+    """Return what they gain in `dt` seconds, shape (8,) [px², rad², per s]."""
+    places, rates = per_frame
     frames = dt * REFERENCE_RATE
     carried = _carried_by_rates(frames, parameters.rate_damping)
     kept = _kept_by_rates(frames, parameters.rate_damping)
@@ -155,37 +172,62 @@ class CableMovement:
 
     def __init__(self, parameters: TrackerParameters, image_width: int) -> None:
         self._parameters = parameters
-        self._image_width = image_width
+        self._per_frame = variances_per_frame(parameters, image_width)
         self._limits = state_limits(parameters, image_width)
         self._limit = (
             reflect_at_limits if parameters.limit_handling == "reflect" else clip_to_limits
         )
+        self._aid: MotionAid | None = None
 
     @property
     def degrees_of_freedom(self) -> float:
         """Of the diffusion's Student-t distribution; infinite for a Gaussian."""
         return self._parameters.diffusion_degrees_of_freedom or math.inf
 
+    @property
+    def is_aided(self) -> bool:
+        """Whether states move by what odometry says."""
+        return self._aid is not None
+
+    def aid_by(self, motion: MotionAid | None) -> None:
+        """Move states by what odometry says until told otherwise; None: by their own rates."""
+        self._aid = motion
+
     def propagate(self, states: FloatArray, dt: float, rng: np.random.Generator) -> FloatArray:
         """Draw the states `dt` seconds later, shape (N, 8), within the limits."""
         moved = self.drift(states, dt)
-        tail = self.degrees_of_freedom
-        noise = np.hstack(
-            [standard_student_t(rng, len(states), PLACES, tail) for _ in ("places", "rates")]
-        )
-        moved += noise * self.diffusion_sigmas(dt)
+        sigmas = self.diffusion_sigmas(dt)
+        moving = np.flatnonzero(sigmas)  # The others need no random numbers.
+        noise = standard_normals(rng, len(moving), len(states))
+        stretches = student_t_stretches(rng, 2, len(states), self.degrees_of_freedom)
+        if stretches.size:
+            noise *= stretches[moving // PLACES]
+        moved[:, moving] += (noise * sigmas[moving, None]).T
         return self._limit(wrap_states(moved), self._limits)
 
+    def effective_time(self, dt: float) -> float:
+        """Return for how long an undamped rate would have to last; see `effective_time` [s]."""
+        return effective_time(self._parameters, dt)
+
     def drift(self, states: FloatArray, dt: float) -> FloatArray:
-        """Return where the rates alone take the states in `dt` seconds, shape (N, 8)."""
+        """Return where the rates alone take the states in `dt` seconds, shape (N, 8).
+
+        Or where odometry says that they are; see `aid_by`.
+        """
+        if self._aid is not None:
+            return self._aid.moved(states)
         moved = states.copy()
         moved[:, :PLACES] += states[:, PLACES:] * effective_time(self._parameters, dt)
         moved[:, PLACES:] *= rate_damping_over(self._parameters, dt)
         return moved
 
     def diffusion_sigmas(self, dt: float) -> FloatArray:
-        """Return the scale of the diffusion over `dt` seconds, shape (8,)."""
-        return np.sqrt(diffusion_variances(self._parameters, self._image_width, dt))
+        """Return the scale of the diffusion over `dt` seconds, shape (8,).
+
+        Odometry leaves less unknown, never more.
+        """
+        sigmas: FloatArray = np.sqrt(variances_over(self._per_frame, self._parameters, dt))
+        return sigmas if self._aid is None else np.minimum(sigmas, self._aid.sigmas())
 
     def is_within_limits(self, states: FloatArray) -> BoolArray:
         """Tell which states lie in the box of limits, shape (N,)."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
@@ -10,24 +12,26 @@ from cable_tracker.cable.engine import Finding, TrackingEngine
 from cable_tracker.cable.estimate import Hypothesis
 from cable_tracker.cable.evidence import MINIMUM_POINTS
 from cable_tracker.cable.geometry import SIGN_CHANGING_COLUMNS
-from cable_tracker.cable.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.kernels import make_likelihood_ratio, make_multi_hypothesis_filter
+from cable_tracker.cable.motion_aid import MotionAid
 from cable_tracker.cable.multi_hypothesis_filter import MultiHypothesisFilter
-from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.proposer import CableProposer
 from cable_tracker.cable.response_table import ResponseTable
-from cable_tracker.cable.state import PLACES, STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.status import StatusMachine
 from cable_tracker.cable.working_image import WorkingImage
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
-from cable_tracker.particle_filter.weights import effective_sample_size
 
 SMALLEST_HYPOTHESIS = 0.01
 """Clusters with a smaller share are not reported."""
 
 
-BORDER_TURN = float(np.deg2rad(0.25))
-"""Turn of a border that is displaced by one pixel of the reference width [rad]."""
+_SIGNS = np.ones(STATE_SIZE)
+_SIGNS[list(SIGN_CHANGING_COLUMNS)] = -1.0
+TURNED_SIGNS = np.outer(_SIGNS, _SIGNS)
+"""Factors on a covariance (8, 8) when the normal is turned round."""
 
 
 class MultiHypothesisEngine:
@@ -55,7 +59,7 @@ class MultiHypothesisEngine:
         self._parameters = parameters
         self._proposer = proposer
         self._rng = rng
-        self._observation = BorderLikelihoodRatio(parameters, table)
+        self._observation = make_likelihood_ratio(parameters, table)
         self._filter: MultiHypothesisFilter | None = None
         self._belief: Belief | None = None
 
@@ -92,15 +96,24 @@ class MultiHypothesisEngine:
         self._filter = self._make_filter(image.frame_size)
         return self._look(self._filter, self._filter.belief_given(states), image, 0.0, status)
 
-    def advance(self, image: WorkingImage, dt: float, status: StatusMachine) -> Finding:
-        """Look at the next frame, `dt` seconds later."""
+    def advance(
+        self,
+        image: WorkingImage,
+        dt: float,
+        status: StatusMachine,
+        motion: MotionAid | None = None,
+    ) -> Finding:
+        """Look at the next frame, `dt` seconds later; odometry may say how it has moved."""
         if self._filter is None:
             self._filter = self._make_filter(image.frame_size)
         belief = self._belief if self._belief is not None else self._filter.first_belief()
+        self._filter.aid_by(motion)
         return self._look(self._filter, belief, image, dt, status)
 
     def _make_filter(self, image_size: tuple[int, int]) -> MultiHypothesisFilter:
-        return MultiHypothesisFilter(self._parameters, self._observation, image_size, self._rng)
+        return make_multi_hypothesis_filter(
+            self._parameters, self._observation, image_size, self._rng
+        )
 
     def _look(
         self,
@@ -112,12 +125,12 @@ class MultiHypothesisEngine:
     ) -> Finding:
         belief = cable_filter.step(before, image, dt, self._proposer.propose(image))
         self._belief = belief
-        mean, covariance = self._leading_estimate(belief, image.frame_size[0])
+        mean, covariance = self._leading_estimate(cable_filter, belief)
         seen = belief.seen >= MINIMUM_POINTS
         return Finding(
             mean=mean,
             covariance=covariance,
-            effective_sample_size=effective_sample_size(belief.particles.log_weights),
+            effective_sample_size=cable_filter.effective_sample_size(belief),
             evidence=belief.evidence,
             rises=seen
             and belief.presence >= self._parameters.presence_to_track
@@ -130,31 +143,17 @@ class MultiHypothesisEngine:
             hypotheses=_hypotheses(belief),
         )
 
-    def _leading_estimate(self, belief: Belief, image_width: int) -> tuple[FloatArray, FloatArray]:
+    def _leading_estimate(
+        self, cable_filter: MultiHypothesisFilter, belief: Belief
+    ) -> tuple[FloatArray, FloatArray]:
         """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters."""
         leader = belief.clusters[0]
-        particles = belief.particles
-        covariance = leader.covariance(particles.states, particles.weights)
+        covariance = cable_filter.leading_covariance(belief)
         mean = leader.state
-        turns = np.rint((leader.mean[StateColumn.ANGLE] - mean[StateColumn.ANGLE]) / np.pi)
+        turns = round((leader.mean[StateColumn.ANGLE] - mean[StateColumn.ANGLE]) / math.pi)
         if turns % 2:
-            signs = np.ones(STATE_SIZE)
-            signs[list(SIGN_CHANGING_COLUMNS)] = -1.0
-            covariance = covariance * np.outer(signs, signs)
-        return mean, covariance + self._displacement(image_width)
-
-    def _displacement(self, image_width: int) -> FloatArray:
-        """Return the covariance (8, 8) of what the likelihood does not know.
-
-        Growth, shadow and the roundness of a cable shift each border as a whole, by the same in
-        frame after frame; particles agree on the wrong place then.
-        """
-        border = self._parameters.border_displacement * image_width / REFERENCE_WIDTH
-        turn = self._parameters.border_displacement * BORDER_TURN
-        variances = np.zeros(STATE_SIZE)
-        # d and alpha are means of the two borders, w is their difference, beta half of it.
-        variances[:PLACES] = [border**2 / 2, turn**2 / 2, 2 * border**2, turn**2 / 2]
-        return np.diag(variances)
+            covariance = covariance * TURNED_SIGNS
+        return mean, covariance + cable_filter.displacement
 
 
 def _hypotheses(belief: Belief) -> tuple[Hypothesis, ...]:

@@ -24,6 +24,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,10 +33,12 @@ from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.belief import Belief, initial_belief
 from cable_tracker.cable.clusters import (
     SMALLEST_MASS,
+    Cluster,
     clusters_of,
     find_clusters,
     find_groups,
 )
+from cable_tracker.cable.frame_noise import FrameNoise, draw_frame_noise
 from cable_tracker.cable.geometry import unwrap_states, wrap_states
 from cable_tracker.cable.initialisation import search_box
 from cable_tracker.cable.leaving import BirthDensity, remember, survival_probabilities
@@ -44,6 +48,7 @@ from cable_tracker.cable.likelihood_ratio import (
     marginal_log_ratios,
 )
 from cable_tracker.cable.mixture_sample import Drawn, MixtureSample, Proposal
+from cable_tracker.cable.motion_aid import MotionAid
 from cable_tracker.cable.movement import CableMovement
 from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.cable.prior_density import MINIMUM_DENSITY, Prior
@@ -59,7 +64,11 @@ from cable_tracker.particle_filter.kernel_mixture import KernelMixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.particle_filter.student_t import StudentT
-from cable_tracker.particle_filter.weights import log_sum_exp, normalise_log_weights
+from cable_tracker.particle_filter.weights import (
+    effective_sample_size,
+    log_sum_exp,
+    normalise_log_weights,
+)
 
 GIVEN_PRESENCE = 0.9
 """Probability that there is a cable where somebody said that there is one."""
@@ -83,6 +92,9 @@ LOST_DETECTOR_SHARE = 0.3
 LARGEST_BIRTH_SHARE = 0.8
 """Share of the particles of the prior that are born at most."""
 
+LEAST_SURVIVING = 1e-300
+"""Weight of an ancestor that cannot have survived: of none could a mixture be made."""
+
 FIRST_POWER = 0.3
 """The first round looks at the frame through the likelihood to this power, the last one at it as it
 is: the annealing that keeps a narrow peak from being missed."""
@@ -99,6 +111,9 @@ MOST_REFINED, SMALLEST_REFINED = 3, 0.02
 SMALLEST_KERNEL = np.array([0.05, np.deg2rad(0.02), 0.05, np.deg2rad(0.02)])
 """Smallest scale of the movement [px at the reference width, rad]: without any, the particles could
 not be told from points."""
+
+BORDER_TURN = float(np.deg2rad(0.25))
+"""Turn of a border that is displaced by one pixel of the reference width [rad]."""
 
 POLARITY_DOUBT = 0.02
 """The probability that the cable is bright stays this far from 0 and 1."""
@@ -120,6 +135,25 @@ class Shares:
     births: int
     detections: int
     refined: tuple[int, ...]
+
+
+class Survivors(NamedTuple):
+    """What the particles of the frame before, M of them, have become.
+
+    Attributes
+    ----------
+    places, rates : FloatArray
+        Where they have drifted, and how fast they move, shape (M, 4).
+    target : FloatArray
+        Their weights, shape (M,), summing to one.
+    survival : float
+        Probability that the cable is still in view.
+    """
+
+    places: FloatArray
+    rates: FloatArray
+    target: FloatArray
+    survival: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -167,7 +201,34 @@ class MultiHypothesisFilter:
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
         self._movement = CableMovement(parameters, image_size[0])
         self._box = search_box(parameters, image_size[0])
+        self._refined = tuple(
+            int(parameters.refinement_share * parameters.particle_count * weight)
+            for weight in round_weights(parameters.refinement_rounds)
+        )
         self._unit = np.array([image_size[0] / REFERENCE_WIDTH, 1.0] * 2)
+        self._smallest_kernel = SMALLEST_KERNEL * self._unit
+
+    @cached_property
+    def displacement(self) -> FloatArray:
+        """The covariance (8, 8) of what the likelihood does not know.
+
+        Growth, shadow and the roundness of a cable shift each border as a whole, by the same in
+        frame after frame; particles agree on the wrong place then.
+        """
+        border = self._parameters.border_displacement * self._image_size[0] / REFERENCE_WIDTH
+        turn = self._parameters.border_displacement * BORDER_TURN
+        variances = np.zeros(STATE_SIZE)
+        # d and alpha are means of the two borders, w is their difference, beta half of it.
+        variances[:PLACES] = [border**2 / 2, turn**2 / 2, 2 * border**2, turn**2 / 2]
+        return np.diag(variances)
+
+    def leading_covariance(self, belief: Belief) -> FloatArray:
+        """Return the covariance (8, 8) of the leading cluster, in the chart about its mean."""
+        return belief.clusters[0].covariance(belief.particles.states, belief.particles.weights)
+
+    def effective_sample_size(self, belief: Belief) -> float:
+        """Return N_eff of all particles."""
+        return effective_sample_size(belief.particles.log_weights)
 
     def first_belief(self) -> Belief:
         """Return what is believed of a cable of which nothing is known."""
@@ -188,6 +249,10 @@ class MultiHypothesisFilter:
         clusters = find_clusters(particles.states, particles.weights, self._image_size[0])
         return replace(belief, particles=particles, clusters=tuple(clusters))
 
+    def aid_by(self, motion: MotionAid | None) -> None:
+        """Let cables move as odometry says until told otherwise; None: by their own rates."""
+        self._movement.aid_by(motion)
+
     def step(
         self, belief: Belief, image: WorkingImage, dt: float, detections: FloatArray
     ) -> Belief:
@@ -207,46 +272,54 @@ class MultiHypothesisFilter:
         view = View(image, belief.bright)
         prior = self._predict(belief, dt)
         shares = self._shares(prior.existence, len(detections))
-        sample = self._first_round(prior, shares, view, detections)
+        noise = self._noise(shares)
+        sample = self._first_round(prior, shares, noise, view, detections)
         for number, count in enumerate(shares.refined):
-            sample = self._refine(sample, prior, view, number, count)
+            sample = self._refine(sample, prior, noise, view, number=number, count=count)
         return self._conclude(belief, prior, sample, dt)
 
     def _predict(self, belief: Belief, dt: float) -> Prior:
-        indices, target, proposal = self._ancestors(belief)
-        ancestors = unwrap_states(belief.particles.states[indices], belief.reference_angle)
-        survival = survival_probabilities(ancestors, self._image_size, self._parameters, dt)
-        surviving = np.maximum(target * survival, 1e-300)
-        drifted = self._movement.drift(ancestors, dt)
-        leader = belief.clusters[0].mean[None, :]
+        survivors = self._survivors(belief, dt)
+        count = len(survivors.target)
         # Without movement the kernel would be a point: the first frame after a given prior.
         sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE))
         memory = belief.memory.aged(dt) if belief.memory is not None else None
         usual_width = belief.usual_width.aged(dt) if belief.usual_width is not None else None
         return Prior(
             kernels=KernelMixture(
-                drifted[:, :PLACES],
-                np.maximum(sigmas[:PLACES], SMALLEST_KERNEL * self._unit),
+                survivors.places,
+                np.maximum(sigmas[:PLACES], self._smallest_kernel),
                 self._movement.degrees_of_freedom,
             ),
-            target=surviving / surviving.sum(),
-            proposal=proposal,
-            rates=drifted[:, PLACES:],
+            target=survivors.target,
+            proposal=np.full(count, 1.0 / count),
+            rates=survivors.rates,
             rate_sigmas=sigmas[PLACES:],
             births=BirthDensity(self._box, memory, self._parameters.memory_time, self._image_size),
             existence=predict_existence(
                 belief.presence,
-                float(surviving.sum()),
+                survivors.survival,
                 -math.expm1(-self._parameters.appearance_rate * dt),
             ),
             reference_angle=belief.reference_angle,
             usual_width=usual_width,
             parameters=self._parameters,
-            leader_shift=self._movement.drift(leader, dt)[0, :PLACES] - leader[0, :PLACES],
+            leader_shift=belief.clusters[0].mean[PLACES:] * self._movement.effective_time(dt),
         )
 
-    def _ancestors(self, belief: Belief) -> tuple[IndexArray, FloatArray, FloatArray]:
-        """Choose the particles that go on: their indices and two sets of weights, shape (M,).
+    def _survivors(self, belief: Belief, dt: float) -> Survivors:
+        """Choose the particles that go on, and let them drift."""
+        indices, weights = self._ancestors(belief)
+        ancestors = unwrap_states(belief.particles.states[indices], belief.reference_angle)
+        survival = survival_probabilities(ancestors, self._image_size, self._parameters, dt)
+        surviving = np.maximum(weights * survival, LEAST_SURVIVING)
+        drifted = self._movement.drift(ancestors, dt)
+        total = float(surviving.sum())
+        places, rates = (np.ascontiguousarray(part) for part in np.hsplit(drifted, [PLACES]))
+        return Survivors(places, rates, surviving / total, total)
+
+    def _ancestors(self, belief: Belief) -> tuple[IndexArray, FloatArray]:
+        """Choose the particles that go on: their indices and weights, shape (M,).
 
         Every cluster has some, light ones more than their weight; the weights make up for it.
         """
@@ -255,46 +328,60 @@ class MultiHypothesisFilter:
         groups.append(~np.any(groups, axis=0))
         masses = np.array([weights[members].sum() for members in groups])
         kept = np.flatnonzero(masses > SMALLEST_MASS)
-        wanted = np.maximum(masses[kept], SMALLEST_CLUSTER_SHARE)
-        count = min(self._parameters.ancestor_count, belief.particles.count)
-        counts = np.maximum(np.rint(wanted / wanted.sum() * count).astype(np.int64), 1)
+        counts = self._ancestor_counts(masses[kept], belief.particles.count)
         chosen = []
         for group, number in zip(kept, counts, strict=True):
             members = np.flatnonzero(groups[group])
             shares = weights[members] / masses[group]
             chosen.append(members[self._resample(shares, int(number), self._rng)])
         target = np.repeat(masses[kept] / counts, counts)
-        total = int(counts.sum())
-        return np.concatenate(chosen), target / target.sum(), np.full(total, 1.0 / total)
+        return np.concatenate(chosen), target / target.sum()
+
+    def _ancestor_counts(self, masses: FloatArray, particles: int) -> IndexArray:
+        """Return how many ancestors clusters of some masses (G,) have, shape (G,)."""
+        wanted = np.maximum(masses, SMALLEST_CLUSTER_SHARE)
+        count = min(self._parameters.ancestor_count, particles)
+        counts: IndexArray = np.rint(wanted / wanted.sum() * count).astype(np.int64)
+        return np.maximum(counts, 1)
 
     def _shares(self, existence: PredictedExistence, detections: int) -> Shares:
         parameters = self._parameters
         count = parameters.particle_count
-        refined = tuple(
-            int(parameters.refinement_share * count * weight)
-            for weight in round_weights(parameters.refinement_rounds)
-        )
         detector_share = parameters.detector_share if detections else 0.0
         if detector_share > 0.0 and existence.total < 0.5:
             detector_share = max(detector_share, LOST_DETECTOR_SHARE)
-        detected = min(int(count * detector_share), max(count - sum(refined) - 1, 0))
-        rest = count - sum(refined) - detected
+        detected = min(int(count * detector_share), max(count - sum(self._refined) - 1, 0))
+        rest = count - sum(self._refined) - detected
         born = existence.born / max(existence.total, MINIMUM_DENSITY)
         births = int(rest * min(max(born, parameters.search_share), LARGEST_BIRTH_SHARE))
-        return Shares(rest - births, births, detected, refined)
+        return Shares(rest - births, births, detected, self._refined)
+
+    def _noise(self, shares: Shares) -> FrameNoise:
+        count, tail = self._parameters.particle_count, self._movement.degrees_of_freedom
+        return draw_frame_noise(self._rng, count, shares.births, tail)
 
     def _first_round(
-        self, prior: Prior, shares: Shares, view: View, detections: FloatArray
+        self,
+        prior: Prior,
+        shares: Shares,
+        noise: FrameNoise,
+        view: View,
+        detections: FloatArray,
     ) -> MixtureSample:
         ancestors = self._resample(prior.proposal, shares.survivors, self._rng)
-        places = prior.kernels.draw_about(ancestors, self._rng)
-        survivors = np.hstack((places, prior.draw_rates(ancestors, self._rng)))
-        states = np.concatenate((survivors, prior.births.draw(shares.births, self._rng)))
+        rows = slice(0, shares.survivors)
+        places = prior.kernels.placed_about(ancestors, noise.of_places(rows))
+        survivors = np.hstack((places, prior.rates_about(ancestors, noise.of_rates(rows))))
+        rows = slice(rows.stop, rows.stop + shares.births)
+        births = prior.births.placed(noise.uniform[rows], noise.about_memory)
+        states = np.concatenate((survivors, births))
         proposals: tuple[tuple[int, Proposal], ...] = ()
         if shares.detections:
             mixture = self._about_detections(detections, prior.reference_angle)
             about = np.arange(shares.detections) % len(detections)
-            found = self._with_rates(mixture.draw_about(about, self._rng), prior)
+            rows = slice(rows.stop, rows.stop + shares.detections)
+            places = mixture.placed_about(about, noise.of_places(rows))
+            found = self._with_rates(places, prior, noise, rows)
             states = np.concatenate((states, found))
             proposals = ((shares.detections, mixture),)
         drawn = self._look(unwrap_states(states, prior.reference_angle), prior, view)
@@ -307,11 +394,13 @@ class MultiHypothesisFilter:
         tail = self._movement.degrees_of_freedom
         return KernelMixture(centres, DETECTION_SIGMAS * self._unit, tail)
 
-    def _with_rates(self, places: FloatArray, prior: Prior) -> FloatArray:
+    def _with_rates(
+        self, places: FloatArray, prior: Prior, noise: FrameNoise, rows: slice
+    ) -> FloatArray:
         states = np.zeros((len(places), STATE_SIZE))
         states[:, :PLACES] = places
         states = unwrap_states(states, prior.reference_angle)
-        states[:, PLACES:] = prior.rates_given_places(states, self._rng)
+        states[:, PLACES:] = prior.rates_from(states, noise.uniform[rows], noise.of_rates(rows))
         return states
 
     def _look(self, states: FloatArray, prior: Prior, view: View) -> Drawn:
@@ -328,18 +417,32 @@ class MultiHypothesisFilter:
         )
 
     def _refine(
-        self, sample: MixtureSample, prior: Prior, view: View, number: int, count: int
+        self,
+        sample: MixtureSample,
+        prior: Prior,
+        noise: FrameNoise,
+        view: View,
+        *,
+        number: int,
+        count: int,
     ) -> MixtureSample:
         """Draw `count` more particles about the best ones so far, in round `number`."""
         power = annealing_power(number, self._parameters.refinement_rounds)
         normalised = normalise_log_weights(sample.log_weights(power))
         if normalised.degenerate or count == 0:
             return sample
-        widening = WIDENINGS[min(number, len(WIDENINGS) - 1)]
-        masses, peaks = self._peaks(sample.drawn.states, np.exp(normalised.log_weights), widening)
+        masses, peaks = self._peaks(
+            sample.drawn.states, np.exp(normalised.log_weights), widening_in(number)
+        )
         proposals = tuple(zip(allot(count, masses), peaks, strict=True))
-        places = np.concatenate([peak.draw(drawn, self._rng) for drawn, peak in proposals])
-        return sample.extended(self._look(self._with_rates(places, prior), prior, view), proposals)
+        start = len(sample.drawn.states)
+        standard = noise.of_places(slice(start, start + count))
+        parts = np.split(standard, np.cumsum([drawn for drawn, _ in proposals])[:-1])
+        places = np.concatenate(
+            [peak.placed(part) for (_, peak), part in zip(proposals, parts, strict=True)]
+        )
+        states = self._with_rates(places, prior, noise, slice(start, start + count))
+        return sample.extended(self._look(states, prior, view), proposals)
 
     def _peaks(
         self, states: FloatArray, weights: FloatArray, widening: float
@@ -377,6 +480,33 @@ class MultiHypothesisFilter:
             shares >= 0.5, evidence.weaker_borders[:, 0], evidence.weaker_borders[:, 1]
         )
         within = weights * leader.members / leader.mass
+        return self._belief_of(
+            before,
+            prior,
+            dt,
+            particles,
+            tuple(clusters),
+            presence=presence,
+            clearness=float(within @ weaker),
+            seen=float(within @ evidence.seen),
+            brightness=float(weights @ shares),
+        )
+
+    def _belief_of(
+        self,
+        before: Belief,
+        prior: Prior,
+        dt: float,
+        particles: Particles,
+        clusters: tuple[Cluster, ...],
+        *,
+        presence: float,
+        clearness: float,
+        seen: float,
+        brightness: float,
+    ) -> Belief:
+        """Put the belief together, and remember the cable if it is there."""
+        leader = clusters[0]
         memory, usual_width = prior.births.memory, prior.usual_width
         if presence >= MEMORY_PRESENCE and leader.mass >= MEMORY_MASS:
             memory = remember(leader.state, self._image_size, self._parameters)
@@ -384,25 +514,31 @@ class MultiHypothesisFilter:
             usual_width = width_seen(before.usual_width, width, dt, self._parameters)
         return Belief(
             particles=particles,
-            clusters=tuple(clusters),
+            clusters=clusters,
             presence=presence,
-            bright=self._polarity(before.bright, float(weights @ shares), presence, dt),
+            bright=self._polarity(before.bright, brightness, presence, dt),
             memory=memory,
             usual_width=usual_width,
-            evidence=float(within @ weaker),
-            seen=float(within @ evidence.seen),
+            evidence=clearness,
+            seen=seen,
         )
 
     def _groups(self, before: Belief, prior: Prior, sample: MixtureSample) -> list[BoolArray]:
         """Return the members of each cluster; the one that leads has the first choice."""
-        log_weights = sample.log_weights(1.0)
-        anchor = None
-        if before.presence >= 0.5:
-            anchor = before.clusters[0].mean.copy()
-            anchor[:PLACES] += prior.leader_shift
         return find_groups(
-            wrap_states(sample.drawn.states), log_weights, self._image_size[0], anchor
+            wrap_states(sample.drawn.states),
+            sample.log_weights(1.0),
+            self._image_size[0],
+            self._anchor(before, prior),
         )
+
+    def _anchor(self, before: Belief, prior: Prior) -> FloatArray | None:
+        """Return where the cluster that leads is expected, shape (8,); None if none leads."""
+        if before.presence < 0.5:
+            return None
+        anchor: FloatArray = before.clusters[0].mean.copy()
+        anchor[:PLACES] += prior.leader_shift
+        return anchor
 
     def _balanced(self, sample: MixtureSample, groups: list[BoolArray], prior: Prior) -> FloatArray:
         """Return log-weights (N,) in which frame after frame does not count as independent.
@@ -461,6 +597,11 @@ def annealing_power(number: int, rounds: int) -> float:
     if rounds == 1:
         return FIRST_POWER
     return float(FIRST_POWER ** (1.0 - number / (rounds - 1)))
+
+
+def widening_in(number: int) -> float:
+    """Return the factor on the covariance of the particles that a round draws about."""
+    return WIDENINGS[min(number, len(WIDENINGS) - 1)]
 
 
 def round_weights(rounds: int) -> list[float]:

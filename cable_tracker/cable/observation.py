@@ -18,6 +18,9 @@ REMAP_COLUMNS = 4096
 CABLES_AT_ONCE = 512
 """Cables measured in one go, so that it all stays in the cache and memory does not grow with N."""
 
+GRID_COLUMNS, GRID_ROWS, GRID_DIRECTIONS = 24, 18, 4
+"""Places at which the frame's own scale is measured, and directions of the lines through them."""
+
 SMALLEST_SUM = 1e-3
 """Sums below this are the rounding of float32 pixels [grey levels]."""
 
@@ -59,6 +62,25 @@ def derivative_of_gaussian(taps: int, sigma: float) -> FloatArray:
     return response
 
 
+def scaled_filter(parameters: TrackerParameters, scale: float) -> FloatArray:
+    """Return the taps of the filter for pictures of some scale to the reference width."""
+    taps = parameters.filter_taps | 1
+    if scale != 1.0:
+        taps = 2 * round((parameters.filter_taps - 1) / 2 * scale) + 1
+    return derivative_of_gaussian(
+        max(taps, 3), max(parameters.filter_sigma * scale, SMALLEST_SIGMA)
+    )
+
+
+def log_weights_of_responses(responses: BorderResponses, epsilon: float) -> FloatArray:
+    """Return the logarithm of |c_l| + |c_r|, or of epsilon where they do not oppose; shape (N,)."""
+    strength = np.abs(responses.sums).sum(axis=1)
+    opposed = responses.opposed()
+    result = np.full(len(strength), np.log(epsilon))
+    result[opposed] = np.maximum(np.log(strength[opposed]), np.log(epsilon))
+    return result
+
+
 def interpolate(pixels: Image, columns: FloatArray, rows: FloatArray) -> Image:
     """Read float32 pixels (h, w) at columns and rows of any one shape, bilinearly.
 
@@ -86,19 +108,12 @@ class BorderObservation:
     """
 
     def __init__(self, parameters: TrackerParameters) -> None:
-        self._spacing = parameters.sample_spacing
-        self._sigma = parameters.filter_sigma
-        self._taps = parameters.filter_taps
-        self._log_epsilon = float(np.log(parameters.epsilon))
+        self._parameters = parameters
 
     def log_likelihoods(self, states: FloatArray, observation: WorkingImage) -> FloatArray:
         """Return the logarithm of each cable's weight, shape (N,), for states (N, 8)."""
         responses = self.measure(project_borders(states), observation)
-        strength = np.abs(responses.sums).sum(axis=1)
-        opposed = responses.opposed()
-        result = np.full(len(states), self._log_epsilon)
-        result[opposed] = np.maximum(np.log(strength[opposed]), self._log_epsilon)
-        return result
+        return log_weights_of_responses(responses, self._parameters.epsilon)
 
     def measure(self, borders: Borders, image: WorkingImage) -> BorderResponses:
         """Filter across each border at regular points, and sum along it."""
@@ -118,41 +133,40 @@ class BorderObservation:
         )
 
     def _measure_block(self, borders: Borders, image: WorkingImage) -> BorderResponses:
-        points, inside = sample_points(
-            borders, self._spacing * image.frame_size[0] / REFERENCE_WIDTH, image.frame_size
-        )
+        spacing = self._parameters.sample_spacing * image.frame_size[0] / REFERENCE_WIDTH
+        points, inside = sample_points(borders, spacing, image.frame_size)
         responses = np.zeros(inside.shape)
         responses[inside] = self._respond(
             image, image.to_working(points[inside]), _normals(borders, inside)
         )
         return BorderResponses(responses.sum(axis=2), inside.sum(axis=2).astype(np.float64))
 
-    def respond_at(self, image: WorkingImage, points: FloatArray, angles: FloatArray) -> FloatArray:
-        """Return the response at each point across a line through it, shape (P,) [grey levels].
+    def scattered_responses(self, image: WorkingImage) -> FloatArray:
+        """Return the filter's answers at places all over the frame [grey levels], shape (G,).
 
-        Parameters
-        ----------
-        image : WorkingImage
-            The frame.
-        points : FloatArray
-            Shape (P, 2), image frame of the full frame [px].
-        angles : FloatArray
-            Normal angles of the lines [rad], shape (P,).
+        At a regular grid of points, across lines of four directions.
         """
+        points, angles = scattered_lines(image.frame_size)
         normals = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
-        return self._respond(image, image.to_working(points), normals)
+        return self._respond(image, image.to_working(points), normals).astype(np.float64)
 
     def _respond(self, image: WorkingImage, points: FloatArray, normals: FloatArray) -> FloatArray:
-        scale = image.scale
-        taps = 2 * round((self._taps - 1) / 2 * scale) + 1 if scale != 1.0 else self._taps | 1
-        sigma = max(self._sigma * scale, SMALLEST_SIGMA)
-        kernel = derivative_of_gaussian(max(taps, 3), sigma)
+        kernel = scaled_filter(self._parameters, image.scale)
         reach = np.arange(len(kernel)) - (len(kernel) - 1) / 2
         pixels = image_to_pixel(points, image.size)
         # Rows run down where y runs up.
         columns = pixels[:, 0, None] + reach * normals[:, 0, None]
         rows = pixels[:, 1, None] - reach * normals[:, 1, None]
         return interpolate(image.pixels, columns, rows) @ kernel
+
+
+def scattered_lines(frame_size: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+    """Return points (G, 2) all over the image frame [px], and a normal angle (G,) for each."""
+    width, height = frame_size
+    x = ((np.arange(GRID_COLUMNS) + 0.5) / GRID_COLUMNS - 0.5) * width
+    y = ((np.arange(GRID_ROWS) + 0.5) / GRID_ROWS - 0.5) * height
+    points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    return points, np.pi * (np.arange(len(points)) % GRID_DIRECTIONS) / GRID_DIRECTIONS
 
 
 def _normals(borders: Borders, inside: BoolArray) -> FloatArray:

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias, cast
 
+from cable_tracker.compilation import NUMBA_IS_INSTALLED
 from cable_tracker.errors import ParameterError
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
@@ -153,6 +154,17 @@ class TrackerParameters:
         ("responses", "likelihood_ratio"),
         "What a frame says about a cable: sums of responses as in the thesis, or learnt ratios.",
     )
+    response_sampling: str = _word(
+        "scan_lines",
+        ("taps", "scan_lines"),
+        "Responses: a filter across every border, as in the thesis; or along rows of the picture"
+        " once, looked up where borders cross them.",
+    )
+    kernels: str = _word(
+        "auto",
+        ("auto", "compiled", "numpy"),
+        "Inner loops: compiled by Numba, or NumPy; auto compiles where Numba is installed.",
+    )
     resampling: str = _word(
         "systematic", tuple(RESAMPLING_SCHEMES), "How particles are drawn when resampling."
     )
@@ -240,7 +252,12 @@ class TrackerParameters:
         320, "px", 64, 8192, "Wider frames are reduced to this width before they are measured."
     )
     sample_spacing: float = _number(
-        10.0, "px", 1.0, 200.0, "Distance between the points measured along a border."
+        16.0,
+        "px",
+        1.0,
+        200.0,
+        "Responses: distance between the points along a border; likelihood ratio: between the scan"
+        " lines.",
     )
     filter_sigma: float = _number(
         1.6, "px", 0.5, 20.0, "Sigma of the derivative-of-Gaussian filter across a border."
@@ -392,6 +409,10 @@ class TrackerParameters:
         self._check_parts()
 
     def _check_parts(self) -> None:
+        if self.kernels == "compiled" and not NUMBA_IS_INSTALLED:
+            raise ParameterError(
+                "kernels = compiled needs Numba: pip install numba, or set kernels = auto"
+            )
         if self.filter == "multi_hypothesis" and self.observation != "likelihood_ratio":
             raise ParameterError(
                 "filter = multi_hypothesis needs observation = likelihood_ratio;"

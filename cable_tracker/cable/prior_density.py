@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.cable.frame_noise import draw_frame_noise
 from cable_tracker.cable.leaving import BirthDensity
 from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.state import PLACES, STATE_SIZE
@@ -121,11 +122,21 @@ class Prior:
     def draw_rates(self, ancestors: IndexArray, rng: np.random.Generator) -> FloatArray:
         """Draw the rates of the children of some ancestors, shape (len(ancestors), 4)."""
         tail = self.kernels.degrees_of_freedom
-        noise = standard_student_t(rng, len(ancestors), STATE_SIZE - PLACES, tail)
+        return self.rates_about(
+            ancestors, standard_student_t(rng, len(ancestors), STATE_SIZE - PLACES, tail)
+        )
+
+    def rates_about(self, ancestors: IndexArray, noise: FloatArray) -> FloatArray:
+        """Return the rates of the children of some ancestors for noise of unit scale, (n, 4)."""
         return self.rates[ancestors] + noise * self.rate_sigmas
 
     def rates_given_places(self, states: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Draw the rates of states (N, 8) whose places were proposed, shape (N, 4).
+        """Draw the rates of states (N, 8) whose places were proposed, shape (N, 4)."""
+        noise = draw_frame_noise(rng, len(states), 0, self.kernels.degrees_of_freedom)
+        return self.rates_from(states, noise.uniform, noise.of_rates(slice(None)))
+
+    def rates_from(self, states: FloatArray, uniform: FloatArray, noise: FloatArray) -> FloatArray:
+        """Return the rates of states (N, 8) for random numbers (N, 8) and noise (N, 4).
 
         An ancestor is drawn by how likely it would have moved there; a cable that was more likely
         born there has the rates of the search.
@@ -140,9 +151,9 @@ class Prior:
         log_shares = np.column_stack((moved, born))
         shares = np.exp(log_shares - log_shares.max(axis=1, keepdims=True))
         cumulative = np.cumsum(shares, axis=1)
-        positions = rng.random((len(states), 1)) * cumulative[:, -1:]
+        positions = uniform[:, :1] * cumulative[:, -1:]
         chosen = (cumulative <= positions).sum(axis=1)
         is_born = chosen >= len(self.target)
-        rates = self.draw_rates(np.where(is_born, 0, chosen), rng)
-        searched = self.births.box.draw(len(states), rng)[:, PLACES:]
+        rates = self.rates_about(np.where(is_born, 0, chosen), noise)
+        searched = self.births.box.placed(uniform)[:, PLACES:]
         return np.where(is_born[:, None], searched, rates)

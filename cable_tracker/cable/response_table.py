@@ -34,7 +34,8 @@ SLOPE_BINS = 15
 CONTRAST_LIMIT = 12.0
 """Contrasts beyond this many scales of the contrast are taken for this one."""
 
-CONTRAST_BINS = 24
+CONTRAST_BINS = 25
+"""An odd number: a contrast of nothing at all, which is frequent, lies in the middle of a bin."""
 
 COARSE = 4
 """So many bins of the response are one where it stands beside the contrast."""
@@ -65,12 +66,12 @@ class PointMeasures:
     Attributes
     ----------
     responses : Image
-        Response across the border [robust scales], positive where the inside is brighter.
+        Response across the border [`ScannedFrame.scale`], positive where the inside is brighter.
     slopes : Image
         Slope of the gradient's modulus over the response [1/px at the reference width]; zero on the
         ridge of an edge. Only its size counts.
     contrasts : Image
-        Inside minus outside, smoothed [`WorkingImage.contrast_scale`].
+        Inside minus outside, smoothed [`ScannedFrame.contrast_scale`].
     """
 
     responses: Image
@@ -110,7 +111,7 @@ class ResponseTable:
     edges : Image
         float32, shape (96, 15): response from -12 to 12 robust scales; slope from 0 to 0.75 per px.
     contrasts : Image
-        float32, shape (24, 24): response from -12 to 12, contrast from -12 to 12 of its scales; the
+        float32, shape (24, 25): response from -12 to 12, contrast from -12 to 12 of its scales; the
         ratio of the contrast, given the response.
     source : str
         What they were learnt from, for people.
@@ -124,16 +125,27 @@ class ResponseTable:
     def absent(self) -> float:
         """Log-likelihood ratio of a point that shows nothing at all."""
         nothing = np.zeros(1, np.float32)
-        return float(self.look_up(PointMeasures(nothing, nothing, nothing))[0])
+        return float(self.look_up(PointMeasures(nothing, nothing, nothing)).mean())
+
+    @property
+    def edges_of_both(self) -> Image:
+        """The table of edges for bright and, turned round, for dark cables: (96, 15, 2)."""
+        return np.ascontiguousarray(np.stack((self.edges, self.edges[::-1]), axis=-1))
+
+    @property
+    def contrasts_of_both(self) -> Image:
+        """The table of contrasts for bright and for dark cables, shape (24, 25, 2)."""
+        both = np.stack((self.contrasts, self.contrasts[::-1, ::-1]), axis=-1)
+        return np.ascontiguousarray(both)
 
     def look_up(self, points: PointMeasures) -> Image:
-        """Return the ratios of points on borders of a bright cable, float32 of their shape.
+        """Return the ratios of P points on borders of a bright and of a dark cable.
 
-        Those of a dark one are the ratios of `points.negative()`.
+        float32, shape (P, 2).
         """
         ratios: Image = (
-            self.edges.reshape(-1)[points.edge_cells()]
-            + self.contrasts.reshape(-1)[points.contrast_cells()]
+            self.edges_of_both.reshape(-1, 2)[points.edge_cells()]
+            + self.contrasts_of_both.reshape(-1, 2)[points.contrast_cells()]
         )
         return ratios
 

@@ -78,7 +78,7 @@ class CableState:
     @classmethod
     def from_array(cls, values: FloatArray) -> CableState:
         """Make a state from an array of shape (8,), or (4,) for a state at rest."""
-        return cls(*(float(value) for value in values))
+        return cls(*values.tolist())
 
     def is_finite(self) -> bool:
         """Tell whether every component is a finite number."""

@@ -9,6 +9,9 @@ from cable_tracker.errors import FrameError
 
 NANOSECONDS = 1e9
 
+LATE = 0.2
+"""A frame that is older than the one before by no more was overtaken on the way [s]."""
+
 
 @dataclass(frozen=True, slots=True)
 class FrameMark:
@@ -57,12 +60,15 @@ def succession(before: FrameMark | None, now: FrameMark, maximum_gap: float) -> 
     Raises
     ------
     FrameError
-        Both have the same time.
+        Both have the same time, or the new frame is a little older: it came out of order.
     """
     if before is None:
         return Succession(1.0 / REFERENCE_RATE, "")
     if now.stamp == before.stamp:
         raise FrameError(f"the stamp {now.stamp / NANOSECONDS:.9f} s is that of the frame before")
+    late = (before.stamp - now.stamp) / NANOSECONDS
+    if 0.0 < late <= LATE:
+        raise FrameError(f"the frame is {late:.3f} s older than the one before: out of order")
     event = _reason_to_start_anew(before, now, maximum_gap)
     dt = 1.0 / REFERENCE_RATE if event else (now.stamp - before.stamp) / NANOSECONDS
     return Succession(dt, event)

@@ -11,6 +11,7 @@ from cable_tracker.cable.bootstrap_engine import BootstrapEngine
 from cable_tracker.cable.engine import Finding, TrackingEngine
 from cable_tracker.cable.estimate import CableEstimate
 from cable_tracker.cable.initialisation import StatePrior, states_from_prior
+from cable_tracker.cable.motion_aid import MotionAid
 from cable_tracker.cable.multi_hypothesis_engine import MultiHypothesisEngine
 from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.cable.proposer import CableProposer, NoProposer
@@ -19,6 +20,7 @@ from cable_tracker.cable.state import CableState, StateColumn
 from cable_tracker.cable.status import StatusMachine
 from cable_tracker.cable.succession import FrameMark, succession
 from cable_tracker.cable.working_image import WorkingImage, check_frame, make_working_image
+from cable_tracker.compilation import uses_compiled_kernels
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 
@@ -128,7 +130,7 @@ class CableTracker:
             raise FrameError("the initial state must be finite, and its sigmas not negative")
         self._prior = prior
 
-    def process(self, image: Image, stamp: int) -> CableEstimate:
+    def process(self, image: Image, stamp: int, motion: MotionAid | None = None) -> CableEstimate:
         """Take one frame into account.
 
         Parameters
@@ -137,6 +139,8 @@ class CableTracker:
             Grey levels, uint8 or float32 (0..255), shape (H, W).
         stamp : int
             Time of the frame [ns].
+        motion : MotionAid or None
+            How odometry says that a cable has moved since the frame before.
 
         Raises
         ------
@@ -145,24 +149,30 @@ class CableTracker:
         """
         check_frame(image)
         frame = FrameMark((image.shape[1], image.shape[0]), stamp)
+        has_moved = self._frame is not None
         step = succession(self._frame, frame, self._parameters.maximum_gap)
         if step.event:
             self._engine.forget()
             self._status = StatusMachine()
         self._frame = frame
         working_image = make_working_image(
-            image, self._parameters.working_width, self._parameters.filter_sigma
+            image,
+            self._parameters.working_width,
+            self._parameters.filter_sigma,
+            self._parameters.sample_spacing,
+            compiled=uses_compiled_kernels(self._parameters.kernels),
         )
-        finding = self._find(working_image, step.dt)
+        known = motion if has_moved and not step.event else None
+        finding = self._find(working_image, step.dt, known)
         return self._estimate(finding, step.dt, step.event)
 
-    def _find(self, image: WorkingImage, dt: float) -> Finding:
+    def _find(self, image: WorkingImage, dt: float, motion: MotionAid | None) -> Finding:
         prior, self._prior = self._prior, None
         if prior is not None:
             states = states_from_prior(prior, self._parameters, image.frame_size[0], self._rng)
             self._status = StatusMachine().expecting()
             return self._engine.start(states, image, self._status)
-        return self._engine.advance(image, dt, self._status)
+        return self._engine.advance(image, dt, self._status, motion)
 
     def _make_engine(self, parameters: TrackerParameters, table: ResponseTable) -> TrackingEngine:
         if parameters.filter == "bootstrap":

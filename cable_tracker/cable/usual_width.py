@@ -38,12 +38,16 @@ class UsualWidth:
         """Return what is known `dt` seconds later."""
         return replace(self, unseen=self.unseen + dt)
 
+    def spread(self, parameters: TrackerParameters) -> float:
+        """Return the scale of the logarithm of widths that are as good as usual."""
+        return parameters.width_spread * (1.0 + self.unseen / parameters.memory_time)
+
     def log_factors(self, states: FloatArray, parameters: TrackerParameters) -> FloatArray:
         """Return the logarithm of how well each width fits, shape (N,); 0 for the usual one.
 
         The longer no cable was tracked, the less it says.
         """
-        spread = parameters.width_spread * (1.0 + self.unseen / parameters.memory_time)
+        spread = self.spread(parameters)
         widths = np.maximum(states[:, StateColumn.WIDTH], 1e-3)
         deviations = (np.log(widths) - self.log_width) / spread
         factors: FloatArray = -0.5 * (TAIL + 1.0) * np.log1p(deviations**2 / TAIL)

@@ -10,6 +10,7 @@ import typer
 
 from cable_tracker.commands.options import (
     ForceOption,
+    OutsideOption,
     RateOption,
     SkipOption,
     SourceArgument,
@@ -33,11 +34,14 @@ def convert(  # noqa: PLR0917
     rate: RateOption = 25.0,
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
+    allow_outside: OutsideOption = False,
     force: ForceOption = False,
 ) -> None:
     """Convert any recording into a ROS 2 bag, with its ground truth if it has some."""
     with ExitStack() as stack:
-        recording = stack.enter_context(open_recording(source, topic, rate, truth, skip_bad_frames))
+        recording = stack.enter_context(
+            open_recording(source, topic, rate, truth, skip_bad_frames, allow_outside)
+        )
         progress = stack.enter_context(progress_bar("converting", recording.frame_count))
         written = write_bag(
             output,

@@ -14,6 +14,7 @@ from rich.table import Table
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.state import STATE_SIZE
 from cable_tracker.commands.options import (
+    OutsideOption,
     RateOption,
     SkipOption,
     TopicOption,
@@ -31,12 +32,13 @@ SMALLEST_COUNT = 2
 UNLABELLED: FloatArray = np.full(STATE_SIZE, np.nan)
 
 
-def estimate_noise(
+def estimate_noise(  # noqa: PLR0917
     source: Annotated[Path, typer.Argument(help="Labelled recording of any kind.")],
     truth: TruthOption = None,
     topic: TopicOption = None,
     rate: RateOption = 25.0,
     skip_bad_frames: SkipOption = False,
+    allow_outside: OutsideOption = False,
 ) -> None:
     """Print how much the cable moves from frame to frame: the variances of Tables 4.2 and 4.3.
 
@@ -45,7 +47,9 @@ def estimate_noise(
     """
     states: list[FloatArray] = []
     with ExitStack() as stack:
-        recording = stack.enter_context(open_recording(source, topic, rate, truth, skip_bad_frames))
+        recording = stack.enter_context(
+            open_recording(source, topic, rate, truth, skip_bad_frames, allow_outside)
+        )
         if truth is not None:
             check_labels(recording, truth)
         progress = stack.enter_context(progress_bar("reading", recording.frame_count))

@@ -14,6 +14,7 @@ from rich.table import Table
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.options import (
     ForceOption,
+    OutsideOption,
     RateOption,
     SkipOption,
     TopicOption,
@@ -111,6 +112,7 @@ def evaluate(  # noqa: PLR0917
     topic: TopicOption = None,
     rate: RateOption = 25.0,
     skip_bad_frames: SkipOption = False,
+    allow_outside: OutsideOption = False,
 ) -> None:
     """Judge methods against exact ground truth, and write a report.
 
@@ -126,7 +128,7 @@ def evaluate(  # noqa: PLR0917
         raise ParameterError("--source takes the place of --scenario and --frames; leave those out")
     else:
         recording = RecordingSequence(
-            source, topic, rate, truth, skip_bad_frames, unlabelled_is_empty
+            source, topic, rate, truth, skip_bad_frames, unlabelled_is_empty, allow_outside
         )
         sequences = (recording,)
     campaign = Campaign(

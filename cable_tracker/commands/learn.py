@@ -19,6 +19,7 @@ from cable_tracker.cable.response_table import is_table
 from cable_tracker.cable.working_image import check_frame, make_working_image
 from cable_tracker.commands.options import (
     ForceOption,
+    OutsideOption,
     PresetName,
     RateOption,
     SkipOption,
@@ -95,6 +96,7 @@ def learn(  # noqa: PLR0917
     topic: TopicOption = None,
     rate: RateOption = 25.0,
     skip_bad_frames: SkipOption = False,
+    allow_outside: OutsideOption = False,
 ) -> None:
     """Learn the tables of the likelihood ratio from frames in which the cable is labelled.
 
@@ -111,7 +113,7 @@ def learn(  # noqa: PLR0917
     counts = ResponseCounts(np.random.default_rng(parameters.seed))
     with ExitStack() as stack:
         for path in paths:
-            recording = open_recording(path, topic, rate, truth, skip_bad_frames)
+            recording = open_recording(path, topic, rate, truth, skip_bad_frames, allow_outside)
             sequences.append(labelled_recording(stack.enter_context(recording), truth))
         file = stack.enter_context(output_file(output, is_table, overwrite=force))
         progress = stack.enter_context(progress_bar("learning", total_of(sequences)))
@@ -236,7 +238,12 @@ def count_frames(
             if skip_bad_frames:
                 continue
             raise FrameError(f"{name}: frame {frame.index}: {error}") from error
-        working_image = make_working_image(image, parameters.working_width, parameters.filter_sigma)
+        working_image = make_working_image(
+            image,
+            parameters.working_width,
+            parameters.filter_sigma,
+            parameters.sample_spacing,
+        )
         counts.add(working_image, frame.truth)
 
 

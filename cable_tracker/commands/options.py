@@ -41,16 +41,34 @@ SkipOption = Annotated[
     bool,
     typer.Option("--skip-bad-frames", help="Go on where a frame cannot be decoded."),
 ]
+OutsideOption = Annotated[
+    bool,
+    typer.Option(
+        "--allow-outside", help="Let a sequence file name pictures and videos outside its folder."
+    ),
+]
 ForceOption = Annotated[
     bool, typer.Option("--force", help="Replace an output of the same kind that exists already.")
 ]
 
 
-def open_recording(
-    path: Path, topic: str | None, rate: float, truth: Path | None, skip_bad_frames: bool
+def open_recording(  # noqa: PLR0917
+    path: Path,
+    topic: str | None,
+    rate: float,
+    truth: Path | None,
+    skip_bad_frames: bool,
+    allow_outside: bool,
 ) -> Source:
     """Open a source, and say what the user should know about it."""
-    source = open_source(path, topic=topic, rate=rate, truth=truth, skip_bad_frames=skip_bad_frames)
+    source = open_source(
+        path,
+        topic=topic,
+        rate=rate,
+        truth=truth,
+        skip_bad_frames=skip_bad_frames,
+        allow_outside=allow_outside,
+    )
     if source.note:
         messages.print(f"note: {path}: {source.note}", soft_wrap=True)
     return source

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from enum import Enum
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.table import Table
 
-from cable_tracker.cable.parameter_files import format_parameter_file
+from cable_tracker.cable.parameter_files import format_parameter_file, read_parameter_file
 from cable_tracker.cable.parameters import PARAMETER_TABLE, ParameterSpec, TrackerParameters
 from cable_tracker.cable.presets import preset
-from cable_tracker.commands.options import PresetName
+from cable_tracker.commands.options import ForceOption, PresetName
 from cable_tracker.commands.terminal import console
+from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.folder import output_file
 
 
 class ParameterFormat(str, Enum):
@@ -29,9 +32,19 @@ def parameters(
     output_format: Annotated[
         ParameterFormat, typer.Option("--format", help="A table to read, or a file for the node.")
     ] = ParameterFormat.TABLE,
+    output: Annotated[
+        Path | None, typer.Option(help="Write the file for the node here instead of printing.")
+    ] = None,
+    force: ForceOption = False,
 ) -> None:
-    """Print all parameters of the filter, with unit, range and meaning."""
+    """Print all parameters of the filter, with unit, range and meaning, or write them to a file."""
     values = preset(preset_name.value)
+    if output is not None:
+        text = format_parameter_file(values, f"Preset `{preset_name.value}`.")
+        with output_file(output, _is_parameter_file, overwrite=force) as file:
+            file.write_text(text, encoding="utf-8")
+        console.print(f"preset {preset_name.value}: {output}", soft_wrap=True)
+        return
     if output_format is ParameterFormat.YAML:
         print(format_parameter_file(values, f"Preset `{preset_name.value}`."), end="")
         return
@@ -41,6 +54,13 @@ def parameters(
     for spec in PARAMETER_TABLE:
         table.add_row(*_cells(spec, values))
     console.print(table)
+
+
+def _is_parameter_file(path: Path) -> bool:
+    try:
+        return path.is_file() and bool(read_parameter_file(path))
+    except ParameterError:
+        return False
 
 
 def _cells(spec: ParameterSpec, values: TrackerParameters) -> tuple[str, str, str, str, str]:

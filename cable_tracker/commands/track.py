@@ -17,6 +17,7 @@ from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.presets import preset
 from cable_tracker.commands.options import (
     ForceOption,
+    OutsideOption,
     PresetName,
     RateOption,
     SkipOption,
@@ -81,6 +82,7 @@ def track(  # noqa: PLR0917
     rate: RateOption = 25.0,
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
+    allow_outside: OutsideOption = False,
     timing: Annotated[
         bool,
         typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
@@ -95,7 +97,9 @@ def track(  # noqa: PLR0917
     parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
     folder = output if output is not None else default_output(source)
     with ExitStack() as stack:
-        recording = stack.enter_context(open_recording(source, topic, rate, truth, skip_bad_frames))
+        recording = stack.enter_context(
+            open_recording(source, topic, rate, truth, skip_bad_frames, allow_outside)
+        )
         state = initial_state_for(recording, chosen_start(init, values))
         results = stack.enter_context(ResultFolder(folder, overwrite=force, timing=timing))
         progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
@@ -108,6 +112,7 @@ def track(  # noqa: PLR0917
                     "frame_rate": rate,
                     "truth": str(truth.resolve()) if truth else "",
                     "skip_bad_frames": skip_bad_frames,
+                    "allow_outside": allow_outside,
                 },
                 parameters=parameters,
                 initial_state=state,

@@ -15,13 +15,11 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.cable.scanned_gradients import Channel, ScanLines
 from cable_tracker.cable.state import PLACES, StateColumn
 from cable_tracker.cable.working_image import WorkingImage
 from cable_tracker.detection.border_lines import BorderLines
 from cable_tracker.detection.line_pairs import states_of_pairs
-
-STRIDE = 2
-"""Every second row and column votes."""
 
 STRONG = 2.0
 """Weaker gradients do not vote [robust scales]."""
@@ -29,11 +27,14 @@ STRONG = 2.0
 VOTE_CAP = 5.0
 """No gradient votes with more: a glint must not outweigh a long border [robust scales]."""
 
-MOST_VOTERS = 2500
-"""So many of the strongest gradients vote."""
-
 ANGLE_BINS = 120
 """Bins of the accumulator over a full turn."""
+
+ANGLE_MARGIN = 2
+"""The angle goes round: so many bins of the other end let peaks at the seam be seen whole."""
+
+NEIGHBOURHOOD = np.ones((5, 3), np.uint8)
+"""Bins of angle and offset in which a peak is the highest."""
 
 OFFSET_BIN = 3.0
 """Width of a bin of the accumulator [px at the reference width]."""
@@ -86,34 +87,53 @@ class LinePairProposer:
 
 
 def strong_gradients(image: WorkingImage) -> Voters:
-    """Return the strongest gradients of a frame."""
-    width, height = image.size
-    sparse = image.gradients.channels[::STRIDE, ::STRIDE, :2]
-    moduli = np.hypot(sparse[..., 0], sparse[..., 1])
-    rows, columns = np.nonzero(moduli > STRONG)
-    strengths = moduli[rows, columns]
-    if len(strengths) > MOST_VOTERS:
-        kept = np.argpartition(-strengths, MOST_VOTERS)[:MOST_VOTERS]
-        rows, columns, strengths = rows[kept], columns[kept], strengths[kept]
-    gradients = sparse[rows, columns].astype(np.float64)
+    """Return the ridges of the gradient along the scan lines of a frame."""
+    rows, columns = image.scanned.rows, image.scanned.columns
+    u, v, along, across = _ridges(rows)
+    v_turned, u_turned, across_turned, along_turned = _ridges(columns)
+    # Rows are scanned along x, columns along y.
+    x, y = np.concatenate((u, u_turned)), np.concatenate((v, v_turned))
+    gradient_x = np.concatenate((along, along_turned))
+    gradient_y = np.concatenate((across, across_turned))
     return Voters(
-        x=np.asarray(STRIDE * columns - (width - 1) / 2, np.float64),
-        y=np.asarray((height - 1) / 2 - STRIDE * rows, np.float64),
-        directions=np.arctan2(gradients[:, 1], gradients[:, 0]),
-        weights=np.minimum(strengths, VOTE_CAP).astype(np.float64),
+        x=x,
+        y=y,
+        directions=np.arctan2(gradient_y, gradient_x),
+        weights=np.minimum(np.hypot(gradient_x, gradient_y), VOTE_CAP),
     )
+
+
+def _ridges(lines: ScanLines) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return u, v and the gradient along both where it is strong, highest, and along the line."""
+    along = lines.gradients[..., Channel.ALONG]
+    across = lines.gradients[..., Channel.ACROSS]
+    squared = along**2 + across**2
+    inner = squared[:, 1:-1]
+    highest = (inner >= squared[:, :-2]) & (inner > squared[:, 2:]) & (inner > STRONG**2)
+    line, place = np.nonzero(highest & (np.abs(along) >= np.abs(across))[:, 1:-1])
+    place = place + 1
+    return (
+        place - (along.shape[1] - 1) / 2,
+        lines.places[line],
+        along[line, place].astype(np.float64),
+        across[line, place].astype(np.float64),
+    )
+
+
+def accumulator_layout(image: WorkingImage) -> tuple[float, int]:
+    """Return the width of a bin of offsets [px], and the number of the bin of offset zero."""
+    offset_bin = max(OFFSET_BIN * image.scale, 1.0)
+    return offset_bin, int(np.hypot(*image.size) / 2 / offset_bin) + 2
 
 
 def strongest_lines(voters: Voters, image: WorkingImage) -> BorderLines:
     """Return the lines that get most votes, best first; `supports` are the votes."""
-    offset_bin = max(OFFSET_BIN * image.scale, 1.0)
-    middle = int(np.hypot(*image.size) / 2 / offset_bin) + 2
+    offset_bin, middle = accumulator_layout(image)
     votes = _vote(voters, offset_bin, middle)
-    # The angle goes round: a margin of the other end lets peaks at the seam be seen whole.
-    margin = 2
+    margin = ANGLE_MARGIN
     padded = np.pad(votes, ((margin, margin), (0, 0)), mode="wrap").astype(np.float32)
     smooth = cv2.GaussianBlur(padded, (3, 3), 0)
-    highest = cv2.dilate(smooth, np.ones((5, 3), np.uint8))
+    highest = cv2.dilate(smooth, NEIGHBOURHOOD)
     peaks = ((smooth >= highest) & (smooth > 0))[margin:-margin]
     rows, columns = np.nonzero(peaks)
     heights = smooth[margin:-margin][rows, columns]

@@ -87,12 +87,13 @@ def _for_machines(cell: str) -> str:
 
 def result_markdown(result: ExperimentResult, note: str) -> str:
     """Return title, note, tables and figures as Markdown."""
-    parts = [f"# {result.title}", note, *(_table_markdown(table) for table in result.tables)]
+    parts = [f"# {result.title}", note, *(table_markdown(table) for table in result.tables)]
     parts += [f"![{picture.file_name}]({picture.file_name})" for picture in result.pictures]
     return "\n\n".join(parts) + "\n"
 
 
-def _table_markdown(table: ResultTable) -> str:
+def table_markdown(table: ResultTable) -> str:
+    """Return a table as Markdown, with its title above and its notes below."""
     lines = [f"## {table.title}", ""] if table.title else []
     lines.append(f"| {' | '.join(table.headings)} |")
     lines.append("|" + "---|" * len(table.headings))

@@ -18,6 +18,7 @@ from cable_tracker.evaluation.experiment_result import ExperimentResult, Picture
 from cable_tracker.evaluation.figures import as_png, curves_figure, trace_figure
 from cable_tracker.evaluation.frames import JudgedSequence, ScenarioSequence, scenario_sequences
 from cable_tracker.evaluation.methods import ConfiguredFilter
+from cable_tracker.evaluation.metres_experiment import MetresExperiment
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
 from cable_tracker.evaluation.metrics import (
     START_FRAMES,
@@ -25,6 +26,7 @@ from cable_tracker.evaluation.metrics import (
     StartStatistics,
     start_statistics,
 )
+from cable_tracker.evaluation.motion_experiment import MotionExperiment
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
 from cable_tracker.evaluation.tables import chosen, methods_of, sequences_of
@@ -316,6 +318,8 @@ EXPERIMENTS: Mapping[str, Callable[[tuple[int, ...]], Experiment]] = MappingProx
         "reinitialisation": ReinitialisationExperiment,
         "speed": SpeedExperiment,
         "ablation": AblationExperiment,
+        "metres": MetresExperiment,
+        "motion": MotionExperiment,
     }
 )
 """What makes an experiment from its seeds, by the name on the command line."""

@@ -109,7 +109,7 @@ class RecordingSequence:
 
     Attributes
     ----------
-    path, topic, rate, truth, skip_bad_frames
+    path, topic, rate, truth, skip_bad_frames, allow_outside
         See `open_source`.
     unlabelled_is_empty : bool
         Whether a frame without a label shows no cable. Otherwise it is not judged.
@@ -121,6 +121,7 @@ class RecordingSequence:
     truth: Path | None = None
     skip_bad_frames: bool = False
     unlabelled_is_empty: bool = False
+    allow_outside: bool = False
 
     @property
     def name(self) -> str:
@@ -174,6 +175,7 @@ class RecordingSequence:
             rate=self.rate,
             truth=self.truth,
             skip_bad_frames=self.skip_bad_frames,
+            allow_outside=self.allow_outside,
         )
 
 

@@ -34,6 +34,10 @@ class KernelMixture:
     def draw_about(self, indices: IndexArray, rng: np.random.Generator) -> FloatArray:
         """Draw one point about each of the centres at `indices`, shape (len(indices), k)."""
         standard = standard_student_t(rng, len(indices), len(self.scales), self.degrees_of_freedom)
+        return self.placed_about(indices, standard)
+
+    def placed_about(self, indices: IndexArray, standard: FloatArray) -> FloatArray:
+        """Return the points for draws (N, k) of location zero and unit scale, shape (N, k)."""
         return self.centres[indices] + standard * self.scales
 
     def log_densities(self, points: FloatArray, weights: tuple[FloatArray, ...]) -> FloatArray:

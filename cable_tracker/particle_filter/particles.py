@@ -70,7 +70,7 @@ class Particles:
             Logarithm of the likelihood averaged over the prior weights; -inf in that last case.
         """
         # A weight of zero times an infinite likelihood is NaN here, and zero after normalisation.
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", over="ignore"):
             products = self.log_weights + log_likelihoods
         posterior = normalise_log_weights(products)
         if posterior.degenerate:

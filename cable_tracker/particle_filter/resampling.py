@@ -21,6 +21,10 @@ ROUNDING = 1e-9
 """An expected number of copies this much below a whole number is that number."""
 
 
+SMALLEST_STEP = 1e-300
+"""Steps that are all zero have no sum to divide by."""
+
+
 def _invert_cumulative_weights(weights: FloatArray, positions: FloatArray) -> IndexArray:
     cumulative = np.cumsum(weights)
     # Scaling the positions instead of forcing the last entry to one: rounding must neither draw a
@@ -31,19 +35,58 @@ def _invert_cumulative_weights(weights: FloatArray, positions: FloatArray) -> In
     return bounded
 
 
+def multinomial_positions(count: int, rng: np.random.Generator) -> FloatArray:
+    """Draw independent positions in [0, 1), and sort them; shape (count,).
+
+    Sorted, they are distributed like the partial sums of exponential numbers over the whole sum,
+    which takes no sorting (Devroye, 1986, section V.3).
+    """
+    # In place, for with many particles the time goes into memory.
+    steps = rng.random(count + 1)
+    np.subtract(1.0, steps, out=steps)
+    np.log(steps, out=steps)
+    np.negative(steps, out=steps)
+    np.maximum(steps, SMALLEST_STEP, out=steps)
+    np.cumsum(steps, out=steps)
+    steps /= steps[-1]
+    positions: FloatArray = steps[:-1]
+    return positions
+
+
+def stratified_positions(count: int, rng: np.random.Generator) -> FloatArray:
+    """Draw one position at random in each of `count` equal strata."""
+    return (np.arange(count) + rng.random(count)) / count
+
+
+def systematic_positions(count: int, rng: np.random.Generator) -> FloatArray:
+    """Return equally spaced positions with one random offset."""
+    positions: FloatArray = (np.arange(count) + rng.random()) / count
+    return positions
+
+
+POSITIONS: Mapping[str, Callable[[int, np.random.Generator], FloatArray]] = MappingProxyType(
+    {
+        "multinomial": multinomial_positions,
+        "stratified": stratified_positions,
+        "systematic": systematic_positions,
+    }
+)
+"""Where the schemes that invert the cumulative weights look them up."""
+
+
 def multinomial_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
     """Draw independently, by binary search in the cumulative weights (thesis, section 3.3.3)."""
-    return _invert_cumulative_weights(weights, rng.random(count))
+    return _invert_cumulative_weights(weights, multinomial_positions(count, rng))
 
 
 def stratified_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
     """Draw one position at random from each of `count` equal strata (Kitagawa, 1996)."""
-    return _invert_cumulative_weights(weights, (np.arange(count) + rng.random(count)) / count)
+    return _invert_cumulative_weights(weights, stratified_positions(count, rng))
 
 
 def systematic_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
     """Draw equally spaced positions with one random offset (Carpenter et al., 1999)."""
-    return _invert_cumulative_weights(weights, (np.arange(count) + rng.random()) / count)
+    return _invert_cumulative_weights(weights, systematic_positions(count, rng))
 
 
 def residual_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:

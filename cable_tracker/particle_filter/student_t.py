@@ -27,6 +27,20 @@ def standard_student_t(
     return draws
 
 
+def student_t_stretches(
+    rng: np.random.Generator, rows: int, count: int, degrees_of_freedom: float
+) -> FloatArray:
+    """Draw the factors that make Student-t numbers of normal ones, shape (rows, count).
+
+    Of shape (rows, 0) for infinite degrees of freedom: none are needed.
+    """
+    if math.isinf(degrees_of_freedom):
+        return np.empty((rows, 0))
+    chi_squares = rng.chisquare(degrees_of_freedom, (rows, count))
+    stretches: FloatArray = np.sqrt(degrees_of_freedom / chi_squares)
+    return stretches
+
+
 def student_t_log_density(
     squared_distances: FloatArray,
     dimensions: int,
@@ -71,6 +85,10 @@ class StudentT:
     def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Return `count` draws, shape (count, k)."""
         standard = standard_student_t(rng, count, len(self.location), self.degrees_of_freedom)
+        return self.placed(standard)
+
+    def placed(self, standard: FloatArray) -> FloatArray:
+        """Return the points for draws (N, k) of location zero and unit scale, shape (N, k)."""
         return self.location + standard @ self.factor.T
 
     def log_density(self, points: FloatArray) -> FloatArray:

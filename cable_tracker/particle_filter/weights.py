@@ -35,7 +35,8 @@ def log_sum_exp(values: FloatArray) -> float:
     peak = float(np.max(values))
     if not np.isfinite(peak):
         return peak
-    return peak + float(np.log(np.sum(np.exp(values - peak))))
+    with np.errstate(over="ignore"):
+        return peak + float(np.log(np.sum(np.exp(values - peak))))
 
 
 def uniform_log_weights(count: int) -> FloatArray:
@@ -62,7 +63,9 @@ def normalise_log_weights(log_weights: FloatArray) -> NormalisedWeights:
     if peak == -np.inf:
         return NormalisedWeights(uniform_log_weights(len(cleaned)), -np.inf, True)
     # The peak goes first: a sum beside a large peak would be rounded away.
-    relative = cleaned - peak
+    # A difference beyond the range of floats is -inf, which is what it means.
+    with np.errstate(over="ignore"):
+        relative = cleaned - peak
     total = log_sum_exp(relative)
     return NormalisedWeights(relative - total, peak + total, False)
 

@@ -25,12 +25,18 @@ class NodeProcess:
         What follows ``--ros-args``.
     environment : mapping
         Environment of the process.
+    module : str
+        What is run, with the node's name as its first argument.
     """
 
-    def __init__(self, node: str, arguments: Sequence[str], environment: Mapping[str, str]) -> None:
-        self._command = [
-            sys.executable, "-m", "cable_tracker.ros.entry", node, "--ros-args", *arguments,
-        ]  # fmt: skip
+    def __init__(
+        self,
+        node: str,
+        arguments: Sequence[str],
+        environment: Mapping[str, str],
+        module: str = "cable_tracker.ros.entry",
+    ) -> None:
+        self._command = [sys.executable, "-m", module, node, "--ros-args", *arguments]
         self._environment = dict(environment)
 
     def __enter__(self) -> Self:
@@ -54,6 +60,11 @@ class NodeProcess:
     ) -> None:
         self.stop()
         self._log.close()
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return self._process.pid
 
     @property
     def running(self) -> bool:

@@ -6,18 +6,17 @@ from collections import deque
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-import numpy as np
-
 from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.ros.latency import LatencyStatistics
 from cable_tracker.sequences.messages import Message, MessageFactory
 
+WARMING_UP = "WARMING UP"
 STALE_INPUT = "STALE INPUT"
+FROZEN_INPUT = "FROZEN INPUT"
 DISABLED = "DISABLED"
 
 WINDOW = 2.0
 """Time over which the frame rate is averaged [s]."""
-
-LATENCIES_KEPT = 500
 
 
 class Level(IntEnum):
@@ -33,7 +32,9 @@ LEVELS = {
     TrackingStatus.TRACKING.value: Level.OK,
     TrackingStatus.INITIALISING.value: Level.WARN,
     TrackingStatus.LOST.value: Level.ERROR,
+    WARMING_UP: Level.WARN,
     STALE_INPUT: Level.STALE,
+    FROZEN_INPUT: Level.STALE,
     DISABLED: Level.WARN,
 }
 
@@ -44,9 +45,11 @@ class FrameStatistics:
 
     Attributes
     ----------
-    tracked, refused, dropped, ignored : int
-        Frames used; not usable; lost on the way, as far as the middleware tells; come in while
-        disabled.
+    tracked, refused, ignored, frozen : int
+        Frames used; not usable; come in while disabled or warming up; the same as for a while.
+    dropped, lost : int
+        Frames that the camera sent and the node never saw; those of them that the middleware lost
+        on the way. The others gave way to newer ones.
     last_bad_frame : str
         Why the last frame was refused.
     last_event : str
@@ -55,33 +58,24 @@ class FrameStatistics:
 
     tracked: int = 0
     refused: int = 0
-    dropped: int = 0
     ignored: int = 0
+    frozen: int = 0
+    dropped: int = 0
+    lost: int = 0
     last_bad_frame: str = ""
     last_event: str = ""
     arrivals: deque[float] = field(default_factory=deque)
-    latencies: deque[float] = field(default_factory=lambda: deque(maxlen=LATENCIES_KEPT))
+    latency: LatencyStatistics = field(default_factory=LatencyStatistics)
 
     def arrived(self, now: float) -> None:
         """Note that a frame came in at a monotonic time [s]."""
         self.arrivals.append(now)
         self._forget(now)
 
-    def finished(self, milliseconds: float) -> None:
-        """Note how long a frame took from its arrival to the last message about it."""
-        self.latencies.append(milliseconds)
-
     def frame_rate(self, now: float) -> float:
         """Return the rate over the last seconds [1/s]."""
         self._forget(now)
         return len(self.arrivals) / WINDOW
-
-    def latency(self) -> tuple[float, float]:
-        """Return median and 95th percentile of the last latencies [ms]; zeros before any."""
-        if not self.latencies:
-            return 0.0, 0.0
-        median, high = np.percentile(np.array(self.latencies), [50, 95])
-        return float(median), float(high)
 
     def _forget(self, now: float) -> None:
         while self.arrivals and self.arrivals[0] < now - WINDOW:
@@ -92,11 +86,9 @@ def diagnostic_values(
     statistics: FrameStatistics, estimate: CableEstimate | None, now: float
 ) -> dict[str, str]:
     """Return the key-value pairs of the node's diagnostics, with units in the keys."""
-    median, high = statistics.latency()
     return {
         "frame rate [1/s]": f"{statistics.frame_rate(now):.1f}",
-        "latency median [ms]": f"{median:.2f}",
-        "latency 95th percentile [ms]": f"{high:.2f}",
+        **statistics.latency.as_values(),
         "N_eff": f"{estimate.effective_sample_size:.1f}" if estimate else "",
         "evidence": f"{estimate.evidence:.2f}" if estimate else "",
         "presence [%]": _presence(estimate),
@@ -104,7 +96,9 @@ def diagnostic_values(
         "frames tracked": str(statistics.tracked),
         "frames refused": str(statistics.refused),
         "frames dropped": str(statistics.dropped),
+        "frames lost on the way": str(statistics.lost),
         "frames ignored while disabled": str(statistics.ignored),
+        "frames frozen": str(statistics.frozen),
         "last bad frame": statistics.last_bad_frame,
         "last restart": statistics.last_event,
     }

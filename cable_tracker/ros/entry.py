@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import sys
+import threading
 from collections.abc import Sequence
+from typing import NoReturn
 
 from cable_tracker.errors import EXIT_USER_ERROR
 from cable_tracker.ros.stop_request import stop_on_signals
@@ -42,16 +45,28 @@ def _run(node_name: str, arguments: Sequence[str] | None) -> int:
     return run_node(lambda context: node_class(context=context), arguments, stop)
 
 
+def _end(code: int) -> NoReturn:
+    """End this process, also where a thread of ours is in the middle of the compiler.
+
+    The interpreter's own end would pull away from under that thread what it works with.
+    """
+    sys.stdout.flush()
+    sys.stderr.flush()
+    if any(thread.daemon for thread in threading.enumerate()):
+        os._exit(code)
+    sys.exit(code)
+
+
 def tracker() -> None:
     """Run the tracker node until it is stopped."""
-    sys.exit(_run("tracker", None))
+    _end(_run("tracker", None))
 
 
 def replay() -> None:
     """Run the replay node until the recording is at its end."""
-    sys.exit(_run("replay", None))
+    _end(_run("replay", None))
 
 
 if __name__ == "__main__":
     # `python -m cable_tracker.ros.entry tracker --ros-args ...`, where no script is on the path.
-    sys.exit(_run(sys.argv[1], sys.argv[1:]))
+    _end(_run(sys.argv[1], sys.argv[1:]))

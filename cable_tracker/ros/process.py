@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Callable, Sequence
 
@@ -9,11 +10,14 @@ import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError, ParameterError, RosError
+from cable_tracker.ros.environment import check_profile
+from cable_tracker.ros.shared_memory import remove_dead_segments
 from cable_tracker.ros.stop_request import StopRequest
 
 WAKE_UP = 0.1
@@ -43,15 +47,19 @@ def run_node(
     a callback, and the next publish would raise.
     """
     try:
+        check_profile()
+        remove_dead_segments()
         context = _initialised_context(arguments)
-    except RosError as error:
+    except CableTrackerError as error:
         return _tell(error)
     node: ProcessNode | None = None
     executor = SingleThreadedExecutor(context=context)
     try:
         if not stop.requested:
-            node = make_node(context)
+            node = _made(make_node, context)
             executor.add_node(node)
+            # What is loaded by now stays: the collector need not look through it between frames.
+            gc.freeze()
             _spin(node, executor, stop)
     except CableTrackerError as error:
         return _tell(error)
@@ -95,6 +103,14 @@ def _initialised_context(arguments: Sequence[str] | None) -> Context:
         reason = " ".join(str(error).split())
         raise RosError(f"ROS does not start; look at the --ros-args ({reason})") from error
     return context
+
+
+def _made(make_node: Callable[[Context], ProcessNode], context: Context) -> ProcessNode:
+    try:
+        return make_node(context)
+    except rclpy_implementation.RCLError as error:
+        # The middleware refuses: security that it was not built with, a domain out of range.
+        raise RosError(f"ROS cannot make the node ({' '.join(str(error).split())})") from error
 
 
 def _spin(node: ProcessNode, executor: SingleThreadedExecutor, stop: StopRequest) -> None:

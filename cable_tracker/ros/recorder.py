@@ -17,6 +17,7 @@ from sensor_msgs.msg import JointState
 from cable_tracker.cable.estimate import TrackingStatus
 from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
+from cable_tracker.ros.diagnostics import WARMING_UP
 from cable_tracker.ros.rclpy_messages import message_class
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.messages import Message
@@ -87,7 +88,10 @@ class Recorder(Node):  # type: ignore[misc]
         return keep
 
     def is_subscribed(self) -> bool:
-        """Tell whether the tracker has seen all our subscriptions; it says so in diagnostics."""
+        """Tell whether the tracker is ready and has seen all our subscriptions.
+
+        Both stand in its diagnostics.
+        """
         diagnostics = self._queues[output_topics.DIAGNOSTICS]
         if not diagnostics:
             return False
@@ -100,7 +104,8 @@ class Recorder(Node):  # type: ignore[misc]
             for pair in status.values
             if pair.key.startswith("subscribers of ") and not pair.key.endswith("/overlay")
         ]
-        return bool(counts) and all(counts)
+        warm = all(status.message != WARMING_UP for status in latest.status)
+        return warm and bool(counts) and all(counts)
 
     def take(self) -> RecordedFrame | None:
         """Return the next frame if all messages about it have come."""

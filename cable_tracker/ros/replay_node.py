@@ -67,6 +67,7 @@ class ReplayNode(ProcessNode):
             rate=float(cast(float, self._start_values["frame_rate"])),
             truth=Path(self._text("truth")) if self._text("truth") else None,
             skip_bad_frames=self._flag("skip_bad_frames"),
+            allow_outside=self._flag("allow_outside"),
         )
         self._source.__enter__()
         if self._source.note:

@@ -35,7 +35,8 @@ from cable_tracker.sequences.messages import (
 )
 from cable_tracker.sequences.source import Source
 
-START_TIMEOUT = 30.0
+START_TIMEOUT = 120.0
+"""Includes the compiling at first use [s]."""
 FRAME_TIMEOUT = 60.0
 END_TIMEOUT = 10.0
 
@@ -138,6 +139,8 @@ def _tracker_parameters(source: Source, request: RecordingRequest) -> dict[str, 
         "image_reliability": "reliable",
         "initial_state": RANDOM if state is None else format_initial_state(state),
         "diagnostics_period": 0.1,
+        # The same estimates as without ROS, whatever the recording shows.
+        "frozen_timeout": 0.0,
     }
 
 

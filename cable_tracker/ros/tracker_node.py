@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from typing import Any, cast
+from typing import Any, TypeAlias, cast
 
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.publisher import Publisher
-from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header
 from std_srvs.srv import SetBool, Trigger
-from visualization_msgs.msg import MarkerArray
 
-from cable_tracker.arrays import FloatArray
-from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.initial_state_text import parse_initial_state
 from cable_tracker.cable.initialisation import StatePrior
 from cable_tracker.cable.parameters import PARAMETER_TABLE, PARAMETERS_BY_NAME
 from cable_tracker.cable.presets import preset
 from cable_tracker.cable.response_table import load_table
-from cable_tracker.cable.state import CableState
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import FrameError
 from cable_tracker.node_parameter_tables import (
@@ -31,40 +28,51 @@ from cable_tracker.node_parameter_tables import (
     TRACKER_START_PARAMETERS,
 )
 from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.arrivals import GapCounter, moment_of_arrival
 from cable_tracker.ros.diagnostics import (
     DISABLED,
+    FROZEN_INPUT,
     STALE_INPUT,
+    WARMING_UP,
     FrameStatistics,
     diagnostic_values,
     make_diagnostics,
 )
+from cable_tracker.ros.frozen_input import FrozenInput
+from cable_tracker.ros.metric_inputs import MetricInputs
+from cable_tracker.ros.picture_remarks import remark_on
 from cable_tracker.ros.process import ProcessNode
+from cable_tracker.ros.qos_mismatch import input_mismatches, output_mismatches
 from cable_tracker.ros.rclpy_messages import RclpyMessages
-from cable_tracker.sequences import frame as frames
-from cable_tracker.sequences.encodings import decode_grey, raw_from_array
+from cable_tracker.ros.tracker_outputs import TrackerOutputs
+from cable_tracker.ros.warm_up import WarmUp
+from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED
-from cable_tracker.sequences.jpeg import encode_jpeg
+from cable_tracker.sequences.frame import CompressedImage as CompressedPicture
+from cable_tracker.sequences.frame import RawImage
 from cable_tracker.sequences.messages import (
     Message,
-    cloud_of,
-    make_centreline,
-    make_compressed_image,
     make_header,
-    make_image,
-    make_markers,
-    make_particles,
-    make_report,
-    make_state,
     read_compressed_image,
     read_image,
     read_prior,
-    report_values,
-    stamp_of,
+)
+from cable_tracker.sequences.serialised_images import (
+    MessageHeader,
+    read_serialised_compressed_image,
+    read_serialised_image,
 )
 from cable_tracker.trackers import make_proposer, make_tracker
-from cable_tracker.visualisation.overlay import draw_overlay
 
-WATCHDOG_PERIOD = 0.05
+AnyImage: TypeAlias = RawImage | CompressedPicture
+
+SLOWEST_WATCH, FASTEST_WATCH = 0.25, 0.025
+"""Limits of the time between two looks at the clock [s]; it is half the shortest time-out."""
+
+NO_TIME = (
+    "the frame has no stamp, and there is no time to give it: use_sim_time is set and nothing has"
+    " come on /clock"
+)
 
 
 class TrackerNode(ProcessNode):
@@ -85,6 +93,8 @@ class TrackerNode(ProcessNode):
         super().__init__("tracker", **node_arguments)
         self._factory = RclpyMessages()
         self._statistics = FrameStatistics()
+        self._metric = MetricInputs(self, self._factory)
+        self._watchdog: Any = None
         self._declare_parameters()
         self._enabled = True
         self._stale = False
@@ -92,21 +102,36 @@ class TrackerNode(ProcessNode):
         self._estimate: CableEstimate | None = None
         self._frame_id = ""
         self._prior_while_disabled: StatePrior | None = None
-        # A camera that never sends is no better than one that has stopped.
-        self._last_arrival = time.monotonic()
+        self._frozen = FrozenInput()
+        self._is_frozen = False
+        self._gaps = GapCounter()
+        self._input: Any = None
+        self._prior_input: Any = None
+        self._look_for_mismatches = False
+        self._mismatches: list[str] = []
+        self._last_usable = time.monotonic()
         self._next_diagnostics = 0.0
         self._restart()
-        self._create_publishers()
-        self._create_inputs()
-        self.publish_diagnostics()
-        self.get_logger().info(f"waiting for images on {self._input.topic_name}")
+        self._outputs = TrackerOutputs(self, self._on_mismatch)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
+        self._create_services()
+        self._warm_up: WarmUp | None = WarmUp(self._tracker.parameters)
+        if self._warm_up.running:
+            self.get_logger().info("warming up: compiling or loading what a frame needs")
+            self.publish_diagnostics()
+        else:
+            self._end_warm_up()
 
     @property
     def status(self) -> str:
         """What diagnostics say now."""
         if not self._enabled:
             return DISABLED
-        return STALE_INPUT if self._stale else self._status
+        if self._warm_up is not None:
+            return WARMING_UP
+        if self._stale:
+            return STALE_INPUT
+        return FROZEN_INPUT if self._is_frozen else self._status
 
     @property
     def statistics(self) -> FrameStatistics:
@@ -117,6 +142,11 @@ class TrackerNode(ProcessNode):
     def tracker(self) -> CableTracker:
         """The tracker inside."""
         return self._tracker
+
+    def wait_until_warm(self) -> None:
+        """Wait for the end of the warm-up; for who feeds frames by hand, without an executor."""
+        if self._warm_up is not None:
+            self._end_warm_up()
 
     def _declare_parameters(self) -> None:
         start = {
@@ -159,6 +189,7 @@ class TrackerNode(ProcessNode):
         if filter_values:
             changed = self._tracker.parameters.replaced(filter_values)
             self._tracker.configure(changed, make_proposer(changed))
+            self._warm_up_for_change()
         self._apply_runtime_values(values)
 
     def _apply_runtime_values(self, values: Mapping[str, object]) -> None:
@@ -168,88 +199,193 @@ class TrackerNode(ProcessNode):
             self._input_timeout = float(cast(float, values["input_timeout"]))
         if "diagnostics_period" in values:
             self._diagnostics_period = float(cast(float, values["diagnostics_period"]))
+        if "frozen_timeout" in values:
+            self._frozen_timeout = float(cast(float, values["frozen_timeout"]))
+        self._metric.apply(values)
+        self._watch_as_often_as_needed()
 
-    def _create_publishers(self) -> None:
-        self._state = self.create_publisher(JointState, "state", qos.LATEST_RESULT)
-        self._centreline = self.create_publisher(
-            PoseWithCovarianceStamped, "centreline", qos.RESULTS
-        )
-        self._particles = self.create_publisher(PointCloud2, "particles", qos.PICTURES)
-        self._markers = self.create_publisher(MarkerArray, "markers", qos.PICTURES)
-        self._overlay = self.create_publisher(Image, "~/overlay", qos.PICTURES)
-        self._overlay_compressed = self.create_publisher(
-            CompressedImage, "~/overlay/compressed", qos.PICTURES
-        )
-        self._report = self.create_publisher(DiagnosticArray, "~/frame_report", qos.RESULTS)
-        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
+    def _watch_as_often_as_needed(self) -> None:
+        if self._watchdog is not None:
+            self._watchdog.timer_period_ns = round(self._watchdog_period() * 1e9)
 
-    def _create_inputs(self) -> None:
-        profile = qos.image_input(self._reliability)
-        events = SubscriptionEventCallbacks(message_lost=self._on_frames_lost)
-        if self._compressed_input:
-            self._input = self.create_subscription(
-                CompressedImage,
-                "image/compressed",
-                self.on_compressed_image,
-                profile,
-                event_callbacks=events,
-            )
-        else:
-            self._input = self.create_subscription(
-                Image, "image", self.on_image, profile, event_callbacks=events
-            )
-        self.create_subscription(
-            PoseWithCovarianceStamped, "initial_state", self.on_initial_state, qos.RESULTS
-        )
+    def _watchdog_period(self) -> float:
+        shortest = min(self._input_timeout, self._diagnostics_period)
+        return min(max(shortest / 2, FASTEST_WATCH), SLOWEST_WATCH)
+
+    def _create_services(self) -> None:
         self.create_service(Trigger, "~/reset", self.on_reset)
         self.create_service(SetBool, "~/enable", self.on_enable)
         # Simulated time may stand still while frames stay away: the watchdog needs a clock that
         # does not.
-        self.create_timer(
-            WATCHDOG_PERIOD, self.on_watchdog, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        self._watchdog = self.create_timer(
+            self._watchdog_period(),
+            self.on_watchdog,
+            clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
 
+    def _create_inputs(self) -> None:
+        self._image_qos = qos.image_input(self._reliability)
+        kind, topic, callback = (
+            (CompressedImage, "image/compressed", self.on_serialised_compressed_image)
+            if self._compressed_input
+            else (Image, "image", self.on_serialised_image)
+        )
+        events = SubscriptionEventCallbacks(
+            message_lost=self._on_frames_lost,
+            incompatible_qos=self._on_mismatch,
+            use_default_callbacks=False,
+        )
+        # As bytes: a message object would cost two more copies of the pixels.
+        self._input = self.create_subscription(
+            kind, topic, callback, self._image_qos, event_callbacks=events, raw=True
+        )
+        self._prior_input = self.create_subscription(
+            PoseWithCovarianceStamped,
+            "initial_state",
+            self.on_initial_state,
+            qos.RESULTS,
+            event_callbacks=SubscriptionEventCallbacks(
+                incompatible_qos=self._on_mismatch, use_default_callbacks=False
+            ),
+        )
+
+        self.get_logger().info(f"waiting for images on {self._input.topic_name}")
+
+    def _warm_up_for_change(self) -> None:
+        """Stop tracking until another variant is compiled, and say so: a stall says nothing."""
+        if self._input is None:
+            return
+        warm_up = WarmUp(self._tracker.parameters)
+        if warm_up.running:
+            self._warm_up = warm_up
+            self.get_logger().warning("warming up: the change needs other code; no frame is used")
+            self.publish_diagnostics()
+
+    def _end_warm_up(self) -> None:
+        assert self._warm_up is not None
+        self._warm_up.finish()
+        if self._warm_up.seconds > 0.1:
+            self.get_logger().info(f"warmed up in {self._warm_up.seconds:.1f} s")
+        self._warm_up = None
+        # A camera that never sends is no better than one that has stopped.
+        self._last_usable = time.monotonic()
+        if self._input is None:
+            self._create_inputs()
+        self.publish_diagnostics()
+
+    def on_serialised_image(self, message: bytes, info: Mapping[str, Any]) -> None:
+        """Track on an uncompressed image, given as the bytes that came."""
+        self._take_serialised(message, info, read_serialised_image)
+
+    def on_serialised_compressed_image(self, message: bytes, info: Mapping[str, Any]) -> None:
+        """Track on a JPEG or PNG, given as the bytes that came."""
+        self._take_serialised(message, info, read_serialised_compressed_image)
+
+    def _take_serialised(
+        self,
+        message: bytes,
+        info: Mapping[str, Any],
+        read: Callable[[bytes], tuple[MessageHeader, AnyImage]],
+    ) -> None:
+        arrival = moment_of_arrival(info)
+        self._statistics.dropped += self._gaps.missing(info, self._count_cameras)
+        try:
+            header, image = read(message)
+        except FrameError as error:
+            self._note_refusal(str(error))
+            return
+        self._take(header, lambda: image, arrival)
+
+    def _count_cameras(self) -> int:
+        return int(self.count_publishers(self._input.topic_name))
+
     def on_image(self, message: Message) -> None:
-        """Track on an uncompressed image."""
-        self._take(message.header, lambda: read_image(message))
+        """Track on an uncompressed image, given as a message object."""
+        self._take(_header_of(message), lambda: read_image(message), time.perf_counter())
 
     def on_compressed_image(self, message: Message) -> None:
-        """Track on a JPEG or PNG."""
-        self._take(message.header, lambda: read_compressed_image(message))
+        """Track on a JPEG or PNG, given as a message object."""
+        self._take(_header_of(message), lambda: read_compressed_image(message), time.perf_counter())
 
-    def _take(
-        self, header: Message, read: Callable[[], frames.RawImage | frames.CompressedImage]
-    ) -> None:
-        arrival = time.perf_counter()
-        self._note_arrival()
-        self._frame_id = str(header.frame_id)
-        stamp = stamp_of(header)
-        if not stamp:
-            stamp = self.get_clock().now().nanoseconds
-            header = make_header(self._factory, stamp, header.frame_id)
-        if not self._enabled:
+    def _take(self, given: MessageHeader, read: Callable[[], AnyImage], arrival: float) -> None:
+        """Answer one frame.
+
+        Parameters
+        ----------
+        given : MessageHeader
+            Stamp and frame_id as the camera gave them.
+        read : callable
+            Returns the image.
+        arrival : float
+            When it came, on the clock of `time.perf_counter` [s].
+        """
+        self._statistics.arrived(time.monotonic())
+        self._frame_id = given.frame_id
+        stamp = given.stamp or int(self.get_clock().now().nanoseconds)
+        header = self._header_for_answer(given, stamp)
+        if not self._enabled or self._warm_up_gates_frames():
             self._statistics.ignored += 1
-            self._answer_without_estimate(header, DISABLED, "")
+            self._note_usable()
+            self._outputs.answer_without_estimate(header, self.status, "")
             return
         try:
-            grey = decode_grey(read())
-            begin = time.perf_counter()
-            estimate = self._tracker.process(grey, stamp)
+            if not stamp:
+                raise FrameError(NO_TIME)
+            self._use(header, stamp, read(), arrival)
         except FrameError as error:
             self._refuse(header, str(error))
+
+    def _header_for_answer(self, given: MessageHeader, stamp: int) -> Message:
+        if not given.stamp:
+            return make_header(self._factory, stamp, given.frame_id)
+        # To the letter, so that whoever sent the frame knows it again.
+        time_sent = Time(sec=given.sec, nanosec=given.nanosec)
+        return Header(stamp=time_sent, frame_id=given.frame_id)
+
+    def _warm_up_gates_frames(self) -> bool:
+        return self._warm_up is not None and self._input is not None
+
+    def _use(self, header: Message, stamp: int, image: AnyImage, arrival: float) -> None:
+        grey = decode_grey(image)
+        if self._has_frozen(grey, stamp):
+            self._answer_frozen(header)
             return
+        begin = time.perf_counter()
+        estimate = self._tracker.process(grey, stamp, self._metric.motion(stamp))
         milliseconds = (time.perf_counter() - begin) * 1e3
+        self._outputs.publish_centreline(header, estimate)
+        self._metric.publish(header, estimate)
+        self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
         self._statistics.tracked += 1
         self._estimate = estimate
-        self._publish_estimate(header, estimate, grey, milliseconds)
-        self._statistics.finished((time.perf_counter() - arrival) * 1e3)
+        particles = self._tracker.particles
+        assert particles is not None
+        self._outputs.publish_pictures(header, estimate, particles, grey)
+        self._outputs.publish_state(header, estimate, milliseconds)
+        self._is_frozen = False
+        self._note_usable()
         self._note_event(estimate.event)
         self._change_status(estimate.status.value)
 
-    def _note_arrival(self) -> None:
-        now = time.monotonic()
-        self._last_arrival = now
-        self._statistics.arrived(now)
+    def _has_frozen(self, grey: Any, stamp: int) -> bool:  # noqa: ANN401
+        seconds = self._frozen.take(grey, stamp)
+        return 0.0 < self._frozen_timeout <= seconds
+
+    def _answer_frozen(self, header: Message) -> None:
+        """Claim nothing: what stood still is no measurement, however well the cable shows on it."""
+        self._statistics.frozen += 1
+        self._note_usable()
+        self._outputs.answer_without_estimate(header, FROZEN_INPUT, "the picture stands still")
+        if not self._is_frozen:
+            self._is_frozen = True
+            self.get_logger().error(
+                f"the camera has sent the same picture for {self._frozen.seconds:.1f} s;"
+                " tracking goes on when it changes (parameter frozen_timeout)"
+            )
+            self.publish_diagnostics()
+
+    def _note_usable(self) -> None:
+        self._last_usable = time.monotonic()
         if self._stale:
             self._stale = False
             self.publish_diagnostics()
@@ -259,77 +395,14 @@ class TrackerNode(ProcessNode):
             self._statistics.last_event = event
             self.get_logger().warning(f"tracking starts anew: {event}")
 
-    def _refuse(self, header: Message, reason: str) -> None:
+    def _note_refusal(self, reason: str) -> None:
         self._statistics.refused += 1
         self._statistics.last_bad_frame = reason
         self.get_logger().warning(f"frame refused: {reason}", throttle_duration_sec=1.0)
-        self._answer_without_estimate(header, REFUSED, reason)
 
-    def _answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
-        """Publish that there is no estimate for this frame; every frame gets an answer."""
-        if self._report.get_subscription_count():
-            self._report.publish(make_report(self._factory, header, status, {"event": reason}))
-        self._state.publish(make_state(self._factory, header, None))
-
-    def _publish_estimate(
-        self, header: Message, estimate: CableEstimate, grey: Picture, milliseconds: float
-    ) -> None:
-        claimed = estimate.state if estimate.status is TrackingStatus.TRACKING else None
-        sigma = estimate.standard_deviations()[:4]
-        if claimed is not None:
-            self._centreline.publish(
-                make_centreline(self._factory, header, claimed, estimate.covariance)
-            )
-        self._publish_pictures(header, estimate, claimed, grey, sigma)
-        if self._report.get_subscription_count():
-            self._report.publish(
-                make_report(
-                    self._factory,
-                    header,
-                    estimate.status.value,
-                    report_values(estimate, milliseconds),
-                )
-            )
-        # Last, because a lockstep replay sends the next frame upon it.
-        self._state.publish(make_state(self._factory, header, claimed, sigma))
-
-    def _publish_pictures(
-        self,
-        header: Message,
-        estimate: CableEstimate,
-        claimed: CableState | None,
-        grey: Picture,
-        sigma: FloatArray,
-    ) -> None:
-        particles = self._tracker.particles
-        assert particles is not None
-        if self._particles.get_subscription_count():
-            self._particles.publish(make_particles(self._factory, header, cloud_of(particles)))
-        if self._markers.get_subscription_count():
-            self._markers.publish(make_markers(self._factory, header, claimed, estimate.image_size))
-        if not (
-            self._overlay.get_subscription_count()
-            or self._overlay_compressed.get_subscription_count()
-        ):
-            return
-        picture = draw_overlay(
-            grey,
-            state=claimed,
-            status=estimate.status.value,
-            sigma=sigma,
-            cloud=cloud_of(particles),
-            hypotheses=estimate.hypotheses,
-            presence=estimate.presence,
-        )
-        self._publish_overlay(header, picture)
-
-    def _publish_overlay(self, header: Message, picture: Picture) -> None:
-        if self._overlay.get_subscription_count():
-            raw = raw_from_array(picture, "bgr8")
-            self._overlay.publish(make_image(self._factory, raw, header))
-        if self._overlay_compressed.get_subscription_count():
-            jpeg = make_compressed_image(self._factory, encode_jpeg(picture), header)
-            self._overlay_compressed.publish(jpeg)
+    def _refuse(self, header: Message, reason: str) -> None:
+        self._note_refusal(reason)
+        self._outputs.answer_without_estimate(header, REFUSED, reason)
 
     def on_initial_state(self, message: Message) -> None:
         """Start the next frame from an operator's or planner's prior."""
@@ -372,6 +445,8 @@ class TrackerNode(ProcessNode):
 
     def _restart(self) -> None:
         self._tracker.reset()
+        self._frozen.forget()
+        self._is_frozen = False
         self._estimate = None
         if self._initial_state is not None:
             self._tracker.initialise(StatePrior.around(self._initial_state))
@@ -383,33 +458,79 @@ class TrackerNode(ProcessNode):
             self.publish_diagnostics()
 
     def _on_frames_lost(self, event: Any) -> None:  # noqa: ANN401
-        self._statistics.dropped += int(event.total_count_change)
+        self._statistics.lost += int(event.total_count_change)
         self.get_logger().warning(
-            f"{self._statistics.dropped} frames lost on the way; large frames need"
+            f"{self._statistics.lost} frames lost on the way; large frames need"
             " config/fastdds_loopback.xml, image_reliability:=reliable or compressed images",
             throttle_duration_sec=5.0,
         )
 
+    def _on_mismatch(self, event: Any) -> None:  # noqa: ANN401
+        # The event names no endpoint: who it is stands in the graph.
+        self._look_for_mismatches = True
+        self._find_mismatches()
+
+    def _find_mismatches(self) -> None:
+        """Say who cannot hear whom, until nobody is left."""
+        if not self._look_for_mismatches:
+            return
+        found = [
+            sentence
+            for subscription, profile in self._inputs().items()
+            for sentence in input_mismatches(self, subscription.topic_name, profile)
+        ]
+        for publisher, profile in self._outputs.publishers.items():
+            found += output_mismatches(self, publisher.topic_name, profile)
+        for sentence in found:
+            if sentence not in self._mismatches:
+                self.get_logger().error(sentence)
+        # The graph may learn of an endpoint only after the event: an empty answer is not the last.
+        self._look_for_mismatches = bool(found) or not self._mismatches
+        self._mismatches = found
+
+    def _inputs(self) -> dict[Any, Any]:
+        if self._input is None:
+            return {}
+        return {self._input: self._image_qos, self._prior_input: qos.RESULTS}
+
     def on_watchdog(self) -> None:
         """See whether the input has stopped, and publish diagnostics when they are due."""
         now = time.monotonic()
-        if now - self._last_arrival > self._input_timeout and not self._stale:
+        if self._warm_up is not None and not self._warm_up.running:
+            self._end_warm_up()
+        elif self._warm_up is None and self._is_silent(now) and not self._stale:
             self._stale = True
-            topic = self._input.topic_name
-            publishers = self.count_publishers(topic)
-            self.get_logger().warning(
-                f"no image on {topic} for {self._input_timeout:g} s; {publishers} publishers there"
-            )
+            self.get_logger().warning(self._words_on_silence())
             self.publish_diagnostics()
         elif now >= self._next_diagnostics:
             self.publish_diagnostics()
+
+    def _is_silent(self, now: float) -> bool:
+        return now - self._last_usable > self._input_timeout
+
+    def _words_on_silence(self) -> str:
+        topic = self._input.topic_name
+        publishers = self.get_publishers_info_by_topic(topic)
+        types = sorted({str(publisher.topic_type) for publisher in publishers})
+        kinds = f" of type {', '.join(types)}" if types else ""
+        refused = self._statistics.last_bad_frame
+        reason = f"; the last was refused: {refused}" if refused else ""
+        return (
+            f"no usable image on {topic} for {self._input_timeout:g} s;"
+            f" {len(publishers)} publishers there{kinds}{reason}"
+        )
 
     def publish_diagnostics(self) -> None:
         """Publish status and figures on /diagnostics."""
         now = time.monotonic()
         self._next_diagnostics = now + self._diagnostics_period
+        self._find_mismatches()
         values = diagnostic_values(self._statistics, self._estimate, now)
-        for publisher in self._on_demand_publishers():
+        values |= self._metric.diagnostics()
+        values["picture"] = remark_on(self._frozen.picture)
+        values["same picture for [s]"] = f"{self._frozen.seconds:.1f}"
+        values["QoS mismatch"] = "; ".join(self._mismatches)
+        for publisher in self._outputs.publishers:
             values[f"subscribers of {publisher.topic_name}"] = str(
                 publisher.get_subscription_count()
             )
@@ -419,13 +540,7 @@ class TrackerNode(ProcessNode):
             make_diagnostics(self._factory, header, name, self.status, values)
         )
 
-    def _on_demand_publishers(self) -> tuple[Publisher, ...]:
-        return (
-            self._state,
-            self._centreline,
-            self._particles,
-            self._markers,
-            self._overlay,
-            self._overlay_compressed,
-            self._report,
-        )
+
+def _header_of(message: Message) -> MessageHeader:
+    header = message.header
+    return MessageHeader(int(header.stamp.sec), int(header.stamp.nanosec), str(header.frame_id))

@@ -13,6 +13,7 @@ from rosbags.serde import SerdeError
 
 from cable_tracker.cable.state import CableState
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.bag_limits import LARGEST_UNPACKED, unpack_zstd
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.frame_source import (
@@ -44,7 +45,6 @@ _TRUTH = "ground_truth"
 _TRUTH_NAMES = ("d", "alpha", "w", "beta")
 _TAIL_LENGTHS = (4, 8)
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
-_LARGEST_MESSAGE = 1 << 30
 
 
 def _listing(topics: dict[str, Topic]) -> str:
@@ -137,6 +137,12 @@ def deserialise_cdr(data: bytes, msgtype: str) -> object:
         raise
 
 
+def _unpacked_size(data: bytes) -> int:
+    """Return what a zstd frame says of its size, or the most that is unpacked if it is silent."""
+    size = zstandard.frame_content_size(data)
+    return size if size >= 0 else LARGEST_UNPACKED
+
+
 class BagSource(FrameSource):
     """Images of one topic of a bag.
 
@@ -186,9 +192,7 @@ class BagSource(FrameSource):
     def _deserialise(self, message: StoredMessage) -> object:
         data = message.data
         if data.startswith(_ZSTD_MAGIC):
-            # A file of a bag with message-wise compression, read without its metadata.
-            with zstandard.ZstdDecompressor().stream_reader(data) as reader:
-                data = reader.read(_LARGEST_MESSAGE)
+            data = unpack_zstd(data, _unpacked_size(data))
         if self._is_ros1:
             return ros1_typestore().deserialize_ros1(data, message.msgtype)
         return deserialise_cdr(data, message.msgtype)

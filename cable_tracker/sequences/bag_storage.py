@@ -17,6 +17,12 @@ from rosbags.rosbag2 import Reader as Reader2
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences import mcap_recovery, ros1_recovery, sqlite_recovery
+from cable_tracker.sequences.bag_limits import (
+    check_database,
+    check_folder,
+    check_overlap,
+    limit_rosbags,
+)
 from cable_tracker.sequences.frame_source import one_line
 from cable_tracker.sequences.natural_order import natural_key
 from cable_tracker.sequences.stamps import NANOSECONDS
@@ -66,6 +72,8 @@ class BagStorage(Protocol):
         ...
 
 
+limit_rosbags()
+
 _WALKERS: dict[str, Callable[[Path], Iterator[StoredMessage]]] = {
     ".mcap": mcap_recovery.read_messages,
     ".db3": sqlite_recovery.read_messages,
@@ -106,7 +114,9 @@ class RosbagsStorage:
     def __init__(self, path: Path) -> None:
         self._path = path
         self.note = ""
+        self._check_limits()
         with self._open() as reader:
+            self._check_chunks(reader)
             self.topics = {
                 name: Topic(
                     next(c.msgtype for c in reader.connections if c.topic == name), info.msgcount
@@ -118,8 +128,30 @@ class RosbagsStorage:
     def _open(self) -> Reader1 | Reader2:
         return Reader1(self._path) if is_ros1(self._path) else Reader2(self._path)
 
+    def _check_limits(self) -> None:
+        if self._path.is_dir():
+            check_folder(self._path)
+        for file in storage_files(self._path):
+            if file.suffix == ".db3":
+                check_database(file)
+
+    @staticmethod
+    def _check_chunks(reader: Reader1 | Reader2) -> None:
+        if isinstance(reader, Reader1):
+            return
+        for storage in getattr(reader.storage, "storages", [reader.storage]):
+            check_overlap(getattr(storage, "chunks", ()))
+
+    @staticmethod
+    def _leave_messages_packed(reader: Reader1 | Reader2) -> None:
+        """Let a bag of compressed messages hand them out as they are; who reads them unpacks."""
+        if not isinstance(reader, Reader1) and reader.compression_mode == "message":
+            storage = reader.storage
+            storage.metadata = storage.metadata._replace(compression_mode=None)
+
     def _from_rosbags(self, topics: Collection[str]) -> Generator[StoredMessage]:
         with self._open() as reader:
+            self._leave_messages_packed(reader)
             connections = [c for c in reader.connections if c.topic in topics]
             if not connections:
                 return

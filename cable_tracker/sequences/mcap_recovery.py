@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import IO
 
 import zstandard
-from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Message, Schema
 
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.bag_limits import unpack_lz4, unpack_zstd
 from cable_tracker.sequences.stored_message import StoredMessage
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -92,10 +92,9 @@ def _unpack(compression: str, data: bytes, size: int) -> bytes:
     if compression == "":
         return data[:size]
     if compression == "lz4":
-        return bytes(LZ4FrameDecompressor().decompress(data, max_length=size))
+        return unpack_lz4(data, size)[:size]
     if compression == "zstd":
-        with zstandard.ZstdDecompressor().stream_reader(data) as reader:
-            return reader.read(size)
+        return unpack_zstd(data, size)[:size]
     raise ValueError(f"unknown compression {compression[:20]!r}")
 
 
@@ -105,8 +104,6 @@ def _chunk_records(content: bytes, complete: bool, position: int) -> Iterator[_R
         _, _, size, checksum, name_length = _CHUNK_HEADER.unpack_from(content)
         name_end = _CHUNK_HEADER.size + name_length
         compression = content[_CHUNK_HEADER.size : name_end].decode()
-        if size > _LARGEST_RECORD:
-            raise ValueError(f"unpacked size {size}")
         unpacked = _unpack(compression, content[name_end + 8 :], size)
     except (struct.error, ValueError, RuntimeError, zstandard.ZstdError, MemoryError) as error:
         if not complete:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +15,20 @@ def _delete(path: Path) -> None:
         shutil.rmtree(path)
     else:
         path.unlink()
+
+
+def _write_through(path: Path) -> None:
+    """Wait until a folder or a file is on the disk, not only in its cache.
+
+    Otherwise a power cut can leave an empty file under the final name; and a disk that fails late
+    would not be noticed.
+    """
+    for item in (path, *path.rglob("*")):
+        descriptor = os.open(item, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
 
 
 class PartialOutput:
@@ -73,6 +88,7 @@ class PartialOutput:
         """
         replaced = self._partial / ".replaced"
         try:
+            _write_through(self.content)
             if self.path.exists() or self.path.is_symlink():
                 self.path.rename(replaced)
             self.content.rename(self.path)

@@ -92,7 +92,9 @@ def _tiff_size(data: memoryview) -> tuple[int, int]:
     for entry in range(directory + 2, directory + 2 + 12 * count, 12):
         tag, kind = struct.unpack_from(order + "HH", data, entry)
         if tag in (_TIFF_WIDTH, _TIFF_HEIGHT):
-            (sizes[tag],) = struct.unpack_from(order + ("H" if kind == 3 else "I"), data, entry + 8)
+            (size,) = struct.unpack_from(order + ("H" if kind == 3 else "I"), data, entry + 8)
+            # Said twice: which of the two counts is for the decoder to say.
+            sizes[tag] = max(size, sizes.get(tag, 0))
     return sizes[_TIFF_WIDTH], sizes[_TIFF_HEIGHT]
 
 

@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-import bz2
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import IO
 
-from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
 from rosbags.typesys.msg import normalize_msgtype
 
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.bag_limits import ROS1_UNPACKERS
 from cable_tracker.sequences.stored_message import StoredMessage
 
 _MAGIC = b"#ROSBAG V2.0\n"
 _MESSAGE, _CHUNK, _CONNECTION = 2, 5, 7
 _LARGEST_HEADER = 1 << 24
 _LARGEST_CHUNK = 1 << 30
-
-_DECOMPRESSORS: dict[bytes, Callable[[bytes], bytes]] = {
-    b"none": lambda data: data,
-    b"bz2": lambda data: bz2.BZ2Decompressor().decompress(data, _LARGEST_CHUNK),
-    b"lz4": lambda data: bytes(LZ4FrameDecompressor().decompress(data, _LARGEST_CHUNK)),
-}
 
 
 def _read_exactly(file: IO[bytes], length: int) -> bytes:
@@ -62,7 +55,8 @@ def _records(file: IO[bytes]) -> Iterator[tuple[dict[bytes, bytes], bytes]]:
         length = _read_length(file)
         if header[b"op"][0] == _CHUNK:
             data = file.read(min(length, _LARGEST_CHUNK))
-            yield from _records(BytesIO(_DECOMPRESSORS[header[b"compression"]](data)))
+            unpack = ROS1_UNPACKERS[header[b"compression"].decode()]
+            yield from _records(BytesIO(unpack(data)))
             if len(data) < length:
                 raise EOFError("the file ends inside a chunk")
         else:

@@ -70,13 +70,17 @@ def _parse_name(text: str) -> tuple[str, int | None]:
     return text, None
 
 
-def _check_name(name: str) -> None:
+def _check_name(name: str, allow_outside: bool = False) -> None:
     path = PurePosixPath(name)
-    if path.is_absolute() or ".." in path.parts or "\0" in name:
-        raise ValueError(f"{name!r} lies outside the folder of the sequence file")
+    outside = path.is_absolute() or ".." in path.parts
+    if (outside and not allow_outside) or "\0" in name:
+        raise ValueError(
+            f"{name!r} lies outside the folder of the sequence file; a file that you trust may name"
+            " it with --allow-outside"
+        )
 
 
-def _parse_line(line: str) -> Label:
+def _parse_line(line: str, allow_outside: bool) -> Label:
     numbers, hash_sign, name = line.partition("#")
     name = name.strip()
     values = [float(word) for word in numbers.split()]
@@ -87,7 +91,7 @@ def _parse_line(line: str) -> Label:
     if not all(math.isfinite(value) for value in values):
         raise ValueError("a number is not finite")
     filename, frame = _parse_name(name)
-    _check_name(filename)
+    _check_name(filename, allow_outside)
     return Label(_wrapped(CableState(*values)), filename, frame)
 
 
@@ -104,10 +108,17 @@ def _read_lines(path: Path) -> Iterator[str]:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
 
 
-def read_labels(path: Path) -> list[Label]:
+def read_labels(path: Path, *, allow_outside: bool = False) -> list[Label]:
     """Read a sequence file.
 
     Angles outside (-pi/2, pi/2] are wrapped, which turns the signs of d and beta.
+
+    Parameters
+    ----------
+    path : Path
+        The text file.
+    allow_outside : bool
+        Whether it may name files outside its folder.
 
     Raises
     ------
@@ -121,7 +132,7 @@ def read_labels(path: Path) -> list[Label]:
         if not text or text.startswith("#"):
             continue
         try:
-            labels.append(_parse_line(text))
+            labels.append(_parse_line(text, allow_outside))
         except ValueError as error:
             raise RecordingError(
                 f"{path}: line {number} is malformed ({one_line(error)}); expected: d alpha w beta"
@@ -159,16 +170,17 @@ def _format_label(label: Label) -> str:
     return f"{numbers} # {name}\n"
 
 
-def _resolve(sequence: Path, label: Label) -> Path:
+def _resolve(sequence: Path, label: Label, allow_outside: bool) -> Path:
     """Return the file of a label; refuse what a link would take out of the folder."""
     folder = sequence.parent.resolve()
     try:
         file = (folder / label.filename).resolve()
     except (OSError, RuntimeError) as error:
         raise RecordingError(f"{sequence}: {label.filename} cannot be followed") from error
-    if not file.is_relative_to(folder):
+    if not (allow_outside or file.is_relative_to(folder)):
         raise RecordingError(
-            f"{sequence}: {label.filename} leads outside the folder of the sequence file"
+            f"{sequence}: {label.filename} leads outside the folder of the sequence file; a file"
+            " that you trust may do that with --allow-outside"
         )
     if not file.is_file():
         raise RecordingError(f"{sequence}: {label.filename} is missing; put it beside the file")
@@ -214,6 +226,8 @@ class SequenceFileSource(FrameSource):
         Pictures per second; 25 if None.
     skip_bad_frames : bool
         Hand out frames that cannot be decoded, instead of raising RecordingError.
+    allow_outside : bool
+        Whether the file may name pictures and videos outside its folder.
 
     Raises
     ------
@@ -222,14 +236,21 @@ class SequenceFileSource(FrameSource):
     """
 
     def __init__(
-        self, path: Path, *, rate: float | None = None, skip_bad_frames: bool = False
+        self,
+        path: Path,
+        *,
+        rate: float | None = None,
+        skip_bad_frames: bool = False,
+        allow_outside: bool = False,
     ) -> None:
         super().__init__(path, skip_bad_frames=skip_bad_frames)
-        self._entries = read_labels(path)
+        self._entries = read_labels(path, allow_outside=allow_outside)
         self._rate = rate or DEFAULT_RATE
         for label in self._entries:
             _check_kind(path, label)
-        self._files = {label.filename: _resolve(path, label) for label in self._entries}
+        self._files = {
+            label.filename: _resolve(path, label, allow_outside) for label in self._entries
+        }
         self.frame_count = len(self._entries)
         self.has_truth = True
         self.nominal_rate = self._rate

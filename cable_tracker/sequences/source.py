@@ -80,12 +80,16 @@ def _folder_source(path: Path, rate: float | None, skip_bad_frames: bool) -> Fra
     return ImageFolderSource(path, rate=rate, skip_bad_frames=skip_bad_frames)
 
 
-def _file_source(path: Path, rate: float | None, skip_bad_frames: bool) -> FrameSource:
+def _file_source(
+    path: Path, rate: float | None, skip_bad_frames: bool, allow_outside: bool
+) -> FrameSource:
     suffix = path.suffix.lower()
     if suffix in VIDEO_SUFFIXES:
         return VideoSource(path, skip_bad_frames=skip_bad_frames)
     if suffix in SEQUENCE_SUFFIXES:
-        return SequenceFileSource(path, rate=rate, skip_bad_frames=skip_bad_frames)
+        return SequenceFileSource(
+            path, rate=rate, skip_bad_frames=skip_bad_frames, allow_outside=allow_outside
+        )
     known = (*BAG_SUFFIXES, *VIDEO_SUFFIXES, *SEQUENCE_SUFFIXES)
     raise RecordingError(
         f"{path}: {suffix or 'a file without suffix'} is no known kind of recording; known are"
@@ -94,7 +98,11 @@ def _file_source(path: Path, rate: float | None, skip_bad_frames: bool) -> Frame
 
 
 def _open_unlabelled(
-    path: Path, topic: str | None, rate: float | None, skip_bad_frames: bool
+    path: Path,
+    topic: str | None,
+    rate: float | None,
+    skip_bad_frames: bool,
+    allow_outside: bool,
 ) -> FrameSource:
     if path.is_file() and not path.stat().st_size:
         raise RecordingError(f"{path}: the file is empty; record or copy it again")
@@ -104,7 +112,7 @@ def _open_unlabelled(
         raise RecordingError(f"{path}: is no bag and has no topics; leave out --topic")
     if path.is_dir():
         return _folder_source(path, rate, skip_bad_frames)
-    return _file_source(path, rate, skip_bad_frames)
+    return _file_source(path, rate, skip_bad_frames, allow_outside)
 
 
 def _labels_of(source: FrameSource, labels: list[Label], truth: Path) -> list[Label]:
@@ -139,8 +147,10 @@ def _picture_labels(source: ImageFolderSource, labels: list[Label]) -> dict[int,
     return {number: label for number, label in named if number is not None}
 
 
-def _labels_by_frame(source: FrameSource, truth: Path) -> dict[int, CableState]:
-    labels = read_labels(truth)
+def _labels_by_frame(
+    source: FrameSource, truth: Path, allow_outside: bool
+) -> dict[int, CableState]:
+    labels = read_labels(truth, allow_outside=allow_outside)
     found: dict[int, Label] = {}
     if isinstance(source, ImageFolderSource):
         found = _picture_labels(source, labels)
@@ -156,6 +166,7 @@ def open_source(
     rate: float | None = None,
     truth: Path | None = None,
     skip_bad_frames: bool = False,
+    allow_outside: bool = False,
 ) -> Source:
     """Open a recording; what lies at the path decides its kind.
 
@@ -183,6 +194,8 @@ def open_source(
         pictures. Only labelled frames then have a truth, besides those a bag itself labels.
     skip_bad_frames : bool
         Hand out frames that cannot be decoded, instead of raising RecordingError.
+    allow_outside : bool
+        Whether a sequence file may name pictures and videos outside its folder.
 
     Raises
     ------
@@ -198,9 +211,9 @@ def open_source(
             raise RecordingError(f"{path}: there is no such file or folder; check the path")
         if path.name == METADATA:
             path = path.parent
-        source = _open_unlabelled(path, topic, rate, skip_bad_frames)
+        source = _open_unlabelled(path, topic, rate, skip_bad_frames, allow_outside)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
     if truth is not None:
-        source.label(_labels_by_frame(source, truth))
+        source.label(_labels_by_frame(source, truth, allow_outside))
     return source

@@ -194,6 +194,22 @@ def scenario_states(
     return np.concatenate(batches)[: chosen.frame_count]
 
 
+def scenario_dive(
+    scenario: str | Scenario, seed: int = 0, image_size: tuple[int, int] = SCENARIO_SIZE
+) -> Dive:
+    """Return the camera, the cable and the motion of a scenario: where everything is at any time.
+
+    Raises
+    ------
+    ParameterError
+        As `simulate_scenario`.
+    """
+    chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
+    _check_size(image_size)
+    _check_seed(seed)
+    return _scenario_dive(chosen, Seeds.of(seed), image_size)
+
+
 def _camera(
     image_size: tuple[int, int],
     mounting: float,

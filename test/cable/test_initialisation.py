@@ -114,6 +114,16 @@ def test_the_density_of_the_search_integrates_to_one_over_its_box(width, rng):
     assert share == pytest.approx(1.0, abs=0.15)
 
 
+def test_numbers_from_0_to_1_are_places_from_one_corner_of_the_box_to_the_other():
+    box = search_box(parameters(), 320)
+    uniform = np.array([0.0, 0.5, 1.0])[:, None] * np.ones(8)
+    np.testing.assert_allclose(
+        box.placed(uniform), [box.lower, (box.lower + box.upper) / 2, box.upper], atol=1e-12
+    )
+    again = np.random.default_rng(1).random((5, 8))
+    np.testing.assert_array_equal(box.placed(again), box.draw(5, np.random.default_rng(1)))
+
+
 def test_a_range_of_zero_is_a_narrow_box_and_no_division_by_zero():
     point = search_box(parameters(initial_distance_range=0.0, initial_angle_range=0.0), 320)
     middle = (point.lower + point.upper)[None, :] / 2

@@ -163,6 +163,20 @@ def test_the_longer_it_is_gone_the_farther_it_is_looked_for(rng):
     assert spreads[-1] == pytest.approx(uniform, rel=0.1)
 
 
+@pytest.mark.parametrize("memory", MEMORIES.values(), ids=MEMORIES)
+def test_the_first_births_are_about_the_memory_and_the_others_anywhere(memory, rng):
+    density = births(memory)
+    uniform = rng.random((60, 8))
+    placed = density.placed(uniform, np.zeros((60, 4)))
+    remembered = density.remembered_of(60)
+    assert remembered == round(60 * density.memory_share)
+    np.testing.assert_array_equal(placed[remembered:], density.box.placed(uniform)[remembered:])
+    if memory is not None:
+        # Without noise they are where it was.
+        expected = np.tile([*memory.places, 0.0, 0.0, 0.0, 0.0], (remembered, 1))
+        np.testing.assert_allclose(placed[:remembered], expected)
+
+
 def test_births_that_are_drawn_are_wrapped(rng):
     draws = births(MEMORIES["beside the wrap"]).draw(2000, rng)
     np.testing.assert_allclose(wrap_states(draws), draws)

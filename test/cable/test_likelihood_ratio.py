@@ -5,11 +5,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cable_tracker.cable.geometry import project_borders
 from cable_tracker.cable.likelihood_ratio import (
     CABLES_AT_ONCE,
     BorderLikelihoodRatio,
+    agreed_contrast,
     bright_shares,
     marginal_log_ratios,
+    measure_points,
 )
 from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.state import CableState
@@ -110,7 +113,8 @@ def test_a_flat_picture_speaks_against_every_cable(value, rng):
     evidence = measured(np.full(SIZE[::-1], value, np.uint8), *states)
     assert (evidence.log_ratios < 0.0).all()
     assert (evidence.weaker_borders < 0.0).all()
-    np.testing.assert_allclose(evidence.log_ratios[:, 0], evidence.log_ratios[:, 1])
+    # No response at all lies on the border of two bins of the table, which differ a little.
+    np.testing.assert_allclose(evidence.log_ratios[:, 0], evidence.log_ratios[:, 1], rtol=0.1)
 
 
 def test_the_scene_twice_as_large_has_nearly_the_same_ratios(draw_strip):
@@ -136,14 +140,49 @@ def test_a_frame_that_is_reduced_has_nearly_the_ratios_of_the_small_one(draw_str
     np.testing.assert_allclose(reduced, whole, rtol=0.35, atol=0.4)
 
 
-def test_denser_points_say_about_as_much(strip):
-    sparse, dense = (
-        BorderLikelihoodRatio(TrackerParameters(sample_spacing=spacing))
-        .measure(changed()[None], working(strip))
-        .log_ratios[0, 0]
-        for spacing in (10.0, 2.5)
-    )
+def test_denser_scan_lines_say_about_as_much(strip):
+    images = [make_working_image(strip, 320, sample_spacing=spacing) for spacing in (16.0, 2.5)]
+    assert [image.line_spacing for image in images] == [8, 1]
+    sparse, dense = (MODEL.measure(changed()[None], image).log_ratios[0, 0] for image in images)
     assert dense == pytest.approx(sparse, rel=0.25)
+
+
+def test_no_cable_at_all_is_measured_as_none(strip):
+    evidence = MODEL.measure(np.empty((0, 8)), working(strip))
+    assert evidence.log_ratios.shape == evidence.weaker_borders.shape == (0, 2)
+    assert evidence.seen.shape == (0,)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.6, -0.7, np.pi / 2, 1.0, -1.2])
+def test_a_border_is_measured_once_on_every_line_that_it_crosses_steeply(strip, angle):
+    image = working(strip)
+    points = measure_points(project_borders(np.array([[0.0, angle, 8.0, 0.0]])), image)
+    steep = abs(np.cos(angle)) >= abs(np.sin(angle))
+    lines = image.scanned.rows if steep else image.scanned.columns
+    for border, offset in enumerate((-4.0, 4.0)):
+        along, across = (np.cos(angle), np.sin(angle))[:: 1 if steep else -1]
+        crossings = (offset - across * lines.places) / along
+        inside = np.abs(crossings) <= (lines.smooth.shape[1] - 1) / 2
+        assert (points.borders == border).sum() == inside.sum() > 0
+        assert points.per_border(points.lengths)[0, border] == pytest.approx(
+            inside.sum() / abs(along)
+        )
+
+
+def test_on_the_border_of_a_strip_the_response_is_high_the_slope_low_and_the_inside_brighter(strip):
+    here, beside = (
+        measure_points(project_borders(state[None]), working(strip)).measures
+        for state in (changed(), changed(width=6.0))
+    )
+    assert np.median(here.responses) > 5.0
+    assert np.median(here.contrasts) > 2.0
+    assert np.median(np.abs(here.slopes)) < 0.15 < np.median(np.abs(beside.slopes))
+
+
+def test_where_the_parts_of_the_inside_disagree_there_is_no_contrast():
+    behind = np.array([3.0, 3.0, -3.0, -3.0, 0.0], np.float32)
+    middle = np.array([2.0, -2.0, -5.0, 5.0, 1.0], np.float32)
+    assert agreed_contrast(behind, middle).tolist() == [2.0, 0.0, -3.0, 0.0, 0.0]
 
 
 def test_many_cables_are_measured_like_each_alone(strip, rng):

@@ -58,11 +58,12 @@ def test_our_own_table_favours_sharp_edges_of_something_bright():
     assert table is load_table("")
     clear, faint, beside, furrow = table.look_up(
         points([8.0, 0.0, 8.0, 8.0], [0.0, 0.0, 0.7, 0.0], [8.0, 0.0, 8.0, -8.0])
-    )
+    )[:, 0]
     assert clear > 0.5
     assert clear > beside
     assert clear > furrow
-    assert faint == pytest.approx(table.absent)
+    assert table.absent == pytest.approx(table.look_up(points(0.0)).mean())
+    assert faint < 0.0
     assert table.absent < 0.0
 
 
@@ -85,9 +86,21 @@ def test_a_negative_of_a_negative_is_the_picture_and_slopes_have_no_sign(respons
 def test_cells_of_known_points(rng):
     table = any_table(rng)
     found = table.look_up(points([-12.0, 11.99, 0.1], [0.0, 9.0, 0.06], [-99.0, 99.0, 0.1]))
-    cells = [((0, 0), (0, 0)), ((95, 14), (23, 23)), ((48, 1), (12, 12))]
-    expected = [table.edges[edge] + table.contrasts[contrast] for edge, contrast in cells]
-    np.testing.assert_allclose(found, expected)
+    cells = [((0, 0), (0, 0)), ((95, 14), (23, 24)), ((48, 1), (12, 12))]
+    bright = [table.edges[edge] + table.contrasts[contrast] for edge, contrast in cells]
+    np.testing.assert_allclose(found[:, 0], bright)
+    cells = [((95, 0), (23, 24)), ((0, 14), (0, 0)), ((47, 1), (11, 12))]
+    dark = [table.edges[edge] + table.contrasts[contrast] for edge, contrast in cells]
+    np.testing.assert_allclose(found[:, 1], dark)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_a_dark_border_is_a_bright_one_in_the_negative(seed):
+    rng = np.random.default_rng(seed)
+    table = any_table(rng)
+    measured = points(rng.normal(0, 8, 50), rng.normal(0, 0.5, 50), rng.normal(0, 8, 50))
+    picture, negative = table.look_up(measured), table.look_up(measured.negative())
+    np.testing.assert_array_equal(picture, negative[:, ::-1])
 
 
 def broken(change):
@@ -159,7 +172,7 @@ def histograms(rng, response, count=4000) -> ResponseHistograms:
 
 def test_what_is_met_on_borders_is_for_them_and_what_is_met_elsewhere_against(rng):
     table = table_from_histograms(histograms(rng, 5.0), histograms(rng, 0.0), "test")
-    border, background = table.look_up(points([5.0, 0.0], 0.0, [5.0, 0.0]))
+    border, background = table.look_up(points([5.0, 0.0], 0.0, [5.0, 0.0]))[:, 0]
     assert border > 2.0
     assert background < -2.0
     assert table.source == "test"

@@ -23,7 +23,10 @@ def test_a_frame_in_time_goes_on():
     ("seconds", "size", "event"),
     [
         (0.04, (640, 480), "the image size changed from 320x240 to 640x480"),
+        (-0.201, (320, 240), "time went back by 0.201 s"),
         (-0.5, (320, 240), "time went back by 0.500 s"),
+        (-3600.0, (320, 240), "time went back by 3600.000 s"),
+        (7200.0, (320, 240), "no frame for 7200.000 s"),
         (5.001, (320, 240), "no frame for 5.001 s"),
     ],
 )
@@ -34,3 +37,9 @@ def test_what_cannot_go_on_starts_anew_and_says_why(seconds, size, event):
 def test_the_same_time_again_is_refused():
     with pytest.raises(FrameError, match=r"1\.000000000 s is that of the frame before"):
         following(0.0)
+
+
+@pytest.mark.parametrize("seconds", [-1e-9, -0.04, -0.2])
+def test_a_frame_that_was_overtaken_is_refused(seconds):
+    with pytest.raises(FrameError, match="out of order"):
+        following(seconds)

@@ -102,10 +102,10 @@ def test_the_covariance_is_of_the_size_of_the_errors(dive):
     assert (ratio < 3.0).all()
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(5))
 def test_a_random_start_finds_the_cable_and_says_so_only_then(draw_strip, seed):
     estimates = run(
-        CableTracker(TrackerParameters(seed=seed)),
+        make_tracker(TrackerParameters(seed=seed)),
         repeated(draw_strip(STRIP, (160, 120)), 60),
     )
     statuses = [estimate.status for estimate in estimates]
@@ -161,8 +161,20 @@ def test_time_going_back_starts_anew_and_says_so(draw_strip):
     tracker = told(STRIP)
     image = draw_strip(STRIP, (160, 120))
     run(tracker, repeated(image, 5))
-    estimate = tracker.process(image, START)
-    assert (estimate.event, estimate.status) == ("time went back by 0.160 s", INITIALISING)
+    estimate = tracker.process(image, START - 2 * FRAME)
+    assert (estimate.event, estimate.status) == ("time went back by 0.240 s", INITIALISING)
+
+
+def test_a_frame_that_was_overtaken_is_refused_and_changes_nothing(draw_strip):
+    frames = repeated(draw_strip(STRIP, (160, 120)), 6)
+    tracker, other = told(STRIP), told(STRIP)
+    run(tracker, frames[:5])
+    run(other, frames[:5])
+    with pytest.raises(FrameError, match="out of order"):
+        tracker.process(frames[5][0], START)
+    run(tracker, frames[5:])
+    run(other, frames[5:])
+    np.testing.assert_array_equal(tracker.particles.states, other.particles.states)
 
 
 def test_a_long_gap_starts_anew_and_a_short_one_does_not(draw_strip):

@@ -20,6 +20,7 @@ from cable_tracker.errors import FrameError
         (np.zeros((20, 20), np.uint16), "uint16"),
         (np.full((20, 20), np.nan, np.float32), "NaN"),
         (np.full((20, 20), np.inf, np.float32), "infinite"),
+        (np.full((20, 20), -3e38, np.float32), "between -1e\\+12 and 1e\\+12"),
     ],
 )
 def test_what_is_no_grey_picture_is_refused_in_one_line(image, words):

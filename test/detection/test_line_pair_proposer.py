@@ -9,7 +9,8 @@ from cable_tracker.cable.working_image import make_working_image
 from cable_tracker.detection.line_pair_proposer import (
     MOST_CABLES,
     MOST_SKEW,
-    MOST_VOTERS,
+    STRONG,
+    VOTE_CAP,
     LinePairProposer,
     strong_gradients,
 )
@@ -89,6 +90,25 @@ def test_only_the_strongest_gradients_vote(rng):
     picture = rng.normal(100.0, 1.0, (240, 320))
     picture[:, ::9] += 60.0 * (rng.random((240, 36)) < 0.5)
     voters = strong_gradients(make_working_image(picture.astype(np.float32), 320))
-    assert len(voters.weights) <= MOST_VOTERS
+    assert len(voters.weights) > 50
+    assert (voters.weights > STRONG).all()
+    assert (voters.weights <= VOTE_CAP).all()
     assert np.abs(voters.x).max() <= 160.0
     assert np.abs(voters.y).max() <= 120.0
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 2, -1.2])
+def test_every_scan_line_votes_once_for_each_border_it_crosses(draw_strip, angle):
+    cable = CableState(5.0, angle, 40.0)
+    image = make_working_image(draw_strip(cable, (320, 240)), 320)
+    voters = strong_gradients(image)
+    inward = np.array([angle, angle + np.pi])
+    across = voters.x[:, None] * np.cos(inward) + voters.y[:, None] * np.sin(inward)
+    turn = np.abs(np.angle(np.exp(1j * (voters.directions[:, None] - inward))))
+    steep = abs(np.cos(angle)) >= abs(np.sin(angle))
+    lines = image.scanned.rows if steep else image.scanned.columns
+    for side, offset in enumerate((5.0 - 20.0, -5.0 - 20.0)):
+        near = (np.abs(across[:, side] - offset) < 1.5) & (turn[:, side] < 0.1)
+        crossing = np.abs(offset / abs(np.cos(angle) if steep else np.sin(angle))) < 300.0
+        assert crossing
+        assert 0.6 * len(lines.places) <= near.sum() <= len(lines.places)

@@ -154,7 +154,7 @@ def test_the_time_between_frames_is_the_real_one():
 @pytest.mark.parametrize(
     ("stamp", "size", "event"),
     [
-        (900_000_000, (240, 320), "time went back by 0.100 s"),
+        (700_000_000, (240, 320), "time went back by 0.300 s"),
         (7_000_000_000, (240, 320), "no frame for 6.000 s"),
         (1_040_000_000, (120, 160), "the image size changed from 320x240 to 160x120"),
     ],
@@ -168,11 +168,14 @@ def test_what_starts_the_search_anew(stamp, size, event):
     assert detector.regions[-1] is None
 
 
-def test_the_same_stamp_twice_is_refused_and_changes_nothing():
+@pytest.mark.parametrize(
+    ("late", "words"), [(0, "that of the frame before"), (100_000_000, "out of order")]
+)
+def test_a_frame_that_is_no_later_is_refused_and_changes_nothing(late, words):
     method, _ = tracker(seen(CABLE), seen(CABLE), prior=CABLE)
     run(method, 1)
-    with pytest.raises(FrameError, match="that of the frame before"):
-        run(method, 1)
+    with pytest.raises(FrameError, match=words):
+        method.process(FRAME, 10**9 - late)
     assert statuses(run(method, 1, first=1)) == [HAVE]
 
 

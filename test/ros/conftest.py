@@ -135,6 +135,12 @@ class World:
         }
 
     def tracker(self, **parameters: Any) -> Any:
+        node = self.cold_tracker(**parameters)
+        node.wait_until_warm()
+        return node
+
+    def cold_tracker(self, **parameters: Any) -> Any:
+        """Make a tracker that may still be compiling."""
         return self.add(TrackerNode(**self._arguments(parameters)))
 
     def replay(self, **parameters: Any) -> Any:

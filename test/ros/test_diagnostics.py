@@ -7,9 +7,10 @@ from cable_tracker.cable.estimate import CableEstimate, Hypothesis, TrackingStat
 from cable_tracker.cable.state import CableState
 from cable_tracker.ros.diagnostics import (
     DISABLED,
-    LATENCIES_KEPT,
+    FROZEN_INPUT,
     LEVELS,
     STALE_INPUT,
+    WARMING_UP,
     WINDOW,
     FrameStatistics,
     Level,
@@ -20,7 +21,8 @@ from cable_tracker.ros.rclpy_messages import RclpyMessages
 
 
 def test_every_status_has_a_level() -> None:
-    assert set(LEVELS) == {*(status.value for status in TrackingStatus), STALE_INPUT, DISABLED}
+    own = {WARMING_UP, STALE_INPUT, FROZEN_INPUT, DISABLED}
+    assert set(LEVELS) == {*(status.value for status in TrackingStatus), *own}
 
 
 @pytest.mark.parametrize(
@@ -48,18 +50,6 @@ def test_the_frame_rate_counts_the_last_seconds_only() -> None:
     assert statistics.frame_rate(9.9) == pytest.approx(10.0, abs=0.51)
     assert statistics.frame_rate(9.9 + 2 * WINDOW) == 0.0
     assert not statistics.arrivals
-
-
-def test_latencies_are_summed_up_as_median_and_95th_percentile() -> None:
-    statistics = FrameStatistics()
-    assert statistics.latency() == (0.0, 0.0)
-    for milliseconds in range(101):
-        statistics.finished(float(milliseconds))
-    assert statistics.latency() == (50.0, 95.0)
-    for _ in range(2 * LATENCIES_KEPT):
-        statistics.finished(7.0)
-    assert len(statistics.latencies) == LATENCIES_KEPT
-    assert statistics.latency() == (7.0, 7.0)
 
 
 def test_figures_before_the_first_frame_are_empty_not_wrong() -> None:

@@ -250,6 +250,7 @@ class TestRuntime:
         for index in range(9):
             if index in (3, 6):
                 assert set_together(node, **(values if index == 3 else back)).successful
+                node.wait_until_warm()
             node.on_image(image_message(index=index))
         world.spin(lambda: len(states) == 9)
         estimates = [read_state(state) for state in states]

@@ -18,7 +18,7 @@ from cable_tracker.ros.process import ProcessNode, run_node
 from cable_tracker.ros.stop_request import StopRequest
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
-LONGEST_END = 5.0
+LONGEST_END = 20.0
 
 
 class Run:
@@ -255,6 +255,21 @@ class TestRunNode:
             )
         assert code == 2
         assert printed.getvalue() == "error: nobody answers\n"
+
+    def test_what_the_middleware_refuses_is_one_line_and_exit_code_2(
+        self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    ) -> None:
+        # The wheels have no security: the middleware refuses to make a node with it.
+        monkeypatch.setenv("ROS_SECURITY_ENABLE", "true")
+        monkeypatch.setenv("ROS_SECURITY_STRATEGY", "Permissive")
+        monkeypatch.setenv("ROS_SECURITY_KEYSTORE", str(tmp_path))
+        (tmp_path / "enclaves").mkdir()
+        printed = io.StringIO()
+        with redirect_stderr(printed):
+            code = run_node(lambda context: Worker(1, context=context), [], StopRequest())
+        assert code == 2
+        assert printed.getvalue().startswith("error: ROS ")
+        assert len(printed.getvalue().splitlines()) == 1
 
     def test_another_error_is_not_hidden(self) -> None:
         with pytest.raises(ZeroDivisionError):

@@ -15,7 +15,7 @@ from cable_tracker.cable.initial_state_text import parse_initial_state
 from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.state import CableState
 from cable_tracker.evaluation.track_recording import start_from
-from cable_tracker.ros import tracker_node
+from cable_tracker.ros import tracker_outputs
 from cable_tracker.sequences.messages import UNKNOWN_VARIANCE, read_cloud, read_state
 from cable_tracker.trackers import make_tracker
 
@@ -363,7 +363,8 @@ class TestTopics:
         builders = ["draw_overlay", "make_particles", "make_markers", "encode_jpeg"]
         built: list[str] = []
         for name in builders:
-            monkeypatch.setattr(tracker_node, name, spy(getattr(tracker_node, name), name, built))
+            function = getattr(tracker_outputs, name)
+            monkeypatch.setattr(tracker_outputs, name, spy(function, name, built))
         node.on_image(image_message())
         assert built == []
         topics = [(CompressedImage, "tracker/overlay/compressed"), (PointCloud2, "particles")]
@@ -379,8 +380,8 @@ class TestTopics:
         raw = world.listen(Image, "tracker/overlay")
         compressed = world.listen(CompressedImage, "tracker/overlay/compressed")
         built: list[str] = []
-        drawn = spy(tracker_node.draw_overlay, "draw_overlay", built)
-        monkeypatch.setattr(tracker_node, "draw_overlay", drawn)
+        drawn = spy(tracker_outputs.draw_overlay, "draw_overlay", built)
+        monkeypatch.setattr(tracker_outputs, "draw_overlay", drawn)
         node.on_image(image_message())
         world.spin(lambda: raw and compressed)
         assert built == ["draw_overlay"]

@@ -212,6 +212,19 @@ def test_a_name_that_cannot_be_used_is_refused(write, make_video, tmp_path, line
         SequenceFileSource(write(line))
 
 
+@pytest.mark.parametrize("name", ["{outside}/far.png", "../{parent}/far.png", "link.png"])
+def test_a_file_that_is_trusted_may_name_others_outside_its_folder(write, tmp_path, name):
+    outside = tmp_path.parent / f"{tmp_path.name}_outside"
+    outside.mkdir()
+    cv2.imwrite(str(outside / "far.png"), np.full((4, 6), 9, np.uint8))
+    (tmp_path / "link.png").symlink_to(outside / "far.png")
+    path = write(f"0 0 30 0 # {name.format(outside=outside, parent=outside.name)}")
+    with pytest.raises(RecordingError, match="--allow-outside"):
+        SequenceFileSource(path)
+    with SequenceFileSource(path, allow_outside=True) as source:
+        assert [frame.image.width for frame in source.frames()] == [6]
+
+
 def test_the_real_labels(footage):
     labels = read_labels(footage / "strip.txt")
     assert len(labels) == 138

@@ -1,0 +1,53 @@
+"""How well what is timed follows the cable: time is worth nothing without that."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from cable_tracker.benchmark.frames import SEED, rendered_frames
+from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
+from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
+from cable_tracker.evaluation.methods import METHODS, Method
+from cable_tracker.evaluation.metric_table import METRICS_BY_NAME
+from cable_tracker.evaluation.runs import MethodRun, Start, run_together
+
+
+@dataclass(frozen=True, slots=True)
+class Accuracy:
+    """How well a method follows the frames that times are taken on, from the truth.
+
+    Attributes
+    ----------
+    name : str
+        Of the method or library.
+    lost : float
+        Share of the frames in which the estimate is beside the cable [%].
+    rmse_d, rmse_alpha : float
+        Root mean square error of d [px] and alpha [deg].
+    """
+
+    name: str
+    lost: float
+    rmse_d: float
+    rmse_alpha: float
+
+
+def measure_accuracy(frame_count: int) -> list[Accuracy]:
+    """Follow the frames at 320x240 with every method and library that is installed."""
+    makers: dict[str, Callable[[int], Method]] = {name: spec.make for name, spec in METHODS.items()}
+    for name in filter(is_installed, LIBRARY_LOOPS):
+        makers[name] = _library_maker(name)
+    runs = [MethodRun(name, make, SEED, Start.TRUTH) for name, make in makers.items()]
+    results = run_together(runs, rendered_frames(frame_count), "benchmark")
+    return [
+        Accuracy(
+            result.method,
+            *(METRICS_BY_NAME[m].read(result.metrics) for m in ("lost", "rmse_d", "rmse_alpha")),
+        )
+        for result in results
+    ]
+
+
+def _library_maker(name: str) -> Callable[[int], Method]:
+    return lambda seed: LibraryMethod(name, REFERENCE_PARTICLES, seed)

@@ -1,0 +1,181 @@
+"""What the tracker is to reach, beside what was measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from cable_tracker.benchmark.frames import RENDERED_SIZE
+from cable_tracker.benchmark.node_timing import NodeTiming
+from cable_tracker.benchmark.result import BenchmarkResult
+from cable_tracker.benchmark.round_robin import Label
+from cable_tracker.benchmark.statistics import Percentiles
+from cable_tracker.benchmark.subjects import KERNELS, REFERENCE_PARTICLES
+from cable_tracker.cable.presets import PRESETS
+
+FULL_HD, VGA = (1920, 1080), (640, 480)
+FLAT_MEMORY = 64.0
+"""Growth that counts as none: pages that the allocator keeps [KiB per 1000 frames]."""
+
+
+MOST_UNANSWERED = 0.05
+"""A node that leaves a larger share of the frames unanswered is too slow for the rate."""
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """One goal.
+
+    Attributes
+    ----------
+    text : str
+        What is measured.
+    limit : float
+        What it is to be.
+    at_least : bool
+        Whether the limit is a lower one.
+    measured : float or None
+        What it is; None if that was not measured.
+    unit : str
+        Of both; empty for ratios.
+    """
+
+    text: str
+    limit: float
+    at_least: bool
+    measured: float | None
+    unit: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """Yes, no, or not measured."""
+        if self.measured is None or math.isnan(self.measured):
+            return "not measured"
+        met = self.measured >= self.limit if self.at_least else self.measured <= self.limit
+        return "yes" if met else "no"
+
+
+def goals_of(result: BenchmarkResult) -> list[Goal]:
+    """Return all goals with what was measured."""
+    return [
+        *_frame_goals(result),
+        *_rival_goals(result),
+        *_node_goals(result),
+        *_memory_goals(result),
+    ]
+
+
+def _frame_goals(result: BenchmarkResult) -> list[Goal]:
+    goals = []
+    for name, limit in (("thesis", 0.2), ("default", 0.67)):
+        ratio = _ratio(result, name, RENDERED_SIZE, REFERENCE_PARTICLES)
+        goals.append(Goal(f"`{name}`, 320x240, over the yardstick", limit, False, ratio))
+    for name in ("thesis", "default"):
+        ratio = _ratio(result, name, FULL_HD, REFERENCE_PARTICLES)
+        goals.append(Goal(f"`{name}`, 1920x1080, over the yardstick", 5.0, False, ratio))
+    ratio = _ratio(result, "thesis", RENDERED_SIZE, 100_000)
+    goals.append(Goal("`thesis`, 100 000 particles, over the yardstick", 8.0, False, ratio))
+    return goals
+
+
+def _ratio(
+    result: BenchmarkResult,
+    name: str,
+    size: tuple[int, int],
+    particles: int,
+    kernels: str = KERNELS[0],
+) -> float | None:
+    found = result.find(Label("frame", name, size, kernels, particles))
+    return found.ratio.median if found is not None and found.ratio is not None else None
+
+
+def _over(first: float | None, second: float | None) -> float | None:
+    return first / second if first is not None and second else None
+
+
+def _rival_goals(result: BenchmarkResult) -> list[Goal]:
+    goals = []
+    ours = {name: _ratio(result, name, RENDERED_SIZE, REFERENCE_PARTICLES) for name in PRESETS}
+    for name in ("thesis", "default"):
+        in_numpy = _ratio(result, name, RENDERED_SIZE, REFERENCE_PARTICLES, "numpy")
+        faster = _over(in_numpy, ours[name])
+        goals.append(Goal(f"`{name}`: NumPy over compiled", 15.0, True, faster))
+    for rival in ("particles", "filterpy"):
+        found = result.find(Label("library", rival, RENDERED_SIZE, "numpy", REFERENCE_PARTICLES))
+        theirs = found.ratio.median if found is not None and found.ratio is not None else None
+        faster = _over(theirs, ours["thesis"])
+        goals.append(Goal(f"`thesis`: the same on {rival} over ours", 5.0, True, faster))
+    for name in ("thesis", "default"):
+        fastest = _over(ours[name], _fastest_as_good(result, name))
+        text = f"`{name}` over the fastest baseline that loses no more frames"
+        goals.append(Goal(text, 1.0, False, fastest))
+    return goals
+
+
+def _fastest_as_good(result: BenchmarkResult, name: str) -> float | None:
+    """Return the ratio of the fastest baseline that loses no more frames than a preset."""
+    lost = {accuracy.name: accuracy.lost for accuracy in result.accuracies}
+    ratios = [
+        m.ratio.median
+        for m in result.of("method")
+        if m.ratio is not None and lost.get(m.label.name, math.inf) <= lost.get(name, math.inf)
+    ]
+    return min(ratios, default=None)
+
+
+def _node_goals(result: BenchmarkResult) -> list[Goal]:
+    goals = []
+    for name in ("thesis", "default"):
+        share = _of_nodes(result, name, VGA, 10_000, lambda node: 100 * node.cpu_share)
+        text = f"`{name}`, 10 000 particles, 640x480 at 30 Hz: share of a core"
+        goals.append(Goal(text, 50.0, False, share, "%"))
+    for name in ("thesis", "default"):
+        share = _of_nodes(
+            result, name, RENDERED_SIZE, REFERENCE_PARTICLES, lambda node: 100 * node.cpu_share
+        )
+        text = f"`{name}`, 320x240 at 30 Hz: share of a core"
+        goals.append(Goal(text, 15.0, False, share, "%"))
+    for name in ("thesis", "default"):
+        for words, limit, read in (
+            ("median", 2.0, lambda node: _added(node, lambda tail: tail.median)),
+            ("99th percentile", 5.0, lambda node: _added(node, lambda tail: tail.p99)),
+        ):
+            added = _of_nodes(result, name, VGA, REFERENCE_PARTICLES, read)
+            text = f"`{name}`, 640x480 at 30 Hz: latency added by node and DDS, {words}"
+            goals.append(Goal(text, limit, False, added, "ms"))
+    return goals
+
+
+def _added(node: NodeTiming, read: Callable[[Percentiles], float]) -> float | None:
+    """Return what the node adds [ms]; infinite where it is too slow for the rate."""
+    added = node.added()
+    if added is None or node.unanswered > MOST_UNANSWERED * (node.unanswered + added.count):
+        return math.inf
+    return read(added)
+
+
+def _of_nodes(
+    result: BenchmarkResult,
+    name: str,
+    size: tuple[int, int],
+    particles: int,
+    read: Callable[..., float | None],
+) -> float | None:
+    for node in result.nodes:
+        if (node.name, node.size, node.particles) == (name, size, particles):
+            return read(node)
+    return None
+
+
+def _memory_goals(result: BenchmarkResult) -> list[Goal]:
+    return [
+        Goal(
+            f"`{use.name}`, growth of memory over {use.frames} frames",
+            FLAT_MEMORY,
+            False,
+            use.per_thousand,
+            "KiB per 1000 frames",
+        )
+        for use in result.memory
+    ]

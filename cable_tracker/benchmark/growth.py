@@ -1,0 +1,94 @@
+"""How the time of a frame grows: with particles, with pixels, with sample points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from cable_tracker.benchmark.frames import RENDERED_SIZE
+from cable_tracker.benchmark.round_robin import Label, Measurement
+from cable_tracker.benchmark.statistics import fit_line
+from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES, pixels_of
+
+NANOSECONDS_PER_MS = 1e6
+
+
+@dataclass(frozen=True, slots=True)
+class Growth:
+    """A straight line through the medians of frames that differ in one thing.
+
+    Attributes
+    ----------
+    name, kernels : str
+        The preset and its kernels.
+    variable : str
+        What differs: particle, image pixel, sample point.
+    base : float
+        Time of a frame with none of it [ms].
+    each : float
+        Time for one more [ns].
+    points : int
+        How many measurements the line goes through.
+    """
+
+    name: str
+    kernels: str
+    variable: str
+    base: float
+    each: float
+    points: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Variable:
+    name: str
+    belongs: Callable[[Label], bool]
+    amount: Callable[[Label], float]
+
+
+VARIABLES = (
+    _Variable(
+        "particle",
+        lambda label: label.section == "frame" and label.size == RENDERED_SIZE,
+        lambda label: float(label.particles or 0),
+    ),
+    _Variable(
+        "image pixel",
+        lambda label: label.section == "frame" and label.particles == REFERENCE_PARTICLES,
+        lambda label: float(pixels_of(label.size)),
+    ),
+    _Variable("sample point", lambda label: label.section == "spacing", lambda label: label.amount),
+)
+
+
+def fit_growth(measurements: Sequence[Measurement]) -> list[Growth]:
+    """Fit a line for each preset, each kind of kernels and each variable with two points or more.
+
+    Sample points are those of all particles together.
+    """
+    filters = dict.fromkeys(
+        (m.label.name, m.label.kernels) for m in measurements if m.label.section == "frame"
+    )
+    fits = []
+    for name, kernels in filters:
+        own = [
+            (m.label, m.cpu.median)
+            for m in measurements
+            if (m.label.name, m.label.kernels) == (name, kernels) and m.cpu is not None
+        ]
+        for variable in VARIABLES:
+            pairs = [(variable.amount(label), ms) for label, ms in own if variable.belongs(label)]
+            if len({amount for amount, _ in pairs}) < 2:
+                continue
+            line = fit_line([amount for amount, _ in pairs], [ms for _, ms in pairs])
+            fits.append(
+                Growth(
+                    name,
+                    kernels,
+                    variable.name,
+                    line.base,
+                    line.slope * NANOSECONDS_PER_MS,
+                    len(pairs),
+                )
+            )
+    return fits

@@ -1,0 +1,100 @@
+"""Whether memory grows while frames go by."""
+
+from __future__ import annotations
+
+import resource
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from itertools import pairwise
+from multiprocessing import get_context
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from cable_tracker.benchmark.frames import RENDERED_SIZE, Footage, FrameLoop, footage
+from cable_tracker.benchmark.statistics import fit_line
+from cable_tracker.cable.presets import preset
+from cable_tracker.evaluation.methods import ConfiguredFilter
+
+STATUS = Path("/proc/self/statm")
+KIB = 1024
+SAMPLES = 40
+"""How often the memory is looked at after the warm-up."""
+
+WARM_UP_SHARE, LONGEST_WARM_UP = 0.2, 500
+"""Share of the frames, and number of them at most, before the memory counts."""
+
+
+@dataclass(frozen=True, slots=True)
+class MemoryUse:
+    """Resident memory of the process while one preset tracks.
+
+    Attributes
+    ----------
+    name : str
+        The preset.
+    frames : int
+        After the warm-up.
+    start, growth : float
+        Memory after the warm-up, and the mean of the last quarter less that of the first [MiB].
+    per_thousand : float
+        Slope of a straight line through all samples [KiB per 1000 frames].
+    """
+
+    name: str
+    frames: int
+    start: float
+    growth: float
+    per_thousand: float
+
+
+def resident_bytes() -> int:
+    """Return the memory of this process that is in use now [bytes]."""
+    if STATUS.is_file():
+        return int(STATUS.read_text(encoding="ascii").split()[1]) * resource.getpagesize()
+    # Elsewhere only the largest use so far is known, which shows growth as well.
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * KIB
+
+
+def measure_memory(
+    name: str, shown: Footage, frames: int, advance: Callable[[int], None] = lambda count: None
+) -> MemoryUse:
+    """Track some frames with a preset, at least a few dozen, and watch the memory."""
+    loop = FrameLoop(ConfiguredFilter(name, preset(name)).make(0), shown)
+    warm_up = min(int(WARM_UP_SHARE * frames), LONGEST_WARM_UP)
+    _run(loop, warm_up, advance)
+    left = frames - warm_up
+    stops = np.unique(np.linspace(0, left, SAMPLES + 1).astype(int))
+    samples = [resident_bytes()]
+    for before, after in pairwise(stops):
+        _run(loop, int(after - before), advance)
+        samples.append(resident_bytes())
+    sizes = np.array(samples, np.float64)
+    quarter = max(len(sizes) // 4, 1)
+    line = fit_line([float(stop) for stop in stops], list(sizes))
+    return MemoryUse(
+        name,
+        left,
+        sizes[0] / KIB**2,
+        float(sizes[-quarter:].mean() - sizes[:quarter].mean()) / KIB**2,
+        line.slope * 1000 / KIB,
+    )
+
+
+def measure_memory_apart(name: str, footage_frames: int, frames: int) -> MemoryUse:
+    """Do the same in a fresh process, where no memory that was freed before hides the growth."""
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        return pool.submit(_measure_alone, name, footage_frames, frames).result()
+
+
+def _measure_alone(name: str, footage_frames: int, frames: int) -> MemoryUse:
+    cv2.setNumThreads(1)
+    return measure_memory(name, footage(footage_frames, RENDERED_SIZE), frames)
+
+
+def _run(loop: FrameLoop, frames: int, advance: Callable[[int], None]) -> None:
+    for _ in range(frames):
+        loop()
+    advance(frames)

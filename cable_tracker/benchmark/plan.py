@@ -1,0 +1,178 @@
+"""What a benchmark measures, and the benchmark itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
+
+import cv2
+
+from cable_tracker.benchmark.accuracy import Accuracy, measure_accuracy
+from cable_tracker.benchmark.frames import RENDERED_SIZE, Footage, footage
+from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, is_installed
+from cable_tracker.benchmark.memory import MemoryUse, measure_memory_apart
+from cable_tracker.benchmark.profiling import ProfileRow, profile_preset
+from cable_tracker.benchmark.round_robin import (
+    Advance,
+    Effort,
+    Measurement,
+    Subject,
+    measure_in_turns,
+)
+from cable_tracker.benchmark.subjects import (
+    copy_subjects,
+    frame_subjects,
+    rival_subjects,
+    spacing_subjects,
+    step_subjects,
+    yardstick_subject,
+)
+from cable_tracker.benchmark.yardstick import make_yardstick
+from cable_tracker.cable.presets import PRESETS
+from cable_tracker.compilation import NUMBA_IS_INSTALLED
+from cable_tracker.errors import ParameterError
+from cable_tracker.trackers import warm_up
+
+SMALLEST_MEMORY_RUN = 50
+"""So few frames say nothing about memory."""
+
+VERSIONS = ("numba", "particles", "filterpy", "rclpy")
+"""What the line about the machine does not name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What to measure.
+
+    Attributes
+    ----------
+    frames : int
+        Frames of the dive.
+    sizes : tuple of (int, int)
+        Widths and heights [px]; the first is 320x240, on which all but whole frames is measured.
+    particles : tuple of int
+        Numbers of particles; 500 among them.
+    effort : Effort
+        How long each subject is timed.
+    profiled : int
+        Frames under the profiler.
+    memory : int
+        Frames over which memory is watched, for each preset; 0 leaves it out.
+    """
+
+    frames: int = 60
+    sizes: tuple[tuple[int, int], ...] = (RENDERED_SIZE, (640, 480), (1280, 720), (1920, 1080))
+    particles: tuple[int, ...] = (300, 500, 2000, 10_000, 100_000)
+    effort: Effort = field(default_factory=Effort)
+    profiled: int = 200
+    memory: int = 2000
+
+
+FULL = Plan()
+QUICK = Plan(
+    frames=30,
+    sizes=(RENDERED_SIZE, (1920, 1080)),
+    particles=(500, 2000, 10_000),
+    effort=Effort(rounds=8, budget=0.5),
+    profiled=50,
+    memory=0,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What `run_plan` returns: see `BenchmarkResult`."""
+
+    measurements: tuple[Measurement, ...]
+    accuracies: tuple[Accuracy, ...]
+    profile: tuple[ProfileRow, ...]
+    memory: tuple[MemoryUse, ...]
+
+
+class Benchmark:
+    """A plan, ready to be run.
+
+    Parameters
+    ----------
+    plan : Plan
+        What to measure.
+
+    Raises
+    ------
+    ParameterError
+        Numba is missing, without which there is no yardstick, or too few frames are to be watched.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        if not NUMBA_IS_INSTALLED:
+            raise ParameterError("the yardstick of the benchmark needs Numba: pip install numba")
+        if 0 < plan.memory < SMALLEST_MEMORY_RUN:
+            raise ParameterError(
+                f"memory is {plan.memory}: give 0, or at least {SMALLEST_MEMORY_RUN} frames"
+            )
+        self._plan = plan
+        self._footages = [footage(plan.frames, size) for size in plan.sizes]
+        shown = self._footages[0]
+        self._yardstick = make_yardstick(shown.images[0], shown.truths[0])
+        for parameters in PRESETS.values():
+            warm_up(parameters)
+        self._subjects = self._make_subjects(shown)
+
+    def _make_subjects(self, shown: Footage) -> list[Subject]:
+        return [
+            yardstick_subject(self._yardstick),
+            *copy_subjects(self._yardstick, self._footages),
+            *step_subjects(shown),
+            *rival_subjects(shown),
+            *spacing_subjects(shown),
+            *frame_subjects(self._footages, self._plan.particles),
+        ]
+
+    def turn_count(self) -> int:
+        """Return how often `advance` is told of one more turn or one more frame."""
+        memory = self._plan.memory * len(PRESETS)
+        return len(self._subjects) * self._plan.effort.rounds + memory
+
+    def run(self, advance: Advance = lambda count: None) -> Measured:
+        """Measure all; OpenCV uses one thread meanwhile."""
+        plan, shown = self._plan, self._footages[0]
+        with one_thread():
+            measurements = measure_in_turns(self._subjects, self._yardstick, plan.effort, advance)
+            accuracies = measure_accuracy(plan.frames)
+            profile = [
+                row for name in PRESETS for row in profile_preset(name, shown, plan.profiled)
+            ]
+            memory: list[MemoryUse] = []
+            for name in PRESETS if plan.memory else ():
+                memory.append(measure_memory_apart(name, plan.frames, plan.memory))
+                advance(plan.memory)
+        return Measured(tuple(measurements), tuple(accuracies), tuple(profile), tuple(memory))
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Let OpenCV use one thread, as all else does."""
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)
+
+
+def absent_libraries() -> tuple[str, ...]:
+    """Return the libraries to compare with that are not installed."""
+    return tuple(name for name in LIBRARY_LOOPS if not is_installed(name))
+
+
+def versions() -> str:
+    """Return the versions of what else the times depend on, in one line."""
+    known = []
+    for name in VERSIONS:
+        try:
+            known.append(f"{name} {version(name)}")
+        except PackageNotFoundError:
+            known.append(f"{name} absent")
+    return ", ".join(known)

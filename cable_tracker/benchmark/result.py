@@ -1,0 +1,97 @@
+"""All that one benchmark has measured, and how it is written down."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from cable_tracker.benchmark.accuracy import Accuracy
+from cable_tracker.benchmark.growth import Growth
+from cable_tracker.benchmark.memory import MemoryUse
+from cable_tracker.benchmark.node_timing import NodeTiming
+from cable_tracker.benchmark.profiling import ProfileRow
+from cable_tracker.benchmark.round_robin import Label, Measurement
+
+FORMAT = "cable_tracker benchmark 1"
+
+
+@dataclass(frozen=True, slots=True)
+class Circumstances:
+    """Where, when and how it was measured.
+
+    Attributes
+    ----------
+    command, date, machine, versions : str
+        For people.
+    load_before, load_after : tuple of float
+        Load averages of the machine over 1, 5 and 15 minutes.
+    absent : tuple of str
+        Libraries to compare with that are not installed.
+    """
+
+    command: str
+    date: str
+    machine: str
+    versions: str
+    load_before: tuple[float, float, float]
+    load_after: tuple[float, float, float]
+    absent: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BenchmarkResult:
+    """What a benchmark has found.
+
+    Attributes
+    ----------
+    circumstances : Circumstances
+        Where and when.
+    measurements : tuple of Measurement
+        All times of functions and frames.
+    accuracies : tuple of Accuracy
+        How well the methods follow the same frames.
+    growths : tuple of Growth
+        How the time of a frame grows.
+    profile : tuple of ProfileRow
+        What bounds the rest.
+    memory : tuple of MemoryUse
+        Whether memory grows.
+    nodes : tuple of NodeTiming
+        Node to node; empty if that was not asked for.
+    """
+
+    circumstances: Circumstances
+    measurements: tuple[Measurement, ...]
+    accuracies: tuple[Accuracy, ...]
+    growths: tuple[Growth, ...]
+    profile: tuple[ProfileRow, ...]
+    memory: tuple[MemoryUse, ...]
+    nodes: tuple[NodeTiming, ...] = ()
+
+    def of(self, section: str) -> list[Measurement]:
+        """Return the measurements of a section."""
+        return [m for m in self.measurements if m.label.section == section]
+
+    def find(self, label: Label) -> Measurement | None:
+        """Return the measurement of this; None if there is none, or it was left out."""
+        for measurement in self.measurements:
+            if measurement.label == label and measurement.cpu is not None:
+                return measurement
+        return None
+
+
+def to_json(result: BenchmarkResult) -> str:
+    """Return all numbers as JSON; `None` where something was left out."""
+    content: dict[str, Any] = {"format": FORMAT, **asdict(result)}
+    return json.dumps(content, indent=1) + "\n"
+
+
+def is_benchmark(path: Path) -> bool:
+    """Tell whether a file was written by `to_json`."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(content, dict) and content.get("format") == FORMAT

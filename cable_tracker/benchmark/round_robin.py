@@ -1,0 +1,232 @@
+"""Timing side by side: all take turns in blocks, each next to a block of the yardstick.
+
+What a neighbour on a shared machine does then hits the yardstick and what is held against it alike.
+Times are those of the processor that this process used: waiting while others run does not count.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cable_tracker.benchmark.statistics import Quartiles
+
+YARDSTICK_CALLS = 5
+"""Calls of the yardstick beside each block."""
+
+WARM_UP_CALLS = 4
+"""Calls before anything is timed: they compile, load and allocate."""
+
+FEWEST_ROUNDS = 3
+MOST_CALLS = 20
+"""Calls in a block, at most."""
+
+SECTIONS = ("yardstick", "copy", "step", "frame", "spacing", "method", "library")
+"""What is timed: the yardstick itself, copies of memory, steps of the filters, whole frames, whole
+frames at other distances between sample points, detectors with a Kalman filter, and the same filter
+on libraries."""
+
+Step = Callable[[], object]
+Advance = Callable[[int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """What is timed.
+
+    Attributes
+    ----------
+    section : str
+        What kind of thing it is: one of `SECTIONS`.
+    name : str
+        The preset, the method, or the step.
+    size : (int, int)
+        Width and height of the frames [px].
+    kernels : str
+        The parameter of that name: compiled or numpy; empty where there is no choice.
+    particles : int or None
+        How many; None where there are none.
+    amount : float
+        Sample points of all particles in the section `spacing`, bytes in the section `copy`.
+    """
+
+    section: str
+    name: str
+    size: tuple[int, int]
+    kernels: str = ""
+    particles: int | None = None
+    amount: float = 0.0
+
+    @property
+    def family(self) -> tuple[object, ...]:
+        """What it shares with those that differ by the number of particles alone."""
+        return self.section, self.name, self.size, self.kernels, self.amount
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """Something to be timed.
+
+    Attributes
+    ----------
+    label : Label
+        What it is.
+    prepare : callable
+        Returns what is called again and again. Not called before its turn to warm up comes.
+    """
+
+    label: Label
+    prepare: Callable[[], Step]
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """What a subject took.
+
+    Attributes
+    ----------
+    label : Label
+        What was timed.
+    cpu : Quartiles or None
+        Time of the processor per call [ms]; None if it was left out.
+    wall : Quartiles or None
+        Time on the clock per call [ms].
+    ratio : Quartiles or None
+        Median of a block over that of the yardstick's block beside it.
+    skipped : str
+        Why it was left out.
+    """
+
+    label: Label
+    cpu: Quartiles | None = None
+    wall: Quartiles | None = None
+    ratio: Quartiles | None = None
+    skipped: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How long to measure.
+
+    Attributes
+    ----------
+    rounds : int
+        Blocks of each subject.
+    block : float
+        Wanted length of a block [s]; at least one call.
+    budget : float
+        A subject that has used so much takes part in no further round, but for the first three [s].
+    longest : float
+        What takes longer per call is left out [s].
+    """
+
+    rounds: int = 20
+    block: float = 0.015
+    budget: float = 2.0
+    longest: float = 1.0
+
+
+@dataclass(slots=True)
+class _Turns:
+    """One subject, the times that it took so far, and the calls in its blocks."""
+
+    subject: Subject
+    step: Step
+    calls: int
+    cpu: list[float] = field(default_factory=list)
+    wall: list[float] = field(default_factory=list)
+    ratios: list[float] = field(default_factory=list)
+
+    def is_due(self, effort: Effort) -> bool:
+        return len(self.ratios) < FEWEST_ROUNDS or sum(self.wall) < effort.budget
+
+    def take(self, yardstick: Step) -> None:
+        reference, _ = timed_block(yardstick, YARDSTICK_CALLS)
+        cpu, wall = timed_block(self.step, self.calls)
+        self.cpu += cpu
+        self.wall += wall
+        self.ratios.append(float(np.median(cpu) / np.median(reference)))
+
+    def measurement(self) -> Measurement:
+        return Measurement(
+            self.subject.label,
+            Quartiles.of(1e3 * np.array(self.cpu)),
+            Quartiles.of(1e3 * np.array(self.wall)),
+            Quartiles.of(self.ratios),
+        )
+
+
+def timed_block(step: Step, calls: int) -> tuple[list[float], list[float]]:
+    """Return the processor's and the clock's time of each of some calls [s]."""
+    cpu, wall = [], []
+    for _ in range(calls):
+        clock, begin = time.perf_counter(), time.process_time()
+        step()
+        cpu.append(time.process_time() - begin)
+        wall.append(time.perf_counter() - clock)
+    return cpu, wall
+
+
+def measure_in_turns(
+    subjects: Sequence[Subject],
+    yardstick: Step,
+    effort: Effort,
+    advance: Advance = lambda count: None,
+) -> list[Measurement]:
+    """Time all subjects in turns.
+
+    Parameters
+    ----------
+    subjects : sequence of Subject
+        Those that differ by the number of particles alone stand with the fewest first.
+    yardstick : callable
+        What they are held against.
+    effort : Effort
+        How long.
+    advance : callable
+        Told how many more turns are over, ``effort.rounds`` for each subject in the end.
+
+    Returns
+    -------
+    list of Measurement
+        One for each subject, in their order.
+    """
+    timed_block(yardstick, WARM_UP_CALLS)
+    running: list[_Turns | Measurement] = []
+    seen: dict[tuple[object, ...], tuple[int, float]] = {}
+    for subject in subjects:
+        ready = _warm_up(subject, seen, effort)
+        running.append(ready)
+        if isinstance(ready, Measurement):
+            advance(effort.rounds)
+    for _ in range(effort.rounds):
+        for turns in running:
+            if isinstance(turns, Measurement):
+                continue
+            if turns.is_due(effort):
+                turns.take(yardstick)
+            advance(1)
+    return [each if isinstance(each, Measurement) else each.measurement() for each in running]
+
+
+def _warm_up(
+    subject: Subject, seen: dict[tuple[object, ...], tuple[int, float]], effort: Effort
+) -> _Turns | Measurement:
+    """Make a subject ready, or say why it is left out; `seen` holds what its family took."""
+    label = subject.label
+    if label.particles and label.family in seen:
+        fewer, before = seen[label.family]
+        expected = before * label.particles / fewer
+        if expected > effort.longest:
+            return Measurement(label, skipped=f"left out: about {expected:.1f} s")
+    step = subject.prepare()
+    _, wall = timed_block(step, WARM_UP_CALLS)
+    shortest = min(wall)
+    if label.particles:
+        seen[label.family] = (label.particles, shortest)
+    if shortest > effort.longest:
+        return Measurement(label, skipped=f"left out: {shortest:.1f} s")
+    return _Turns(subject, step, int(np.clip(effort.block / max(shortest, 1e-9), 1, MOST_CALLS)))

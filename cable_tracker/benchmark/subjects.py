@@ -1,0 +1,285 @@
+"""What is timed: steps of the filters, whole frames, rivals, copies of memory."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.benchmark.frames import FIRST_STAMP, FRAME_STEP, Footage, FrameLoop
+from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
+from cable_tracker.benchmark.round_robin import Label, Step, Subject
+from cable_tracker.benchmark.yardstick import Yardstick
+from cable_tracker.cable.clusters import find_clusters
+from cable_tracker.cable.evidence import border_evidence
+from cable_tracker.cable.geometry import project_borders, sample_points
+from cable_tracker.cable.initialisation import StatePrior
+from cable_tracker.cable.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.movement import CableMovement
+from cable_tracker.cable.observation import BorderObservation
+from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.presets import PRESETS, preset
+from cable_tracker.cable.proposer import CableProposer
+from cable_tracker.cable.statistics import cable_mean_and_covariance
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.cable.working_image import WorkingImage, make_working_image
+from cable_tracker.compilation import NUMBA_IS_INSTALLED
+from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+from cable_tracker.trackers import make_proposer
+
+KERNELS = ("compiled", "numpy") if NUMBA_IS_INSTALLED else ("numpy",)
+BASELINES = tuple(name for name in METHODS if name not in PRESETS)
+REFERENCE_PARTICLES = 500
+SPACINGS = (5.0, 10.0, 20.0, 40.0)
+"""Distances between sample points whose cost is compared [px at the reference width]."""
+
+FRAMES_BEFORE_STEPS = 4
+"""Frames that a filter has seen when its steps are timed."""
+
+DT = FRAME_STEP * 1e-9
+
+
+def _itself(step: Step) -> Step:
+    return step
+
+
+def _loop(make: Callable[[], Method], shown: Footage) -> Step:
+    return FrameLoop(make(), shown)
+
+
+def yardstick_subject(yardstick: Yardstick) -> Subject:
+    """Return the yardstick as one to be held against itself."""
+    size = yardstick.pixels.shape[1], yardstick.pixels.shape[0]
+    label = Label("yardstick", "literal observation", size, "compiled", len(yardstick.states))
+    return Subject(label, functools.partial(_itself, yardstick))
+
+
+def copy_subjects(yardstick: Yardstick, footages: Sequence[Footage]) -> list[Subject]:
+    """Return plain copies of each size of frame, and of as many pixels as the yardstick reads."""
+    named = [("frame, uint8", shown.size, shown.images[0]) for shown in footages]
+    touched = np.ones(yardstick.pixels_touched(), np.float32)
+    named.append(("pixels that the yardstick reads, float32", footages[0].size, touched))
+    subjects = []
+    for name, size, source in named:
+        step = functools.partial(np.copyto, np.empty_like(source), source)
+        label = Label("copy", name, size, amount=float(source.nbytes))
+        subjects.append(Subject(label, functools.partial(_itself, step)))
+    return subjects
+
+
+def frame_subjects(footages: Sequence[Footage], particles: Sequence[int]) -> list[Subject]:
+    """Return both presets with each kind of kernels, on whole frames, the fewest first."""
+    return [
+        filter_subject("frame", name, kernels, count, shown)
+        for shown in footages
+        for name in PRESETS
+        for kernels in KERNELS
+        for count in sorted(particles)
+    ]
+
+
+def spacing_subjects(shown: Footage) -> list[Subject]:
+    """Return both presets with several distances between the sample points."""
+    return [
+        filter_subject("spacing", name, KERNELS[0], REFERENCE_PARTICLES, shown, spacing)
+        for name in PRESETS
+        for spacing in SPACINGS
+    ]
+
+
+def filter_subject(  # noqa: PLR0917
+    section: str,
+    name: str,
+    kernels: str,
+    count: int,
+    shown: Footage,
+    spacing: float | None = None,
+) -> Subject:
+    """Return a preset on whole frames, perhaps with another distance between sample points."""
+    values: dict[str, object] = {"kernels": kernels, "particle_count": count}
+    amount = 0.0
+    if spacing is not None:
+        values["sample_spacing"] = spacing
+        amount = count * points_of_a_cable(shown, spacing)
+    chosen = ConfiguredFilter(name, preset(name).replaced(values))
+    label = Label(section, name, shown.size, kernels, count, amount)
+    return Subject(label, functools.partial(_loop, functools.partial(chosen.make, 0), shown))
+
+
+def points_of_a_cable(shown: Footage, spacing: float) -> float:
+    """Return the number of sample points on both borders inside the image, as a mean over truths.
+
+    `spacing` is in px at the reference width.
+    """
+    borders = project_borders(np.array([truth.to_array() for truth in shown.truths]))
+    width = shown.size[0]
+    _, inside = sample_points(borders, spacing * width / REFERENCE_WIDTH, shown.size)
+    return float(inside.sum(axis=(1, 2)).mean())
+
+
+def rival_subjects(shown: Footage) -> list[Subject]:
+    """Return the baselines of the evaluation, and the filter of the thesis on libraries."""
+    subjects = [
+        Subject(
+            Label("method", name, shown.size),
+            functools.partial(_loop, functools.partial(METHODS[name].make, 0), shown),
+        )
+        for name in BASELINES
+    ]
+    for name in LIBRARY_LOOPS:
+        if is_installed(name):
+            make = functools.partial(LibraryMethod, name, REFERENCE_PARTICLES)
+            label = Label("library", name, shown.size, "numpy", REFERENCE_PARTICLES)
+            subjects.append(Subject(label, functools.partial(_loop, make, shown)))
+    return subjects
+
+
+def step_subjects(shown: Footage) -> list[Subject]:
+    """Return the steps of both presets with each kind of kernels, as far as they exist alone."""
+    subjects = []
+    for name in PRESETS:
+        for kernels in KERNELS:
+            parameters = preset(name).replaced(
+                {"kernels": kernels, "particle_count": REFERENCE_PARTICLES}
+            )
+            for step_name, step in FilterSteps(parameters, shown).steps().items():
+                label = Label(
+                    "step", f"{name}: {step_name}", shown.size, kernels, REFERENCE_PARTICLES
+                )
+                subjects.append(Subject(label, functools.partial(_itself, step)))
+    return subjects
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """A filter in the middle of a dive.
+
+    Attributes
+    ----------
+    particles : Particles
+        Its belief.
+    frame : Image
+        The frame that it has seen last.
+    image : WorkingImage
+        The same, with all that was worked out of it.
+    """
+
+    particles: Particles
+    frame: Image
+    image: WorkingImage
+
+
+class _NotingProposer:
+    """Asks another proposer, and keeps the picture that it was shown."""
+
+    def __init__(self, asked: CableProposer) -> None:
+        self._asked = asked
+        self.seen: WorkingImage | None = None
+
+    def propose(self, image: WorkingImage) -> FloatArray:
+        self.seen = image
+        return self._asked.propose(image)
+
+
+def moment_of(parameters: TrackerParameters, shown: Footage, frames: int) -> Moment:
+    """Follow the cable for some frames, and stop."""
+    noting = _NotingProposer(make_proposer(parameters))
+    tracker = CableTracker(parameters, noting)
+    tracker.initialise(StatePrior.around(shown.truths[0]))
+    for number in range(frames):
+        frame = shown.images[shown.index_at(number)]
+        tracker.process(frame, FIRST_STAMP + number * FRAME_STEP)
+    assert tracker.particles is not None
+    image = noting.seen if noting.seen is not None else _working_image(frame, parameters)
+    return Moment(tracker.particles, frame, image)
+
+
+def _working_image(frame: Image, parameters: TrackerParameters) -> WorkingImage:
+    return make_working_image(frame, parameters.working_width, parameters.filter_sigma)
+
+
+class FilterSteps:
+    """The steps of a filter on one frame, with particles that it had there.
+
+    A step is what can be called alone. Where compiled kernels do several steps in one go, what is
+    called here is their form in NumPy.
+
+    Parameters
+    ----------
+    parameters : TrackerParameters
+        All of them.
+    shown : Footage
+        Its first frames are tracked before.
+    """
+
+    def __init__(self, parameters: TrackerParameters, shown: Footage) -> None:
+        self._parameters = parameters
+        self._rng = np.random.default_rng(parameters.seed)
+        self._width = shown.size[0]
+        self._moment = moment_of(parameters, shown, FRAMES_BEFORE_STEPS)
+        self._movement = CableMovement(parameters, self._width)
+
+    def steps(self) -> dict[str, Step]:
+        """Return what can be called alone, by name, in the order of a frame."""
+        frame, particles = self._moment.frame, self._moment.particles
+        scheme = RESAMPLING_SCHEMES[self._parameters.resampling]
+        measuring = (
+            self._thesis_steps()
+            if self._parameters.observation == "responses"
+            else self._default_steps()
+        )
+        return {
+            "working image": lambda: _working_image(frame, self._parameters),
+            **self.picture_steps(),
+            "resample": lambda: scheme(particles.weights, particles.count, self._rng),
+            "predict": lambda: self._movement.propagate(particles.states, DT, self._rng),
+            **measuring,
+        }
+
+    def picture_steps(self) -> dict[str, Step]:
+        """Return what the filter had worked out of the picture, each from its very beginning."""
+        image = self._moment.image
+        names = [
+            name
+            for name, member in vars(type(image)).items()
+            if isinstance(member, functools.cached_property) and name in vars(image)
+        ]
+        return {f"picture: {name}": functools.partial(_worked_out, image, name) for name in names}
+
+    def _thesis_steps(self) -> dict[str, Step]:
+        image = self._moment.image
+        observation = BorderObservation(self._parameters)
+        states, weights = self._moment.particles.states, self._moment.particles.weights
+        mean, _ = cable_mean_and_covariance(states, weights)
+        return {
+            "measure": lambda: observation.log_likelihoods(states, image),
+            "estimate": lambda: cable_mean_and_covariance(states, weights),
+            "evidence": lambda: border_evidence(observation, mean, image),
+        }
+
+    def _default_steps(self) -> dict[str, Step]:
+        image = self._moment.image
+        observation = BorderLikelihoodRatio(self._parameters)
+        states, weights = self._moment.particles.states, self._moment.particles.weights
+        proposer = make_proposer(self._parameters)
+        return {
+            "detector": lambda: proposer.propose(image),
+            "measure": lambda: observation.measure(states, image),
+            "clusters": lambda: find_clusters(states, weights, self._width),
+        }
+
+
+def _worked_out(image: WorkingImage, name: str) -> object:
+    # A replaced picture has nothing worked out yet.
+    return getattr(replace(image), name)
+
+
+def pixels_of(size: tuple[int, int]) -> int:
+    """Return the number of pixels of a frame."""
+    return math.prod(size)

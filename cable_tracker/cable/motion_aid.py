@@ -1,0 +1,22 @@
+"""What the filters may be told about the camera's own motion between two frames."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from cable_tracker.arrays import FloatArray
+
+
+class MotionAid(Protocol):
+    """How the cable moves in the image from the frame before to this one, as odometry has it."""
+
+    def moved(self, states: FloatArray) -> FloatArray:
+        """Return states (N, 8) of the frame before as they are in this frame, angles unwrapped.
+
+        Their rates become those of this motion.
+        """
+        ...
+
+    def sigmas(self) -> FloatArray:
+        """Return the standard deviations of what is still unknown, shape (8,)."""
+        ...

@@ -1,0 +1,203 @@
+"""Whether the filters are told the vehicle's motion: only while it agrees with what they see."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.geometry import unwrap_states
+from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.metric.homography import (
+    PlaneMotion,
+    diffusion_covariance,
+    homography,
+    move_states,
+)
+from cable_tracker.metric.instruments import Instruments
+from cable_tracker.metric.motion import NoMotion, Odometry
+from cable_tracker.metric.withheld import Withheld
+
+UNMODELLED = np.array([0.6, np.deg2rad(0.2), 0.5, np.deg2rad(0.1)])
+"""What moves d, alpha, w, beta besides the vehicle: bends of the cable, relief of the bottom, time
+stamps. Standard deviations of one frame of the reference rate [px at the reference width, rad]."""
+
+WINDOW = 12
+"""Frames over which predicted and observed motion are compared."""
+
+FEWEST = 5
+"""With fewer frames there is no judgement."""
+
+CHECKED = 2
+"""d and alpha are compared: they show every wrong velocity that does harm."""
+
+LARGEST_DRIFT = 4.0
+"""So far may predictions drift off over the window [standard deviations]."""
+
+LARGEST_STEP = 2.0
+"""So far may they be off in half of the frames [standard deviations]."""
+
+AGREEMENT = 0.6
+"""Below this share of both limits there is agreement."""
+
+CALM_FRAMES = 15
+"""For so many frames in a row there must be agreement before the filter is aided."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Step:
+    """One frame: what it showed beside what was predicted of d and alpha.
+
+    `residual` (2,), `unknown` (2,) variances of the prediction, `observed` (2,) of the estimates.
+    """
+
+    residual: FloatArray
+    unknown: FloatArray
+    observed: FloatArray
+
+
+class AgreementGate:
+    """Compares predicted with observed motion, and says whether predictions may be used.
+
+    Closed at first: odometry has to prove itself. Two medians are watched, which one frame in which
+    the filter jumps does not move. That of the residuals, times their number, is how far the
+    predictions have drifted off: a velocity that is always wrong shows in it, also while the filter
+    is drawn along. That of their sizes shows a motion that is missed and swings to and fro.
+    """
+
+    def __init__(self) -> None:
+        self._steps: deque[_Step] = deque(maxlen=WINDOW)
+        self._calm = 0
+        self._open = False
+        self._proved_wrong = False
+
+    @property
+    def is_open(self) -> bool:
+        """Whether predictions may be used."""
+        return self._open
+
+    @property
+    def why_closed(self) -> str:
+        """Why they may not, in words; empty if they may."""
+        if self._open:
+            return ""
+        if self._proved_wrong:
+            return "odometry disagrees with what the camera sees"
+        return "odometry has not yet been seen to agree with what the camera sees"
+
+    def interrupt(self) -> None:
+        """Note that a frame could not be compared: drift does not add up across it."""
+        self._steps.clear()
+
+    def compare(self, residual: FloatArray, unknown: FloatArray, observed: FloatArray) -> None:
+        """Take one frame into account.
+
+        Parameters
+        ----------
+        residual : FloatArray
+            Observed minus predicted d and alpha, shape (2,) [px, rad].
+        unknown : FloatArray
+            Variances of the prediction, shape (2,).
+        observed : FloatArray
+            Variances of the estimate, shape (2,).
+        """
+        self._steps.append(_Step(residual, unknown, observed))
+        disagreement = self.disagreement()
+        if disagreement is None:
+            return
+        self._calm = self._calm + 1 if disagreement < AGREEMENT else 0
+        if disagreement > 1.0:
+            self._open, self._proved_wrong = False, True
+        elif not self._open and self._calm >= CALM_FRAMES:
+            self._open, self._proved_wrong = True, False
+
+    def disagreement(self) -> float | None:
+        """Return by how much the predictions are off, 1 at the limit; None: not known."""
+        count = len(self._steps)
+        if count < FEWEST:
+            return None
+        residuals = np.array([step.residual for step in self._steps])
+        unknown = np.array([step.unknown for step in self._steps])
+        ends = self._steps[0].observed + self._steps[-1].observed
+        drift = count * np.abs(np.median(residuals, axis=0)) / np.sqrt(unknown.sum(axis=0) + ends)
+        step = np.median(np.abs(residuals) / np.sqrt(unknown), axis=0)
+        return float(max(drift.max() / LARGEST_DRIFT, step.max() / LARGEST_STEP))
+
+
+class MotionAiding:
+    """Makes the prediction for each frame, and watches whether it is any good.
+
+    Parameters
+    ----------
+    instruments : Instruments
+        Altitude, attitude, mounting.
+    odometry : Odometry
+        Twists of base_link.
+    """
+
+    def __init__(self, instruments: Instruments, odometry: Odometry) -> None:
+        self._instruments = instruments
+        self._odometry = odometry
+        self._gate = AgreementGate()
+        self._before: CableEstimate | None = None
+        self._predicted: PlaneMotion | None = None
+        self._why = "no frame has come"
+
+    @property
+    def why_not(self) -> str:
+        """Why the last frame was not aided; empty if it was."""
+        return self._why
+
+    def motion(self, stamp: int) -> PlaneMotion | None:
+        """Return the motion from the frame before to a frame at a time [ns]; None: do not use any.
+
+        Call it once for each frame, before the filter looks at it.
+        """
+        prediction = self._predict(stamp)
+        self._predicted = prediction if isinstance(prediction, PlaneMotion) else None
+        if isinstance(prediction, NoMotion):
+            self._why = prediction.why
+            return None
+        if not self._gate.is_open:
+            self._why = self._gate.why_closed
+            return None
+        self._why = ""
+        return prediction
+
+    def _predict(self, stamp: int) -> PlaneMotion | NoMotion:
+        before = self._before
+        if before is None:
+            return NoMotion("no frame has come before")
+        change = self._odometry.motion(before.stamp, stamp)
+        if isinstance(change, NoMotion):
+            return change
+        flight = self._instruments.overflight(before)
+        if isinstance(flight, Withheld):
+            return NoMotion(str(flight))
+        covariance = diffusion_covariance(before.state.to_array(), flight, change)
+        frames = change.seconds * REFERENCE_RATE
+        scale = before.image_size[0] / REFERENCE_WIDTH
+        floor = UNMODELLED * np.array([scale, 1.0, scale, 1.0]) * np.sqrt(frames)
+        sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0) + floor**2)
+        return PlaneMotion(homography(flight, change), change.seconds, sigmas)
+
+    def observe(self, estimate: CableEstimate) -> None:
+        """Take the filter's answer to that frame: predictions are judged by it."""
+        before, self._before = self._before, estimate
+        predicted, self._predicted = self._predicted, None
+        is_tracked = before is not None and all(
+            each.status is TrackingStatus.TRACKING for each in (before, estimate)
+        )
+        if before is None or predicted is None or not is_tracked or estimate.event:
+            self._gate.interrupt()
+            return
+        expected = move_states(before.state.to_array()[None, :], predicted.mapping)[0]
+        seen = unwrap_states(estimate.state.to_array()[None, :], float(expected[1]))[0]
+        self._gate.compare(
+            seen[:CHECKED] - expected[:CHECKED],
+            predicted.place_sigmas[:CHECKED] ** 2,
+            np.diag(estimate.covariance)[:CHECKED],
+        )

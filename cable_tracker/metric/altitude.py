@@ -1,0 +1,83 @@
+"""The altitude of the vehicle: checked, and taken to base_link."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from cable_tracker.metric.frames import Attitude
+from cable_tracker.metric.withheld import Reason, Withheld
+
+LEAST_ALTITUDE, MOST_ALTITUDE = 0.05, 200.0
+"""Altitudes outside are no altitudes of a vehicle that sees the bottom [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Altitude:
+    """Vertical distance of base_link from the sea bed.
+
+    Attributes
+    ----------
+    metres : float
+        [m].
+    sigma : float
+        Its standard deviation [m].
+    """
+
+    metres: float
+    sigma: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Altimeter:
+    """How an altitude is measured.
+
+    Attributes
+    ----------
+    z : float
+        Of the altimeter in base_link [m].
+    is_vertical : bool
+        Whether it gives the vertical distance, as a DVL that knows its attitude does. Otherwise it
+        measures along the vehicle's own -z, as an echo sounder does.
+    relative_sigma : float
+        Standard deviation as a share of the altitude.
+    """
+
+    z: float = 0.0
+    is_vertical: bool = False
+    relative_sigma: float = 0.01
+
+    def read(
+        self,
+        measured: float,
+        attitude: Attitude,
+        limits: tuple[float, float] = (LEAST_ALTITUDE, MOST_ALTITUDE),
+    ) -> Altitude | Withheld:
+        """Return the altitude of base_link, or why there is none.
+
+        Parameters
+        ----------
+        measured : float
+            What the altimeter says [m].
+        attitude : Attitude
+            Of the vehicle.
+        limits : (float, float)
+            Smallest and largest distance that the altimeter can measure [m].
+        """
+        low, high = max(limits[0], LEAST_ALTITUDE), min(limits[1], MOST_ALTITUDE)
+        if not math.isfinite(measured) or not low <= measured <= high:
+            return Withheld(
+                Reason.BAD_ALTITUDE,
+                f"{measured:g} m is not within {low:g} to {high:g} m; look at the altimeter",
+            )
+        upright = math.cos(attitude.roll) * math.cos(attitude.pitch)
+        if not upright > 0.0:
+            return Withheld(Reason.BAD_ATTITUDE, "the vehicle hangs upside down; look at the imu")
+        vertical = measured if self.is_vertical else measured * upright
+        metres = vertical - self.z * upright
+        if metres < LEAST_ALTITUDE:
+            return Withheld(
+                Reason.BAD_ALTITUDE,
+                f"base_link would be {metres:g} m above the bottom; see the parameter altimeter_z",
+            )
+        return Altitude(metres, self.relative_sigma * metres)

@@ -1,0 +1,296 @@
+"""From the cable in the image to the cable on the sea bed, in metres.
+
+The centreline and the camera's centre span a plane; where it cuts the sea bed, the cable lies. All
+results are in the level frame of `frames`: lateral offset = y of the cable at some x, heading error
+= direction of the cable from +x. See docs/metric.md.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.geometry import project_borders, segment_inside, wrap_angle
+from cable_tracker.cable.state import PLACES, StateColumn
+from cable_tracker.metric.altitude import Altitude
+from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
+from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
+from cable_tracker.metric.sigma_points import mean_and_covariance, sigma_points
+from cable_tracker.metric.withheld import Reason, Withheld
+
+POINTS_PER_LINE = 11
+"""Points along each line whose lines of sight are followed."""
+
+LEAST_DEPRESSION = math.radians(3.0)
+"""Lines of sight that go down less steeply count as at the horizon [rad]."""
+
+LARGEST_HEADING = math.radians(80.0)
+"""A cable that runs more across has no offset to the left or right [rad]."""
+
+LEAST_HEIGHT = 0.05
+"""The camera must be this far above the cable's axis [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class MetricSettings:
+    """What does not change during a dive.
+
+    Attributes
+    ----------
+    mounting : Mounting
+        Where the camera is.
+    look_ahead : float
+        Distance in front of base_link at which the offset is given besides x = 0 [m].
+    cable_height : float
+        Of the cable's axis above the sea bed [m].
+    """
+
+    mounting: Mounting = field(default_factory=Mounting)
+    look_ahead: float = 1.0
+    cable_height: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CrossTrack:
+    """The cable beside and below the vehicle, in the level frame.
+
+    Attributes
+    ----------
+    offset : float
+        y of the cable at x = 0; positive: the cable is to the left [m].
+    offset_ahead : float
+        y of the cable at x = `look_ahead` [m].
+    heading : float
+        Angle of the cable's direction from +x, in (-pi/2, pi/2]; positive: the cable leads to the
+        left [rad].
+    diameter : float
+        Of the cable, from the distance between its borders [m].
+    covariance : FloatArray
+        Of offset, offset_ahead, heading, diameter, shape (4, 4).
+    look_ahead : float
+        [m].
+    depth : float
+        z of the cable's axis; negative: below base_link [m].
+    """
+
+    offset: float
+    offset_ahead: float
+    heading: float
+    diameter: float
+    covariance: FloatArray
+    look_ahead: float
+    depth: float
+
+    def standard_deviations(self) -> FloatArray:
+        """Return those of offset, offset_ahead, heading, diameter, shape (4,)."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    def at_foot(self) -> tuple[float, FloatArray]:
+        """Return the offset at x = 0 and the covariance (2, 2) of offset and heading."""
+        return self.offset, self.covariance[np.ix_([0, 2], [0, 2])]
+
+    def ahead(self) -> tuple[float, FloatArray]:
+        """Return the offset at x = `look_ahead` and the covariance (2, 2) with the heading."""
+        return self.offset_ahead, self.covariance[np.ix_([1, 2], [1, 2])]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sights:
+    """N cameras above the sea bed, whose z is 0; x, y from the vehicle.
+
+    `centres` (N, 3) [m]; `rotations` (N, 3, 3) from the optical to the level frame.
+    """
+
+    centres: FloatArray
+    rotations: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _SeaBedLines:
+    """N cables on the sea bed: `values` (N, 4) offset, offset_ahead, heading, diameter.
+
+    `below_horizon` (N,): enough of the line's points are.
+    """
+
+    values: FloatArray
+    below_horizon: BoolArray
+
+
+class CrossTrackMeter:
+    """Turns estimates in pixels into metres.
+
+    Parameters
+    ----------
+    settings : MetricSettings
+        Mounting and what else is fixed.
+    calibration : Calibration or None
+        Of the camera.
+    """
+
+    def __init__(self, settings: MetricSettings, calibration: Calibration | None = None) -> None:
+        self._settings = settings
+        self._calibration = calibration
+
+    def measure(
+        self,
+        estimate: CableEstimate,
+        altitude: Altitude | Withheld,
+        attitude: Attitude | Withheld,
+    ) -> CrossTrack | Withheld:
+        """Return the cable in metres, or why not.
+
+        Parameters
+        ----------
+        estimate : CableEstimate
+            Of the tracker. Its covariance is carried through the geometry by sigma points.
+        altitude : Altitude or Withheld
+            Of base_link, above the sea bed.
+        attitude : Attitude or Withheld
+            Of base_link.
+        """
+        if estimate.status is not TrackingStatus.TRACKING:
+            return Withheld(Reason.NOT_TRACKING, f"the tracker's status is {estimate.status.value}")
+        for given in (altitude, attitude):
+            if isinstance(given, Withheld):
+                return given
+        assert isinstance(altitude, Altitude) and isinstance(attitude, Attitude)
+        camera = camera_for(self._calibration, estimate.image_size)
+        if isinstance(camera, Withheld):
+            return camera
+        if not attitude.is_finite():
+            return Withheld(Reason.BAD_ATTITUDE, "roll or pitch is not finite; look at the imu")
+        return self._fault_of_view(altitude, attitude) or self._measured(
+            estimate, camera, altitude, attitude
+        )
+
+    def _fault_of_view(self, altitude: Altitude, attitude: Attitude) -> Withheld | None:
+        at = np.array([[altitude.metres, attitude.roll, attitude.pitch]])
+        sight = self._sights(at)
+        if sight.rotations[0, 2, 2] >= -math.sin(LEAST_DEPRESSION):
+            return Withheld(
+                Reason.CAMERA_LOOKS_UP,
+                "with this mounting and attitude the camera looks at the horizon or above it;"
+                " see the parameters camera_roll and camera_pitch (90 deg is straight down)",
+            )
+        if sight.centres[0, 2] - self._settings.cable_height < LEAST_HEIGHT:
+            return Withheld(
+                Reason.CAMERA_TOO_LOW,
+                f"at an altitude of {altitude.metres:.2f} m the camera would be in the ground;"
+                " see the parameters camera_z and cable_height",
+            )
+        return None
+
+    def _measured(
+        self, estimate: CableEstimate, camera: CameraModel, altitude: Altitude, attitude: Attitude
+    ) -> CrossTrack | Withheld:
+        state = estimate.state
+        segment = segment_inside(state.angle, state.distance, camera.image_size)
+        if segment is None:
+            return Withheld(Reason.OUT_OF_VIEW, "the estimate runs past the image")
+        along = _places_along(state.angle, segment)
+        mean = np.array(
+            [*state.to_array()[:PLACES], altitude.metres, attitude.roll, attitude.pitch]
+        )
+        covariance = np.zeros((len(mean), len(mean)))
+        covariance[:PLACES, :PLACES] = estimate.covariance[:PLACES, :PLACES]
+        covariance[PLACES:, PLACES:] = np.diag(
+            np.array([altitude.sigma, attitude.sigma, attitude.sigma]) ** 2
+        )
+        points = np.concatenate((mean[None, :], sigma_points(mean, covariance)))
+        lines = self._sea_bed_lines(points, along, camera)
+        if not lines.below_horizon.all():
+            return Withheld(
+                Reason.HORIZON,
+                "too little of the centreline is surely below the horizon; tilt the camera down",
+            )
+        values = lines.values
+        # About the middle, headings are averaged like numbers, also across the wrap.
+        heading = values[0, 2]
+        values[:, 2] = heading + wrap_angle(values[:, 2] - heading)
+        if np.abs(wrap_angle(values[:, 2])).max() > LARGEST_HEADING:
+            return Withheld(
+                Reason.ACROSS,
+                f"it runs {math.degrees(heading):.0f} deg across, surely or perhaps, so that it has"
+                " no side",
+            )
+        centre, spread = mean_and_covariance(values[1:])
+        return CrossTrack(
+            offset=float(centre[0]),
+            offset_ahead=float(centre[1]),
+            heading=float(wrap_angle(centre[2])),
+            diameter=float(centre[3]),
+            covariance=spread,
+            look_ahead=self._settings.look_ahead,
+            depth=self._settings.cable_height - altitude.metres,
+        )
+
+    def _sights(self, situations: FloatArray) -> _Sights:
+        """Return the cameras for altitude, roll, pitch (N, 3) [m, rad]."""
+        angles = np.column_stack((situations[:, 1:], np.zeros(len(situations))))
+        level = rotations_of(angles)
+        centres = level @ self._settings.mounting.position
+        centres[:, 2] += situations[:, 0]
+        return _Sights(centres, level @ self._settings.mounting.rotation)
+
+    def _sea_bed_lines(
+        self, points: FloatArray, along: FloatArray, camera: CameraModel
+    ) -> _SeaBedLines:
+        """Follow cables with what is known of the vehicle, (N, 7), down to the sea bed."""
+        sights = self._sights(points[:, PLACES:])
+        borders = project_borders(points[:, :PLACES])
+        angles = np.column_stack((points[:, StateColumn.ANGLE], borders.angles))
+        offsets = np.column_stack((points[:, StateColumn.DISTANCE], borders.offsets))
+        rays = camera.rays(_points_on(angles, offsets, along))
+        rays = np.einsum("nij,nlkj->nlki", sights.rotations, rays)
+        # Only what surely goes down may become metres.
+        with np.errstate(invalid="ignore"):
+            usable = rays[..., 2] < -math.sin(LEAST_DEPRESSION)
+        enough = (usable.sum(axis=-1) >= 2).all(axis=-1)
+        normals = _plane_normals(rays, usable)
+        return _SeaBedLines(self._cut(sights, normals), enough)
+
+    def _cut(self, sights: _Sights, normals: FloatArray) -> FloatArray:
+        """Cut planes through the camera, (N, 3, 3): centreline, left, right, with the sea bed."""
+        x, y, z = normals[:, 0].T
+        centre = sights.centres
+        drop = self._settings.cable_height - centre[:, 2]
+        safe = np.where(np.abs(y) > 1e-9, y, 1e-9)
+        offsets = [
+            centre[:, 1] - (x * (ahead - centre[:, 0]) + z * drop) / safe
+            for ahead in (0.0, self._settings.look_ahead)
+        ]
+        heading = wrap_angle(np.arctan2(-x, y))
+        # The plane's distance from the vertical through the camera, and the drop to the axis.
+        level = np.hypot(x, y)
+        reach = np.abs(drop) / np.maximum(level, 1e-9)
+        cosine = np.abs(np.einsum("ni,ni->n", normals[:, 1], normals[:, 2]))
+        half_angle = np.arccos(np.clip(cosine, -1.0, 1.0)) / 2
+        return np.column_stack((*offsets, heading, 2 * reach * np.sin(half_angle)))
+
+
+def _places_along(angle: float, segment: tuple[tuple[float, float], ...]) -> FloatArray:
+    """Return where points stand along a line inside the image, from its foot point, (K,) [px]."""
+    low, high = (-x * math.sin(angle) + y * math.cos(angle) for x, y in segment)
+    return np.linspace(low, high, POINTS_PER_LINE)
+
+
+def _points_on(angles: FloatArray, offsets: FloatArray, along: FloatArray) -> FloatArray:
+    """Return points of lines (N, L) at places along them (K,), shape (N, L, K, 2) [px]."""
+    cos, sin = np.cos(angles)[..., None], np.sin(angles)[..., None]
+    rho = offsets[..., None]
+    return np.stack((rho * cos - along * sin, rho * sin + along * cos), axis=-1)
+
+
+def _plane_normals(rays: FloatArray, usable: BoolArray) -> FloatArray:
+    """Fit planes through the origin to rays (..., K, 3); unit normals, shape (..., 3).
+
+    With a straight cable the rays lie in one plane; the distortion of the lens bends only the
+    line that the filter has fitted.
+    """
+    chosen = np.where(usable[..., None], rays, 0.0)
+    _, vectors = np.linalg.eigh(np.einsum("...ki,...kj->...ij", chosen, chosen))
+    return np.asarray(vectors[..., 0])

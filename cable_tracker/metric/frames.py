@@ -1,0 +1,96 @@
+"""Where the camera is on the vehicle, and how the vehicle hangs in the water.
+
+Frames, all right-handed, metres and radians:
+
+* base_link: x forward, y left, z up (REP 103), fixed to the vehicle.
+* level: the origin and the heading of base_link, but z vertical. Results are given here: what
+  lies one metre to the left is one metre to the left however the vehicle rolls.
+* camera body: x along the line of sight, y to the left of the image, z to its top.
+* camera optical: z along the line of sight, x to the right of the image, y to its bottom.
+
+Rotations by roll, pitch, yaw are about the fixed axes x, y, z, in this order, as in URDF: a
+positive pitch lowers what is in front, a positive roll lowers the right side.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+
+OPTICAL_IN_BODY: FloatArray = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+"""Rotation from the camera's optical frame to its body frame, shape (3, 3)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mounting:
+    """Where the camera is on the vehicle.
+
+    Attributes
+    ----------
+    x, y, z : float
+        Of the camera in base_link [m].
+    roll, pitch, yaw : float
+        Of the camera body in base_link [rad]. A pitch of pi/2 alone looks straight down, with the
+        top of the image to the front; 0 looks straight ahead.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    roll: float = 0.0
+    pitch: float = math.pi / 2
+    yaw: float = 0.0
+
+    @property
+    def position(self) -> FloatArray:
+        """Of the camera in base_link, shape (3,) [m]."""
+        return np.array([self.x, self.y, self.z])
+
+    @property
+    def rotation(self) -> FloatArray:
+        """From the camera optical frame to base_link, shape (3, 3)."""
+        body = rotations_of(np.array([[self.roll, self.pitch, self.yaw]]))[0]
+        return np.asarray(body @ OPTICAL_IN_BODY)
+
+
+@dataclass(frozen=True, slots=True)
+class Attitude:
+    """How the vehicle hangs.
+
+    Attributes
+    ----------
+    roll, pitch : float
+        Of base_link against the level frame [rad].
+    sigma : float
+        Standard deviation of each [rad].
+    """
+
+    roll: float = 0.0
+    pitch: float = 0.0
+    sigma: float = 0.0
+
+    def is_finite(self) -> bool:
+        """Tell whether every number is finite, and sigma not negative."""
+        return bool(np.isfinite((self.roll, self.pitch, self.sigma)).all()) and self.sigma >= 0.0
+
+
+def rotations_of(angles: FloatArray) -> FloatArray:
+    """Return the rotations by roll, pitch, yaw (N, 3) [rad], shape (N, 3, 3)."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(angles).T, np.sin(angles).T
+    rows = (
+        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        (-sp, cp * sr, cp * cr),
+    )
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def roll_and_pitch(x: float, y: float, z: float, w: float) -> tuple[float, float]:
+    """Return roll and pitch [rad] of a unit quaternion."""
+    roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
+    return roll, pitch

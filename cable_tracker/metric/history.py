@@ -1,0 +1,102 @@
+"""Measurements with stamps, looked up at other times."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+
+KEPT = 512
+"""Measurements kept; some seconds of the fastest instruments."""
+
+NANOSECONDS = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reading:
+    """A measurement looked up.
+
+    Attributes
+    ----------
+    values : FloatArray
+        Shape (k,).
+    age : float
+        How long before the time asked for the nearest earlier measurement was made [s]; 0 if a
+        later one is known as well, for the value is interpolated then.
+    """
+
+    values: FloatArray
+    age: float
+
+
+class History:
+    """The last measurements of one instrument, in the order of their stamps."""
+
+    def __init__(self) -> None:
+        self._stamps: deque[int] = deque(maxlen=KEPT)
+        self._values: deque[FloatArray] = deque(maxlen=KEPT)
+
+    def __len__(self) -> int:
+        return len(self._stamps)
+
+    @property
+    def last_stamp(self) -> int | None:
+        """Stamp of the newest measurement [ns]; None before any."""
+        return self._stamps[-1] if self._stamps else None
+
+    def add(self, stamp: int, values: FloatArray) -> None:
+        """Take a measurement, shape (k,).
+
+        A clock that jumps back makes everything before worthless; a stamp seen already replaces
+        nothing.
+        """
+        if self._stamps and stamp <= self._stamps[-1]:
+            if stamp == self._stamps[-1]:
+                return
+            self.clear()
+        self._stamps.append(stamp)
+        self._values.append(values)
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._stamps.clear()
+        self._values.clear()
+
+    def at(self, stamp: int) -> Reading | None:
+        """Return what was measured at a time [ns], interpolated; None before the first.
+
+        After the last measurement its value is held, and `age` says for how long.
+        """
+        after = bisect_right(self._stamps, stamp)
+        if after == 0:
+            return None
+        before_stamp, before = self._stamps[after - 1], self._values[after - 1]
+        if after == len(self._stamps):
+            return Reading(before, (stamp - before_stamp) / NANOSECONDS)
+        share = (stamp - before_stamp) / (self._stamps[after] - before_stamp)
+        # Between two infinite values there is none; whoever asks finds that it is not finite.
+        with np.errstate(invalid="ignore"):
+            return Reading(before + share * (self._values[after] - before), 0.0)
+
+    def between(self, start: int, end: int) -> list[tuple[int, FloatArray]]:
+        """Return the measurements with start <= stamp < end, stamps [ns] and values."""
+        return [
+            (stamp, values)
+            for stamp, values in zip(self._stamps, self._values, strict=True)
+            if start <= stamp < end
+        ]
+
+    def is_frozen(self, count: int, until: int) -> bool:
+        """Tell whether the last `count` measurements up to a stamp [ns] are the same bit for bit.
+
+        No instrument under water measures the same number again and again.
+        """
+        end = bisect_right(self._stamps, until)
+        if end < count:
+            return False
+        last = [self._values[place] for place in range(end - count, end)]
+        return all(np.array_equal(values, last[0]) for values in last)

@@ -1,0 +1,136 @@
+"""What the vehicle's instruments say, kept until an estimate asks for metres."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cable_tracker.cable.estimate import CableEstimate
+from cable_tracker.metric.altitude import Altimeter, Altitude
+from cable_tracker.metric.calibration import Calibration, camera_for
+from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter, MetricSettings
+from cable_tracker.metric.frames import Attitude
+from cable_tracker.metric.history import History
+from cable_tracker.metric.homography import Overflight
+from cable_tracker.metric.withheld import Reason, Withheld
+
+
+@dataclass(frozen=True, slots=True)
+class InstrumentSettings:
+    """How instruments are to be read.
+
+    Attributes
+    ----------
+    metric : MetricSettings
+        Mounting and what else does not change.
+    altimeter : Altimeter
+        How altitudes are measured.
+    fixed_altitude : float
+        Of base_link where no altimeter speaks [m]; 0 for none.
+    timeout : float
+        Measurements older than this, at the time of a frame, do not count [s].
+    level_sigma : float
+        Doubt about roll and pitch, each, without an imu: the vehicle counts as level [rad].
+    """
+
+    metric: MetricSettings = field(default_factory=MetricSettings)
+    altimeter: Altimeter = field(default_factory=Altimeter)
+    fixed_altitude: float = 0.0
+    timeout: float = 1.0
+    level_sigma: float = math.radians(2.0)
+
+
+class Instruments:
+    """Keeps measurements, and turns estimates into metres with those of the same time.
+
+    Parameters
+    ----------
+    settings : InstrumentSettings
+        How to read them.
+    """
+
+    def __init__(self, settings: InstrumentSettings) -> None:
+        self._settings = settings
+        self._calibration: Calibration | None = None
+        self._altitudes = History()
+        self._attitudes = History()
+
+    def configure(self, settings: InstrumentSettings) -> None:
+        """Take other settings, and keep the measurements."""
+        self._settings = settings
+
+    def take_calibration(self, calibration: Calibration) -> None:
+        """Use a calibration from now on."""
+        self._calibration = calibration
+
+    def take_altitude(self, stamp: int, metres: float, limits: tuple[float, float]) -> None:
+        """Keep an altitude of a time [ns], with the altimeter's smallest and largest one [m].
+
+        An altitude that cannot be is kept as such: it must not be bridged by its neighbours.
+        """
+        self._altitudes.add(stamp, np.array([metres, *limits]))
+
+    def take_attitude(self, stamp: int, attitude: Attitude) -> None:
+        """Keep an attitude of a time [ns]."""
+        self._attitudes.add(stamp, np.array([attitude.roll, attitude.pitch, attitude.sigma]))
+
+    def cross_track(self, estimate: CableEstimate) -> CrossTrack | Withheld:
+        """Return the cable of an estimate in metres, or why not."""
+        meter = CrossTrackMeter(self._settings.metric, self._calibration)
+        attitude = self.attitude_at(estimate.stamp)
+        if isinstance(attitude, Withheld):
+            return meter.measure(estimate, attitude, attitude)
+        return meter.measure(estimate, self.altitude_at(estimate.stamp, attitude), attitude)
+
+    def attitude_at(self, stamp: int) -> Attitude | Withheld:
+        """Return the attitude at a time [ns]; level, with doubt, if there never was an imu."""
+        if not len(self._attitudes):
+            return Attitude(0.0, 0.0, self._settings.level_sigma)
+        reading = self._attitudes.at(stamp)
+        if reading is None or reading.age > self._settings.timeout:
+            return Withheld(Reason.STALE_ATTITUDE, self._stale("imu", reading is None))
+        attitude = Attitude(*(float(value) for value in reading.values))
+        if not attitude.is_finite():
+            return Withheld(Reason.BAD_ATTITUDE, "roll or pitch is not finite; look at the imu")
+        return attitude
+
+    def altitude_at(self, stamp: int, attitude: Attitude) -> Altitude | Withheld:
+        """Return the altitude of base_link at a time [ns]."""
+        settings = self._settings
+        if not len(self._altitudes):
+            if settings.fixed_altitude > 0.0:
+                sigma = settings.altimeter.relative_sigma * settings.fixed_altitude
+                return Altitude(settings.fixed_altitude, sigma)
+            return Withheld(
+                Reason.NO_ALTITUDE, "none has come on altitude; or set the parameter fixed_altitude"
+            )
+        reading = self._altitudes.at(stamp)
+        if reading is None or reading.age > settings.timeout:
+            return Withheld(Reason.STALE_ALTITUDE, self._stale("altitude", reading is None))
+        metres, low, high = (float(value) for value in reading.values)
+        return settings.altimeter.read(metres, attitude, (low, high))
+
+    def overflight(self, estimate: CableEstimate) -> Overflight | Withheld:
+        """Return where the camera was over the cable's plane in the frame of an estimate."""
+        camera = camera_for(self._calibration, estimate.image_size)
+        if isinstance(camera, Withheld):
+            return camera
+        attitude = self.attitude_at(estimate.stamp)
+        if isinstance(attitude, Withheld):
+            return attitude
+        altitude = self.altitude_at(estimate.stamp, attitude)
+        if isinstance(altitude, Withheld):
+            return altitude
+        metric = self._settings.metric
+        height = altitude.metres - metric.cable_height
+        return Overflight(camera, metric.mounting, attitude, height, altitude.sigma)
+
+    def _stale(self, topic: str, is_later: bool) -> str:
+        if is_later:
+            return f"{topic} has only later stamps than the image; set all clocks alike"
+        return (
+            f"the last on {topic} is more than {self._settings.timeout:g} s older than the image;"
+            " look whether it still comes, and set all clocks alike"
+        )

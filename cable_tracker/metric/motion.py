@@ -1,0 +1,133 @@
+"""How far a vehicle has moved between two times, from the twists that its odometry stated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.metric.history import NANOSECONDS, History
+
+LONGEST_HOLD = 0.2
+"""A twist is held for so long after its stamp [s]; then odometry is late."""
+
+LONGEST_STEP = 2.0
+"""Motion over a longer time is not predicted [s]."""
+
+FROZEN_COUNT = 8
+"""So many twists that are alike bit for bit are those of an instrument that hangs."""
+
+TWIST = 6
+"""Components of a twist: linear x, y, z [m/s], angular x, y, z [rad/s], in base_link."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseChange:
+    """Where base_link is at a later time, seen from base_link at an earlier one.
+
+    Attributes
+    ----------
+    rotation : FloatArray
+        From the later base_link to the earlier one, shape (3, 3).
+    translation : FloatArray
+        Of the later origin, in the earlier frame, shape (3,) [m].
+    covariance : FloatArray
+        Of translation and rotation vector, shape (6, 6) [m, rad].
+    seconds : float
+        The time between.
+    """
+
+    rotation: FloatArray
+    translation: FloatArray
+    covariance: FloatArray
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class NoMotion:
+    """Stands for a motion that is not known.
+
+    Attributes
+    ----------
+    why : str
+        In words.
+    """
+
+    why: str
+
+
+class Odometry:
+    """The last twists of a vehicle, with their covariances."""
+
+    def __init__(self) -> None:
+        self._twists = History()
+
+    def add(self, stamp: int, twist: FloatArray, covariance: FloatArray) -> None:
+        """Take a twist (6,) and its covariance (6, 6) of a time [ns]."""
+        self._twists.add(stamp, np.concatenate((twist, covariance.ravel())))
+
+    def motion(self, start: int, end: int) -> PoseChange | NoMotion:
+        """Return how the vehicle moved from one time to a later one [ns], or why it is not known.
+
+        The twist is interpolated between its stamps, and held for a moment after the last.
+        """
+        seconds = (end - start) / NANOSECONDS
+        why = self._why_unknown(start, end, seconds)
+        if why:
+            return NoMotion(why)
+        within = [stamp for stamp, _ in self._twists.between(start + 1, end)]
+        knots = [self._knot(stamp) for stamp in (start, *within, end)]
+        if not all(np.isfinite(values).all() for _, values in knots):
+            return NoMotion("odometry is not finite")
+        return _integrated(knots, seconds)
+
+    def _why_unknown(self, start: int, end: int, seconds: float) -> str:
+        first, last = self._twists.at(start), self._twists.at(end)
+        faults = (
+            (not len(self._twists), "no odometry has come"),
+            (not 0.0 < seconds <= LONGEST_STEP, f"{seconds:g} s between frames are not bridged"),
+            (first is None, "odometry has only later stamps than the image"),
+            (
+                last is not None and last.age > LONGEST_HOLD,
+                f"the last odometry is more than {LONGEST_HOLD:g} s older than the image",
+            ),
+            (
+                self._twists.is_frozen(FROZEN_COUNT, end),
+                "odometry says the same again and again",
+            ),
+        )
+        return next((words for is_so, words in faults if is_so), "")
+
+    def _knot(self, stamp: int) -> tuple[int, FloatArray]:
+        reading = self._twists.at(stamp)
+        assert reading is not None
+        return stamp, reading.values
+
+
+def _integrated(knots: list[tuple[int, FloatArray]], seconds: float) -> PoseChange:
+    rotation, translation = np.eye(3), np.zeros(3)
+    covariance = np.zeros((TWIST, TWIST))
+    for (begin, before), (end, after) in pairwise(knots):
+        step = (end - begin) / NANOSECONDS
+        mean = (before + after) / 2
+        turn = mean[3:TWIST] * step
+        # The velocity is that of the middle of the step.
+        translation += rotation @ (rotation_by(turn / 2) @ mean[:3]) * step
+        rotation = np.asarray(rotation @ rotation_by(turn))
+        covariance += mean[TWIST:].reshape(TWIST, TWIST) * (step / seconds)
+    # Errors of odometry are biases more than noise: over one step they are taken as constant.
+    return PoseChange(rotation, translation, covariance * seconds**2, seconds)
+
+
+def rotation_by(vector: FloatArray) -> FloatArray:
+    """Return the rotation by a rotation vector (3,) [rad], shape (3, 3); Rodrigues' formula."""
+    angle = float(np.linalg.norm(vector))
+    x, y, z = vector
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    if angle < 1e-8:
+        return np.asarray(np.eye(3) + cross)
+    sine, cosine = np.sin(angle) / angle, (1.0 - np.cos(angle)) / angle**2
+    turned: FloatArray = np.eye(3) + sine * cross + cosine * (cross @ cross)
+    return turned

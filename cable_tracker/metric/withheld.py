@@ -1,0 +1,44 @@
+"""Why there are no metres: a reason with a name, and words for a person."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Reason(str, Enum):
+    """What is missing or wrong."""
+
+    NOT_TRACKING = "no cable is claimed"
+    NO_CALIBRATION = "no camera calibration"
+    BAD_CALIBRATION = "unusable camera calibration"
+    OTHER_IMAGE_SIZE = "calibration of another image size"
+    NO_ALTITUDE = "no altitude"
+    BAD_ALTITUDE = "unusable altitude"
+    STALE_ALTITUDE = "stale altitude"
+    BAD_ATTITUDE = "unusable attitude"
+    STALE_ATTITUDE = "stale attitude"
+    CAMERA_LOOKS_UP = "camera does not look down"
+    CAMERA_TOO_LOW = "camera not above the cable"
+    OUT_OF_VIEW = "centreline outside the image"
+    HORIZON = "centreline at the horizon"
+    ACROSS = "cable runs across"
+
+
+@dataclass(frozen=True, slots=True)
+class Withheld:
+    """Stands for a result that would not be true.
+
+    Attributes
+    ----------
+    reason : Reason
+        For programs.
+    detail : str
+        For people: what was seen, and what to do.
+    """
+
+    reason: Reason
+    detail: str
+
+    def __str__(self) -> str:
+        return f"{self.reason.value}: {self.detail}"

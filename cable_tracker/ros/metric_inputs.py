@@ -1,0 +1,188 @@
+"""The part of the tracker node that knows the vehicle: instruments in, `cross_track` out.
+
+And odometry in, the vehicle's motion for the filter out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import cast
+
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from nav_msgs.msg import Odometry as OdometryMessage
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import CameraInfo, Imu, Range
+
+from cable_tracker.cable.estimate import CableEstimate
+from cable_tracker.cable.motion_aid import MotionAid
+from cable_tracker.metric.aiding import MotionAiding
+from cable_tracker.metric.altitude import Altimeter
+from cable_tracker.metric.cross_track import CrossTrack, MetricSettings
+from cable_tracker.metric.frames import Mounting
+from cable_tracker.metric.instruments import Instruments, InstrumentSettings
+from cable_tracker.metric.motion import Odometry
+from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
+from cable_tracker.ros import qos
+from cable_tracker.ros.metric_messages import (
+    make_cross_track,
+    read_attitude,
+    read_camera_info,
+    read_range,
+    read_twist,
+)
+from cable_tracker.sequences.messages import Message, MessageFactory, make_header, stamp_of
+
+
+class MetricInputs:
+    """Listens to the instruments, and publishes `cross_track`.
+
+    Parameters
+    ----------
+    node : Node
+        The tracker node.
+    factory : MessageFactory
+        Makes its messages.
+    """
+
+    def __init__(self, node: Node, factory: MessageFactory) -> None:
+        self._node = node
+        self._factory = factory
+        self._values: dict[str, object] = {spec.name: spec.default for spec in METRIC_PARAMETERS}
+        self._info: Message | None = None
+        self._result: CrossTrack | Withheld = Withheld(Reason.NOT_TRACKING, "no frame has come")
+        self._instruments = Instruments(self._settings())
+        self._odometry = Odometry()
+        self._aiding = MotionAiding(self._instruments, self._odometry)
+        self._why_unaided = ""
+        self._foot = node.create_publisher(PoseWithCovarianceStamped, "cross_track", qos.RESULTS)
+        self._ahead = node.create_publisher(
+            PoseWithCovarianceStamped, "cross_track_ahead", qos.RESULTS
+        )
+        sensor = qos_profile_sensor_data
+        node.create_subscription(CameraInfo, "camera_info", self.on_camera_info, sensor)
+        node.create_subscription(Range, "altitude", self.on_altitude, sensor)
+        node.create_subscription(Imu, "imu", self.on_imu, sensor)
+        node.create_subscription(OdometryMessage, "odometry", self.on_odometry, sensor)
+
+    @property
+    def result(self) -> CrossTrack | Withheld:
+        """What the last frame gave."""
+        return self._result
+
+    def _number(self, name: str) -> float:
+        return float(cast(float, self._values[name]))
+
+    def _settings(self) -> InstrumentSettings:
+        number = self._number
+        mounting = Mounting(
+            number("camera_x"),
+            number("camera_y"),
+            number("camera_z"),
+            math.radians(number("camera_roll")),
+            math.radians(number("camera_pitch")),
+            math.radians(number("camera_yaw")),
+        )
+        return InstrumentSettings(
+            metric=MetricSettings(mounting, number("look_ahead"), number("cable_height")),
+            altimeter=Altimeter(
+                number("altimeter_z"),
+                bool(self._values["altitude_is_vertical"]),
+                number("altitude_sigma"),
+            ),
+            fixed_altitude=number("fixed_altitude"),
+            timeout=number("instrument_timeout"),
+            level_sigma=math.radians(number("level_sigma")),
+        )
+
+    def apply(self, values: Mapping[str, object]) -> None:
+        """Take what is given of `METRIC_PARAMETERS`, by name."""
+        own = {name: values[name] for name in values.keys() & self._values.keys()}
+        if not own:
+            return
+        self._values.update(own)
+        self._instruments.configure(self._settings())
+        if self._info is not None:
+            self.on_camera_info(self._info)
+
+    def on_camera_info(self, message: Message) -> None:
+        """Take a calibration."""
+        is_rectified = bool(self._values["image_is_rectified"])
+        self._instruments.take_calibration(read_camera_info(message, is_rectified=is_rectified))
+        self._info = message
+
+    def on_altitude(self, message: Message) -> None:
+        """Take an altitude."""
+        metres, limits = read_range(message)
+        self._instruments.take_altitude(self._stamp_of(message), metres, limits)
+
+    def on_imu(self, message: Message) -> None:
+        """Take roll and pitch."""
+        least = math.radians(self._number("imu_sigma"))
+        self._instruments.take_attitude(self._stamp_of(message), read_attitude(message, least))
+
+    def on_odometry(self, message: Message) -> None:
+        """Take a twist of base_link."""
+        least = (
+            self._number("velocity_sigma"),
+            math.radians(self._number("turn_sigma")),
+        )
+        self._odometry.add(self._stamp_of(message), *read_twist(message, least))
+
+    def motion(self, stamp: int) -> MotionAid | None:
+        """Return how the cable has moved since the frame before, for the frame of a stamp [ns].
+
+        None without odometry, or while it disagrees with what the camera sees.
+        """
+        if not self._values["motion_aid"]:
+            self._why_unaided = "the parameter motion_aid is false"
+            return None
+        motion = self._aiding.motion(stamp)
+        why, before = self._aiding.why_not, self._why_unaided
+        self._why_unaided = why
+        if "disagrees" in why and why != before:
+            self._node.get_logger().warning(f"the filter goes on without odometry: {why}")
+        return motion
+
+    def _stamp_of(self, message: Message) -> int:
+        return stamp_of(message.header) or int(self._node.get_clock().now().nanoseconds)
+
+    def publish(self, header: Message, estimate: CableEstimate) -> None:
+        """Publish the cable of an estimate in metres, if it can be told, and learn from it."""
+        self._aiding.observe(estimate)
+        before, result = self._result, self._instruments.cross_track(estimate)
+        self._result = result
+        if isinstance(result, Withheld):
+            self._tell(before, result)
+            return
+        frame = str(self._values["base_frame"])
+        own_header = make_header(self._factory, stamp_of(header), frame)
+        for publisher, ahead, (offset, covariance) in (
+            (self._foot, 0.0, result.at_foot()),
+            (self._ahead, result.look_ahead, result.ahead()),
+        ):
+            place = (ahead, offset, result.depth)
+            publisher.publish(
+                make_cross_track(self._factory, own_header, place, result.heading, covariance)
+            )
+
+    def _tell(self, before: CrossTrack | Withheld, result: Withheld) -> None:
+        """Say once why there are no metres. That no cable is claimed is said elsewhere."""
+        is_new = not isinstance(before, Withheld) or before.reason is not result.reason
+        if is_new and result.reason is not Reason.NOT_TRACKING:
+            self._node.get_logger().info(f"no cross_track: {result}")
+
+    def diagnostics(self) -> dict[str, str]:
+        """Return what diagnostics say about metres, with units in the keys."""
+        result = self._result
+        is_known = isinstance(result, CrossTrack)
+        return {
+            "cross track [m]": f"{result.offset:.3f}" if isinstance(result, CrossTrack) else "",
+            "cable diameter [m]": (
+                f"{result.diameter:.3f}" if isinstance(result, CrossTrack) else ""
+            ),
+            "no metres": "" if is_known else str(result),
+            "no motion aid": self._why_unaided,
+        }

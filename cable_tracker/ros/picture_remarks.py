@@ -1,0 +1,37 @@
+"""What is odd about a picture, in words for the diagnostics."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cable_tracker.arrays import Image
+
+BLACK, WHITE = 2.0, 253.0
+"""Grey levels up to and from which nothing can be told apart."""
+
+MOST = 0.9
+"""Share of pixels that makes a picture black or saturated."""
+
+
+def remark_on(picture: Image | None) -> str:
+    """Say what is odd about a picture; empty where nothing is.
+
+    Such pictures are not refused: the filter finds no border in them and says LOST by itself.
+
+    Parameters
+    ----------
+    picture : Image or None
+        Grey levels 0..255, shape (H, W); None before the first.
+    """
+    if picture is None:
+        return ""
+    low, high = float(picture.min()), float(picture.max())
+    if low == high:
+        return f"all pixels are the same ({low:g} of 255)"
+    dark = float(np.mean(picture <= BLACK))
+    bright = float(np.mean(picture >= WHITE))
+    if dark >= MOST:
+        return f"black: {100 * dark:.0f} % of the pixels"
+    if bright >= MOST:
+        return f"saturated: {100 * bright:.0f} % of the pixels are white"
+    return ""

@@ -1,0 +1,189 @@
+"""What a soak test has seen, and which promises were broken."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+
+LARGEST_GROWTH = 5.0
+"""How much more memory a tracker may hold at its end than after its warm-up [MB]."""
+
+WARM_UP = 2000
+"""Frames after which a tracker's memory is expected to have settled."""
+
+FEWEST_SAMPLES = 20
+"""A tracker that was killed before it gave as many samples says nothing about growth."""
+
+MOST_BREACHES = 100
+"""So many broken promises are told one by one."""
+
+
+@dataclass(frozen=True, slots=True)
+class MemorySample:
+    """Memory of a tracker process.
+
+    Attributes
+    ----------
+    minutes : float
+        Since the beginning of the soak test.
+    frames : int
+        Answers of this process so far.
+    process : int
+        Number of the process, from 0; each restart is a new one.
+    private, shared : float
+        Resident memory of its own, and of the middleware's shared ring buffers [MB].
+    """
+
+    minutes: float
+    frames: int
+    process: int
+    private: float
+    shared: float
+
+
+@dataclass(frozen=True, slots=True)
+class LatencyWindow:
+    """Time from sending a frame to its answer, over some minutes.
+
+    Attributes
+    ----------
+    minutes : float
+        Beginning of the window.
+    frames : int
+        Frames in lockstep in it.
+    median, percentile_99, longest : float
+        Of those [ms].
+    """
+
+    minutes: float
+    frames: int
+    median: float
+    percentile_99: float
+    longest: float
+
+
+def read_memory(pid: int) -> tuple[float, float]:
+    """Return the private and the shared resident memory of a process [MB]; Linux only.
+
+    Raises
+    ------
+    OSError
+        There is no such process.
+    """
+    sizes = {"RssAnon": 0.0, "RssFile": 0.0, "RssShmem": 0.0}
+    for line in Path(f"/proc/{pid}/status").read_text(encoding="utf-8").splitlines():
+        name, _, value = line.partition(":")
+        if name in sizes:
+            sizes[name] = int(value.split()[0]) / 1024
+    return sizes["RssAnon"] + sizes["RssFile"], sizes["RssShmem"]
+
+
+@dataclass(slots=True)
+class SoakRecord:
+    """Counts and times of a soak test.
+
+    Attributes
+    ----------
+    sent, answered : int
+        Frames.
+    faults, recoveries : Counter
+        By class of faults: how often it was injected, and how often a good frame was answered as
+        promised afterwards.
+    messages : Counter
+        Messages of the tracker whose numbers were looked at, by topic.
+    breaches : list of str
+        Broken promises.
+    memory : list of MemorySample
+        Over time.
+    latencies : list of (float, float)
+        Minutes since the beginning and time to the answer [ms], of frames in lockstep.
+    """
+
+    sent: int = 0
+    answered: int = 0
+    faults: Counter[str] = field(default_factory=Counter)
+    recoveries: Counter[str] = field(default_factory=Counter)
+    messages: Counter[str] = field(default_factory=Counter)
+    breaches: list[str] = field(default_factory=list)
+    memory: list[MemorySample] = field(default_factory=list)
+    latencies: list[tuple[float, float]] = field(default_factory=list)
+
+    def broken(self, promise: str) -> None:
+        """Note a broken promise."""
+        if len(self.breaches) < MOST_BREACHES:
+            self.breaches.append(promise)
+
+    def growth(self) -> float:
+        """Return the largest growth of the private memory of one process after its warm-up [MB].
+
+        Medians of the first and the last tenth of its samples are compared.
+        """
+        largest = 0.0
+        for process in {sample.process for sample in self.memory}:
+            sizes = [
+                sample.private
+                for sample in self.memory
+                if sample.process == process and sample.frames >= WARM_UP
+            ]
+            if len(sizes) >= FEWEST_SAMPLES:
+                tenth = max(len(sizes) // 10, 1)
+                growth = float(np.median(sizes[-tenth:]) - np.median(sizes[:tenth]))
+                largest = max(largest, growth)
+        return largest
+
+    def check_growth(self) -> None:
+        """Note it where memory has grown by more than is promised."""
+        growth = self.growth()
+        if growth > LARGEST_GROWTH:
+            self.broken(f"the memory of a tracker grew by {growth:.1f} MB after its warm-up")
+
+    def latency_windows(self, minutes: float = 1.0) -> list[LatencyWindow]:
+        """Return the latencies in windows of so many minutes."""
+        if not self.latencies:
+            return []
+        table: FloatArray = np.array(self.latencies)
+        numbers = (table[:, 0] // minutes).astype(int)
+        return [
+            _window(number * minutes, table[numbers == number, 1]) for number in np.unique(numbers)
+        ]
+
+    def as_json(self, settings: dict[str, object]) -> str:
+        """Return everything as JSON."""
+        content = {
+            "settings": settings,
+            "frames_sent": self.sent,
+            "frames_answered": self.answered,
+            "faults": dict(sorted(self.faults.items())),
+            "recoveries": dict(sorted(self.recoveries.items())),
+            "messages_checked": dict(sorted(self.messages.items())),
+            "broken_promises": self.breaches,
+            "memory_growth_mb": round(self.growth(), 3),
+            "latency": [_rounded(window, LatencyWindow.__slots__) for window in self.windows()],
+            "memory": [_rounded(sample, MemorySample.__slots__) for sample in self.memory],
+        }
+        return json.dumps(content, indent=1, allow_nan=False) + "\n"
+
+    def windows(self) -> list[LatencyWindow]:
+        """Return the latencies by the minute."""
+        return self.latency_windows()
+
+
+def _rounded(record: object, names: Sequence[str]) -> dict[str, float]:
+    return {name: round(float(getattr(record, name)), 3) for name in names}
+
+
+def _window(minutes: float, latencies: FloatArray) -> LatencyWindow:
+    return LatencyWindow(
+        minutes=float(minutes),
+        frames=len(latencies),
+        median=float(np.median(latencies)),
+        percentile_99=float(np.percentile(latencies, 99)),
+        longest=float(latencies.max()),
+    )

@@ -1,0 +1,260 @@
+"""How much a bag may ask for, enforced where rosbags takes a bag at its word.
+
+A few kilobytes can unpack to gigabytes, and a database can hold queries that never end. A bag that
+does is refused before it takes memory or disk.
+"""
+
+from __future__ import annotations
+
+import bz2
+import sqlite3
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import closing
+from pathlib import Path
+from shutil import disk_usage
+from typing import Protocol
+
+import zstandard
+from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
+from rosbags.rosbag1 import reader as rosbag1_reader
+from rosbags.rosbag2 import storage_mcap
+
+from cable_tracker.errors import RecordingError
+
+LARGEST_UNPACKED = 1 << 28
+"""A chunk or message of more bytes is refused; the largest picture that is read has fewer."""
+
+LARGEST_OVERLAP = 1 << 30
+"""Chunks of one time, which rosbags unpacks all at once, may not have more bytes together."""
+
+LARGEST_METADATA = 1 << 24
+"""Bytes of a bag's metadata.yaml; a recorder writes some kilobytes."""
+
+SMALLEST_ROW = 8
+"""A row of a database takes at least so many bytes of its file."""
+
+STEPS_PER_ROW = 40
+SPARE_STEPS = 200_000
+"""Steps that SQLite may take to count the rows of a file, and so many besides."""
+
+CHECK_EVERY = 10_000
+BLOCK = 1 << 20
+FREE_SHARE = 0.5
+"""Share of the free space for temporary files that unpacked files may take."""
+
+_GENERATED = (2, 3)
+_STORAGE = ".zstd"
+
+
+class Chunk(Protocol):
+    """What is known of a chunk of an mcap."""
+
+    message_start_time: int
+    message_end_time: int
+    uncompressed_size: int
+
+
+def _too_large() -> RecordingError:
+    return RecordingError(
+        f"a part of it unpacks to more than {LARGEST_UNPACKED >> 20} MB, which no recorder writes"
+    )
+
+
+def unpack_zstd(data: bytes, size: int) -> bytes:
+    """Decompress zstd, at most `size` bytes and one more, which tells that there are more.
+
+    Raises
+    ------
+    RecordingError
+        More than `LARGEST_UNPACKED` bytes are asked for.
+    zstandard.ZstdError
+        The data is damaged.
+    """
+    if size > LARGEST_UNPACKED:
+        raise _too_large()
+    with zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True) as reader:
+        return reader.read(size + 1)
+
+
+def unpack_lz4(data: bytes, size: int | None = None) -> bytes:
+    """Decompress an lz4 frame; as `unpack_zstd`.
+
+    Raises
+    ------
+    RecordingError
+        It holds more than `LARGEST_UNPACKED` bytes, or more are asked for.
+    RuntimeError
+        The data is damaged.
+    """
+    wanted = LARGEST_UNPACKED if size is None else size
+    if wanted > LARGEST_UNPACKED:
+        raise _too_large()
+    unpacked = bytes(LZ4FrameDecompressor().decompress(data, max_length=wanted + 1))
+    if len(unpacked) > LARGEST_UNPACKED:
+        raise _too_large()
+    return unpacked
+
+
+def unpack_bz2(data: bytes) -> bytes:
+    """Decompress bz2.
+
+    Raises
+    ------
+    RecordingError
+        It holds more than `LARGEST_UNPACKED` bytes.
+    OSError
+        The data is damaged.
+    """
+    unpacked = bz2.BZ2Decompressor().decompress(data, LARGEST_UNPACKED + 1)
+    if len(unpacked) > LARGEST_UNPACKED:
+        raise _too_large()
+    return unpacked
+
+
+def _as_it_is(data: bytes, _size: int = 0) -> bytes:
+    return data
+
+
+MCAP_UNPACKERS: Mapping[str, Callable[[bytes, int], bytes]] = {
+    "": _as_it_is,
+    "lz4": unpack_lz4,
+    "zstd": unpack_zstd,
+}
+ROS1_UNPACKERS: Mapping[str, Callable[[bytes], bytes]] = {
+    "none": _as_it_is,
+    "bz2": unpack_bz2,
+    "lz4": unpack_lz4,
+}
+
+
+def limit_rosbags() -> None:
+    """Let rosbags unpack chunks with our functions; its own know no limit, nor an option for one.
+
+    Raises
+    ------
+    RuntimeError
+        This version of rosbags has other tables of functions.
+    """
+    mcap, ros1 = storage_mcap.DECOMPRESSORS, rosbag1_reader.decompressors
+    if set(mcap) != set(MCAP_UNPACKERS) or set(ros1) != set(ROS1_UNPACKERS):
+        raise RuntimeError("rosbags unpacks in other ways by now; see bag_limits.py")
+    mcap.update(MCAP_UNPACKERS)
+    ros1.update(ROS1_UNPACKERS)
+
+
+def check_overlap(chunks: Iterable[Chunk]) -> None:
+    """Check that the chunks of one time are not too much at once.
+
+    Raises
+    ------
+    RecordingError
+        They are.
+    """
+    edges = sorted(
+        edge
+        for chunk in chunks
+        for edge in (
+            (chunk.message_start_time, 0, chunk.uncompressed_size),
+            (chunk.message_end_time, 1, -chunk.uncompressed_size),
+        )
+    )
+    held = 0
+    for _, _, change in edges:
+        held += change
+        if held > LARGEST_OVERLAP:
+            raise RecordingError(
+                f"its chunks hold more than {LARGEST_OVERLAP >> 20} MB of the same time"
+            )
+
+
+def check_folder(path: Path) -> None:
+    """Check the metadata of a bag folder, and the files that rosbags would unpack to the disk.
+
+    Raises
+    ------
+    RecordingError
+        They are too large.
+    """
+    metadata = path / "metadata.yaml"
+    if metadata.is_file() and metadata.stat().st_size > LARGEST_METADATA:
+        raise RecordingError(f"{metadata.name} has more than {LARGEST_METADATA >> 20} MB")
+    room = int(disk_usage(tempfile.gettempdir()).free * FREE_SHARE)
+    for file in sorted(path.iterdir()):
+        if file.suffix == _STORAGE and file.is_file():
+            room -= _unpacked_size(file, room)
+
+
+def _unpacked_size(path: Path, room: int) -> int:
+    size = 0
+    with path.open("rb") as file:
+        reader = zstandard.ZstdDecompressor().stream_reader(file, read_across_frames=True)
+        while block := reader.read(BLOCK):
+            size += len(block)
+            if size > room:
+                raise RecordingError(
+                    f"{path.name} unpacks to more than {room >> 20} MB, half of the free space for"
+                    " temporary files; unpack it elsewhere with: zstd -d"
+                )
+    return size
+
+
+def check_database(path: Path) -> None:
+    """Check that a database is plain tables, as a recorder writes them, and as large as its file.
+
+    What is damaged but finite passes; who reads it will meet the damage.
+
+    Raises
+    ------
+    RecordingError
+        It holds code (views, triggers, virtual tables, computed columns), or rows without end.
+    """
+    uri = path.resolve().as_uri() + "?mode=ro&immutable=1"
+    size = path.stat().st_size
+    steps = SPARE_STEPS + STEPS_PER_ROW * size // SMALLEST_ROW
+    left = [steps // CHECK_EVERY]
+
+    def out_of_steps() -> bool:
+        left[0] -= 1
+        return left[0] < 0
+
+    with closing(sqlite3.connect(uri, uri=True)) as database:
+        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_UNPACKED)
+        database.set_progress_handler(out_of_steps, CHECK_EVERY)
+        database.text_factory = bytes
+        try:
+            for table in _plain_tables(database):
+                _check_table(database, table, size)
+        except (sqlite3.Error, MemoryError, OverflowError) as error:
+            if left[0] < 0:
+                raise RecordingError("it claims more rows than its file can hold") from error
+
+
+def _plain_tables(database: sqlite3.Connection) -> list[bytes]:
+    objects = database.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
+    for kind, _, sql in objects:
+        if kind in (b"view", b"trigger") or b"VIRTUAL" in bytes(sql or b"").upper()[:20]:
+            raise RecordingError(
+                "its database holds views, triggers or virtual tables, which no recorder writes"
+            )
+    return [bytes(name) for kind, name, _ in objects if kind == b"table"]
+
+
+def _check_table(database: sqlite3.Connection, table: bytes, size: int) -> None:
+    name = _quoted(table)
+    columns = database.execute(f"PRAGMA table_xinfo({name})").fetchall()
+    if any(column[6] in _GENERATED for column in columns):
+        raise RecordingError("its database computes columns, which no recorder does")
+    sums = "+".join(f"total(length({_quoted(column[1])}))" for column in columns)
+    (total,) = database.execute(f"SELECT {sums} FROM {name}").fetchone()
+    # Numbers count by their digits, of which a byte holds less than three, and a key has no bytes.
+    if table == b"messages" and total > 4 * size + BLOCK:
+        raise RecordingError("it claims more data than its file can hold")
+    if table == b"topics":
+        query = f"SELECT count(*) - count(DISTINCT id) FROM {name}"
+        if database.execute(query).fetchone()[0]:
+            raise RecordingError("several of its topics have the same number")
+
+
+def _quoted(name: bytes) -> str:
+    return '"' + name.decode(errors="replace").replace('"', '""') + '"'

@@ -1,0 +1,123 @@
+"""Read images from messages as they come over the wire, without building message objects.
+
+A middleware can hand out the bytes of a message. To make an object of them copies the pixels twice
+more; here the pixels stay where they are. The format is CDR, version 1, as in "Common Data
+Representation" of the DDS interoperability protocol (OMG, DDSI-RTPS 2.5, chapter 10).
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+from cable_tracker.errors import FrameError
+from cable_tracker.sequences.frame import CompressedImage, RawImage
+from cable_tracker.sequences.stamps import NANOSECONDS
+
+_ENCAPSULATION = 4
+_BYTE_ORDERS = {b"\x00\x00": ">", b"\x00\x01": "<"}
+_ALIGNMENT = 4
+
+
+@dataclass(frozen=True, slots=True)
+class MessageHeader:
+    """What a std_msgs/Header says.
+
+    Attributes
+    ----------
+    sec, nanosec : int
+        Time, as it was sent: nobody sees to it that a sender's nanoseconds are below a second.
+    frame_id : str
+        Name of the coordinate frame.
+    """
+
+    sec: int
+    nanosec: int
+    frame_id: str
+
+    @property
+    def stamp(self) -> int:
+        """Time [ns]; 0 where none is given."""
+        return self.sec * NANOSECONDS + self.nanosec
+
+
+class _Reader:
+    """Reads the fields of a message one after the other."""
+
+    def __init__(self, message: bytes) -> None:
+        order = _BYTE_ORDERS.get(message[:2])
+        if order is None or len(message) < _ENCAPSULATION:
+            raise ValueError
+        self._order = order
+        self._bytes = memoryview(message)[_ENCAPSULATION:]
+        self._position = 0
+
+    def numbers(self, kinds: str) -> tuple[int, ...]:
+        """Read numbers of four bytes each: `i` signed, `I` unsigned."""
+        self._position += -self._position % _ALIGNMENT
+        values = struct.unpack_from(self._order + kinds, self._bytes, self._position)
+        self._position += _ALIGNMENT * len(kinds)
+        return values
+
+    def octet(self) -> int:
+        """Read a single byte."""
+        value = self._bytes[self._position]
+        self._position += 1
+        return value
+
+    def octets(self) -> memoryview:
+        """View a sequence of bytes."""
+        (length,) = self.numbers("I")
+        end = self._position + length
+        if end > len(self._bytes):
+            raise ValueError
+        view = self._bytes[self._position : end]
+        self._position = end
+        return view
+
+    def text(self) -> str:
+        """Read a string, which ends with a zero byte."""
+        return bytes(self.octets()).rstrip(b"\0").decode("utf-8", errors="replace")
+
+    def header(self) -> MessageHeader:
+        """Read a std_msgs/Header."""
+        sec, nanosec = self.numbers("iI")
+        return MessageHeader(sec, nanosec, self.text())
+
+
+def read_serialised_image(message: bytes) -> tuple[MessageHeader, RawImage]:
+    """Read a sensor_msgs/Image; its pixels are a view of the message.
+
+    Raises
+    ------
+    FrameError
+        The bytes are no such message. Whether the fields fit together is not looked at.
+    """
+    try:
+        reader = _Reader(message)
+        header = reader.header()
+        height, width = reader.numbers("II")
+        encoding = reader.text()
+        is_bigendian = bool(reader.octet())
+        (step,) = reader.numbers("I")
+        data = reader.octets()
+    except (struct.error, IndexError, ValueError) as error:
+        raise FrameError("the bytes received are no sensor_msgs/Image") from error
+    return header, RawImage(encoding, height, width, step, is_bigendian, data)
+
+
+def read_serialised_compressed_image(message: bytes) -> tuple[MessageHeader, CompressedImage]:
+    """Read a sensor_msgs/CompressedImage; its bytes are a view of the message.
+
+    Raises
+    ------
+    FrameError
+        The bytes are no such message.
+    """
+    try:
+        reader = _Reader(message)
+        header = reader.header()
+        image = CompressedImage(reader.text(), reader.octets())
+    except (struct.error, IndexError, ValueError) as error:
+        raise FrameError("the bytes received are no sensor_msgs/CompressedImage") from error
+    return header, image

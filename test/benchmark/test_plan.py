@@ -1,0 +1,37 @@
+import cv2
+import pytest
+
+from cable_tracker.benchmark import plan
+from cable_tracker.benchmark.frames import RENDERED_SIZE
+from cable_tracker.benchmark.plan import FULL, QUICK, Benchmark, Plan, one_thread, versions
+from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
+from cable_tracker.errors import ParameterError
+
+
+@pytest.mark.parametrize("each", [FULL, QUICK])
+def test_goals_need_the_reference_size_and_count_in_every_plan(each):
+    assert each.sizes[0] == RENDERED_SIZE
+    assert REFERENCE_PARTICLES in each.particles
+
+
+def test_without_numba_there_is_no_yardstick(monkeypatch):
+    monkeypatch.setattr(plan, "NUMBA_IS_INSTALLED", False)
+    with pytest.raises(ParameterError, match="pip install numba"):
+        Benchmark(QUICK)
+
+
+def test_too_few_frames_say_nothing_about_memory():
+    with pytest.raises(ParameterError, match="memory is 3: give 0, or at least 50"):
+        Benchmark(Plan(memory=3))
+
+
+def test_opencv_uses_one_thread_meanwhile():
+    before = cv2.getNumThreads()
+    with one_thread():
+        assert cv2.getNumThreads() == 1
+    assert cv2.getNumThreads() == before
+
+
+def test_versions_name_what_is_absent(monkeypatch):
+    monkeypatch.setattr(plan, "VERSIONS", ("numba", "no-such-package-anywhere"))
+    assert versions().endswith(", no-such-package-anywhere absent")

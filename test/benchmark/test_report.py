@@ -1,0 +1,81 @@
+import pytest
+
+from cable_tracker.benchmark.report import (
+    BEGIN,
+    END,
+    check_page,
+    result_markdown,
+    tables_of,
+    write_page,
+)
+from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
+from cable_tracker.benchmark.round_robin import Label, Measurement
+from cable_tracker.benchmark.statistics import Quartiles
+from cable_tracker.errors import OutputError
+
+SPREAD = Quartiles(0.00012, 1234.5, 0.5, 4)
+RESULT = BenchmarkResult(
+    Circumstances(
+        "bench --quick", "today", "a machine", "numba 1", (1.0,) * 3, (2.0,) * 3, ("filterpy",)
+    ),
+    (
+        Measurement(Label("frame", "thesis", (320, 240), "numpy", 500), SPREAD, SPREAD, SPREAD),
+        Measurement(
+            Label("frame", "thesis", (1920, 1080), "numpy", 500), skipped="left out: about 3.0 s"
+        ),
+    ),
+    (), (), (), (),
+)  # fmt: skip
+
+
+def test_only_tables_with_rows_are_shown():
+    titles = [table.title for table in tables_of(RESULT)]
+    assert titles[0] == "Goals"
+    assert not any(title.startswith("Resident memory") for title in titles)
+    assert all(len(row) == len(table.headings) for table in tables_of(RESULT) for row in table.rows)
+
+
+def test_spread_ratio_and_what_was_left_out_are_in_the_grid():
+    (grid,) = [table for table in tables_of(RESULT) if table.title.startswith("Whole frames")]
+    assert grid.headings[3:] == ("320x240 [ms]", "1920x1080 [ms]")
+    assert grid.rows == (
+        ("thesis", "numpy", "500", "1234 (0.00012–0.5) = 1234x", "left out: about 3.0 s"),
+    )
+
+
+def test_an_absent_library_is_said_to_be_absent():
+    (rivals,) = [table for table in tables_of(RESULT) if table.title.startswith("Against")]
+    assert rivals.rows[-1][:2] == ("filterpy", "not installed")
+
+
+def test_the_page_says_how_it_was_measured():
+    text = result_markdown(RESULT)
+    assert text.startswith("`bench --quick` on today, a machine. numba 1. One thread")
+    assert "| goal | wanted | measured | met |" in text
+
+
+def test_a_page_keeps_what_stands_around_the_tables(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
+    write_page(page, "new\n")
+    assert page.read_text() == f"before\n{BEGIN}\n\nnew\n\n{END}\nafter\n"
+    write_page(page, "newer\n")
+    assert page.read_text() == f"before\n{BEGIN}\n\nnewer\n\n{END}\nafter\n"
+
+
+def test_a_new_page_can_be_written_again(tmp_path):
+    page = tmp_path / "page.md"
+    for text in ("one\n", "two\n"):
+        check_page(page)
+        write_page(page, text)
+    assert "two" in page.read_text()
+    assert "one" not in page.read_text()
+
+
+@pytest.mark.parametrize("text", ["no place", f"{END} {BEGIN}", BEGIN])
+def test_a_page_without_a_place_is_left_alone(tmp_path, text):
+    page = tmp_path / "page.md"
+    page.write_text(text)
+    with pytest.raises(OutputError, match="has no place for the tables"):
+        check_page(page)
+    assert page.read_text() == text

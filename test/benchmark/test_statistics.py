@@ -1,0 +1,50 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.benchmark.statistics import Percentiles, Quartiles, fit_line
+
+numbers = st.lists(st.floats(1e-6, 1e6), min_size=1, max_size=50)
+
+
+@given(numbers)
+def test_quartiles_enclose_the_middle_half(values):
+    quartiles = Quartiles.of(values)
+    assert min(values) <= quartiles.low <= quartiles.median <= quartiles.high <= max(values)
+    assert 4 * sum(v < quartiles.low for v in values) <= len(values) + 3
+    assert 4 * sum(v > quartiles.high for v in values) <= len(values) + 3
+    assert quartiles.count == len(values)
+
+
+@given(numbers, st.floats(1e-3, 1e3))
+def test_quartiles_scale_with_the_unit(values, factor):
+    once, scaled = Quartiles.of(values), Quartiles.of([factor * v for v in values])
+    assert scaled.median == pytest.approx(factor * once.median)
+
+
+@given(numbers)
+def test_percentiles_are_in_order(values):
+    tail = Percentiles.of(values)
+    assert min(values) <= tail.median <= tail.p95 <= tail.p99 <= max(values)
+
+
+def test_percentiles_of_known_numbers():
+    tail = Percentiles.of(np.arange(101.0))
+    assert (tail.median, tail.p95, tail.p99, tail.count) == (50.0, 95.0, 99.0, 101)
+
+
+@given(
+    st.floats(0.01, 10.0),
+    st.floats(1e-6, 1e-3),
+    st.lists(st.integers(1, 100_000), min_size=2, max_size=8, unique=True),
+)
+def test_a_line_is_found_again(base, slope, amounts):
+    line = fit_line(amounts, [base + slope * amount for amount in amounts])
+    for amount in amounts:
+        assert line.base + line.slope * amount == pytest.approx(base + slope * amount, rel=1e-6)
+
+
+def test_small_costs_count_as_much_as_large_ones():
+    line = fit_line([1, 2, 1000], [1.0, 2.0, 500.0])
+    assert line.base + line.slope * 1 == pytest.approx(1.0, rel=0.5)

@@ -1,0 +1,197 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.estimate import TrackingStatus
+from cable_tracker.cable.state import CableState
+from cable_tracker.metric.aiding import CALM_FRAMES, FEWEST, AgreementGate, MotionAiding
+from cable_tracker.metric.homography import PlaneMotion
+from cable_tracker.metric.instruments import Instruments, InstrumentSettings
+from cable_tracker.metric.motion import Odometry
+
+SECOND = 1_000_000_000
+FRAME = SECOND // 25
+UNKNOWN = np.array([0.36, 1e-5])
+OBSERVED = np.array([1.0, 1e-4])
+PROVED = CALM_FRAMES + FEWEST + 1
+"""The frame in which sound odometry is used for the first time, counted from 1."""
+
+
+def shown(gate, residuals):
+    for residual in residuals:
+        gate.compare(np.array([residual, 0.0]), UNKNOWN, OBSERVED)
+    return gate
+
+
+@pytest.fixture
+def proved() -> AgreementGate:
+    """A gate that has seen enough agreement to be open."""
+    gate = shown(AgreementGate(), [0.1, -0.1] * (CALM_FRAMES + FEWEST))
+    assert gate.is_open
+    return gate
+
+
+class TestGate:
+    def test_odometry_has_to_prove_itself(self):
+        gate = AgreementGate()
+        assert not gate.is_open
+        assert gate.disagreement() is None
+        assert "not yet" in gate.why_closed
+        shown(gate, [0.1, -0.1] * ((CALM_FRAMES + FEWEST - 2) // 2))
+        assert not gate.is_open
+        assert shown(gate, [0.1, -0.1]).is_open
+        assert gate.why_closed == ""
+
+    def test_noise_does_not_close_it(self, proved):
+        rng = np.random.default_rng(1)
+        for residual in rng.normal(0.0, 0.6, 2000):
+            assert shown(proved, [residual]).is_open
+
+    def test_a_drift_closes_it(self, proved):
+        assert not shown(proved, [1.1] * 12).is_open
+        assert "disagrees" in proved.why_closed
+
+    def test_a_motion_to_and_fro_that_is_missed_closes_it(self, proved):
+        assert not shown(proved, [2.0, -2.0] * 6).is_open
+
+    def test_a_jump_of_the_filter_does_not(self, proved):
+        assert shown(proved, [60.0] + [0.1, -0.1] * 10).is_open
+
+    def test_a_drift_of_the_angle_closes_it_too(self, proved):
+        for _ in range(12):
+            proved.compare(np.array([0.0, 0.02]), UNKNOWN, OBSERVED)
+        assert not proved.is_open
+
+    def test_it_opens_again_after_long_agreement(self, proved):
+        shown(proved, [2.5] * 12)
+        assert not shown(proved, [0.1, -0.1] * (CALM_FRAMES // 2)).is_open
+        assert shown(proved, [0.1, -0.1] * CALM_FRAMES).is_open
+
+    def test_drift_does_not_add_up_across_a_gap(self, proved):
+        proved.interrupt()
+        shown(proved, [2.5] * (FEWEST - 1))
+        proved.interrupt()
+        assert shown(proved, [2.5] * (FEWEST - 1)).is_open
+
+
+class Drive:
+    """A vehicle 1.4 m above a cable that it slides off sideways, with a camera that looks down."""
+
+    SWAY = 0.2
+    PIXELS_A_FRAME = SWAY * 280.0 / 1.4 / 25
+
+    def __init__(self, calibration, make_estimate):
+        instruments = Instruments(InstrumentSettings(fixed_altitude=1.4))
+        instruments.take_calibration(calibration)
+        self.odometry = Odometry()
+        self.aiding = MotionAiding(instruments, self.odometry)
+        self._make_estimate = make_estimate
+        self._frame = 0
+        self._twists = 0
+
+    def hears(self, sway):
+        """Odometry up to the next frame: a velocity to the left, which moves the cable right."""
+        while self._twists * SECOND // 50 <= (self._frame + 1) * FRAME:
+            wobble = 1e-4 * (-1) ** self._twists
+            twist = np.array([0.0, sway + wobble, 0.0, 0.0, 0.0, 0.0])
+            self.odometry.add(SECOND + self._twists * SECOND // 50, twist, np.eye(6) * 1e-6)
+            self._twists += 1
+
+    def sees(self, status=TrackingStatus.TRACKING, moving=1.0) -> PlaneMotion | None:
+        """Return what the filter would be told, and show where the cable really is."""
+        stamp = SECOND + self._frame * FRAME
+        motion = self.aiding.motion(stamp)
+        distance = -60.0 + moving * self.PIXELS_A_FRAME * self._frame
+        state = CableState(distance, 0.0, 40.0)
+        self.aiding.observe(
+            self._make_estimate(state, (1.0, 0.01, 1.0, 0.01), status=status, stamp=stamp)
+        )
+        self._frame += 1
+        return motion
+
+
+@pytest.fixture
+def drive(calibrations, make_estimate):
+    return Drive(calibrations["pinhole"], make_estimate)
+
+
+def test_a_sway_to_the_left_moves_the_cable_to_the_right(drive):
+    for _ in range(PROVED):
+        drive.hears(Drive.SWAY)
+        motion = drive.sees()
+    moved = motion.moved(np.array([[10.0, 0.0, 40.0, 0.0, 0.0, 0.0, 0.0, 0.0]]))[0]
+    assert moved[0] - 10.0 == pytest.approx(Drive.PIXELS_A_FRAME, rel=0.02)
+    assert drive.aiding.why_not == ""
+
+
+def test_sound_odometry_is_used_once_it_has_proved_itself(drive):
+    used = []
+    for _ in range(2 * PROVED):
+        drive.hears(Drive.SWAY)
+        used.append(drive.sees() is not None)
+    assert used == [False] * (PROVED - 1) + [True] * (PROVED + 1)
+
+
+@pytest.mark.parametrize("said", [0.0, -Drive.SWAY, 1.0])
+def test_wrong_odometry_is_told_from_sound_one(drive, said):
+    for _ in range(20):
+        drive.hears(said)
+        motion = drive.sees()
+    assert motion is None
+    assert "disagrees" in drive.aiding.why_not
+
+
+def test_odometry_that_is_sound_again_is_used_again(drive):
+    for _ in range(20):
+        drive.hears(0.0)
+        drive.sees()
+    used = []
+    for _ in range(60):
+        drive.hears(Drive.SWAY)
+        used.append(drive.sees() is not None)
+    assert not used[0] and used[-1]
+
+
+def test_silent_odometry_is_told(drive):
+    drive.hears(Drive.SWAY)
+    for _ in range(12):
+        motion = drive.sees()
+    assert motion is None
+    assert "older than the image" in drive.aiding.why_not
+
+
+def test_without_a_claim_nothing_is_judged(drive):
+    for _ in range(30):
+        drive.hears(-Drive.SWAY)
+        drive.sees(TrackingStatus.LOST)
+    assert "not yet" in drive.aiding.why_not
+
+
+def test_without_altitude_there_is_no_aid(make_estimate, calibrations):
+    instruments = Instruments(InstrumentSettings())
+    instruments.take_calibration(calibrations["pinhole"])
+    drive = Drive(calibrations["pinhole"], make_estimate)
+    drive.aiding = MotionAiding(instruments, drive.odometry)
+    for _ in range(3):
+        drive.hears(0.1)
+        drive.sees()
+    assert "no altitude" in drive.aiding.why_not
+
+
+def test_longer_steps_leave_more_unknown(drive):
+    sigmas = []
+    for _ in range(PROVED):
+        drive.hears(Drive.SWAY)
+        drive.sees()
+    for skipped in (1, 4):
+        drive._frame += skipped - 1
+        drive.hears(Drive.SWAY)
+        drive.sees()
+        drive._frame += skipped - 1
+        drive.hears(Drive.SWAY)
+        motion = drive.sees()
+        sigmas.append(motion.sigmas()[0])
+    assert sigmas[1] == pytest.approx(sigmas[0] * math.sqrt(4), rel=0.1)

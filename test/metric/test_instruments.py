@@ -1,0 +1,118 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.metric.altitude import Altimeter, Altitude
+from cable_tracker.metric.cross_track import CrossTrack, MetricSettings
+from cable_tracker.metric.frames import Attitude
+from cable_tracker.metric.instruments import Instruments, InstrumentSettings
+from cable_tracker.metric.withheld import Reason, Withheld
+
+SECOND = 1_000_000_000
+LIMITS = (0.1, 50.0)
+
+
+@pytest.fixture
+def estimate(make_estimate):
+    return make_estimate(CableState(-50.0, 0.0, 40.0), (1.0, 0.01, 1.0, 0.01), stamp=10 * SECOND)
+
+
+@pytest.fixture
+def instruments(calibrations):
+    instruments = Instruments(InstrumentSettings())
+    instruments.take_calibration(calibrations["pinhole"])
+    return instruments
+
+
+def reason(result) -> Reason:
+    assert isinstance(result, Withheld)
+    return result.reason
+
+
+def test_with_calibration_and_altitude_there_are_metres(instruments, estimate):
+    instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
+    result = instruments.cross_track(estimate)
+    assert isinstance(result, CrossTrack)
+    # The principal point of the camera is 3.5 px to the right of the image centre.
+    assert result.offset == pytest.approx((50.0 + 3.5) * 1.4 / 280.0, rel=0.01)
+
+
+def test_without_calibration_the_words_say_so(estimate):
+    instruments = Instruments(InstrumentSettings())
+    instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
+    assert reason(instruments.cross_track(estimate)) is Reason.NO_CALIBRATION
+
+
+def test_without_altitude_the_words_say_so(instruments, estimate):
+    assert reason(instruments.cross_track(estimate)) is Reason.NO_ALTITUDE
+
+
+def test_a_fixed_altitude_stands_in(instruments, estimate):
+    instruments.configure(InstrumentSettings(fixed_altitude=2.0))
+    assert instruments.altitude_at(0, Attitude()) == Altitude(2.0, 0.02)
+    instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
+    measured = instruments.altitude_at(10 * SECOND, Attitude())
+    assert isinstance(measured, Altitude)
+    assert measured.metres == pytest.approx(1.4)
+
+
+@pytest.mark.parametrize("metres", [0.0, math.nan, math.inf, -math.inf, 60.0])
+def test_an_impossible_altitude_is_told(instruments, estimate, metres):
+    instruments.take_altitude(9 * SECOND, 1.4, LIMITS)
+    instruments.take_altitude(10 * SECOND, metres, LIMITS)
+    assert reason(instruments.cross_track(estimate)) is Reason.BAD_ALTITUDE
+
+
+@pytest.mark.parametrize("second", [8, 12])
+def test_an_altitude_of_another_time_is_stale(instruments, estimate, second):
+    instruments.take_altitude(second * SECOND, 1.4, LIMITS)
+    assert reason(instruments.cross_track(estimate)) is Reason.STALE_ALTITUDE
+
+
+def test_an_imu_that_fell_silent_is_told(instruments, estimate):
+    instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
+    instruments.take_attitude(8 * SECOND, Attitude(0.1, 0.0, 0.01))
+    assert reason(instruments.cross_track(estimate)) is Reason.STALE_ATTITUDE
+
+
+def test_an_imu_that_knows_nothing_is_told(instruments, estimate):
+    instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
+    instruments.take_attitude(10 * SECOND, Attitude(math.nan, 0.0, 0.01))
+    assert reason(instruments.cross_track(estimate)) is Reason.BAD_ATTITUDE
+
+
+def test_the_attitude_of_the_frames_time_counts(instruments, estimate):
+    instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
+    before = instruments.cross_track(estimate)
+    instruments.take_attitude(9 * SECOND, Attitude(0.0, 0.0, 0.01))
+    instruments.take_attitude(11 * SECOND, Attitude(0.2, 0.0, 0.01))
+    after = instruments.cross_track(estimate)
+    assert isinstance(before, CrossTrack) and isinstance(after, CrossTrack)
+    # Half of the roll is there at the time of the frame.
+    assert after.offset - before.offset > 0.9 * 1.4 * math.tan(0.1)
+    assert instruments.attitude_at(10 * SECOND) == Attitude(0.1, 0.0, 0.01)
+
+
+def test_doubt_about_the_level_makes_the_offset_less_sure(calibrations, estimate):
+    sigmas = []
+    for doubt in (0.0, 0.05):
+        instruments = Instruments(InstrumentSettings(level_sigma=doubt, fixed_altitude=1.4))
+        instruments.take_calibration(calibrations["pinhole"])
+        result = instruments.cross_track(estimate)
+        assert isinstance(result, CrossTrack)
+        sigmas.append(result.standard_deviations()[0])
+    assert sigmas[1] == pytest.approx(math.hypot(sigmas[0], 1.4 * 0.05), rel=0.1)
+
+
+def test_settings_change_at_once(instruments, estimate):
+    instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
+    instruments.configure(
+        InstrumentSettings(MetricSettings(look_ahead=3.0), Altimeter(z=-0.6), timeout=0.5)
+    )
+    result = instruments.cross_track(estimate)
+    assert isinstance(result, CrossTrack)
+    assert result.look_ahead == 3.0
+    assert result.depth == pytest.approx(-2.0)

@@ -1,0 +1,365 @@
+"""What clients, signals and crashes may do to the processes, and what these open."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import Image, JointState
+from std_srvs.srv import SetBool, Trigger
+
+from cable_tracker.cable.parameters import PARAMETER_TABLE, ParameterSpec, TrackerParameters
+from cable_tracker.errors import ParameterError
+from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS
+from cable_tracker.ros.environment import PROFILE_VARIABLE, RANGE_VARIABLE
+from cable_tracker.ros.shared_memory import remove_dead_segments
+
+SHARED_MEMORY = Path("/dev/shm")
+LOOPBACK = {"127.0.0.1", "::1"}
+Make = Callable[..., Any]
+
+
+class Process:
+    """A node in a process of its own, whose words go to a file."""
+
+    def __init__(self, node: str, arguments: list[str], log: Path, **environment: str) -> None:
+        self.log = log
+        self._file = log.open("w")
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "cable_tracker.ros.entry", node, "--ros-args", *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=self._file,
+            stderr=subprocess.STDOUT,
+            env={**os.environ, **environment},
+        )
+
+    @property
+    def words(self) -> str:
+        return self.log.read_text()
+
+    def end(self, number: int = signal.SIGINT) -> int:
+        self.process.send_signal(number)
+        return self.process.wait(20.0)
+
+    def close(self) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self._file.close()
+
+
+@pytest.fixture
+def start(tmp_path: Path, namespace: str) -> Iterator[Make]:
+    processes: list[Process] = []
+
+    def started(
+        node: str,
+        *parameters: str,
+        ns: str = namespace,
+        image: str = "image",
+        **environment: str,
+    ) -> Process:
+        given = [word for parameter in parameters for word in ("-p", parameter)]
+        log = tmp_path / f"{len(processes)}_{node}.log"
+        processes.append(
+            Process(
+                node, ["-r", f"__ns:={ns}", "-r", f"image:={image}", *given], log, **environment
+            )
+        )
+        return processes[-1]
+
+    yield started
+    for process in processes:
+        process.close()
+
+
+class Random:
+    """Draws parameter values, most of them good."""
+
+    def __init__(self, seed: int) -> None:
+        self._rng = np.random.default_rng(seed)
+        numeric = [spec for spec in PARAMETER_TABLE if spec.name != "response_table"]
+        self._specs = [*numeric, *TRACKER_RUNTIME_PARAMETERS]
+
+    def value(self, spec: ParameterSpec) -> object:
+        if self._rng.random() < 0.05:
+            return [float("nan"), "nonsense", -1e300, 10**12, True][self._rng.integers(5)]
+        if spec.choices:
+            return str(self._rng.choice(spec.choices))
+        if spec.kind is bool:
+            return bool(self._rng.integers(2))
+        if spec.minimum is None or spec.maximum is None:
+            return str(self._rng.choice(["random", "3,0.1,30,0", "here"]))
+        high = min(spec.maximum, 400.0) if spec.kind is int else spec.maximum
+        share = self._rng.random() ** 4
+        value = spec.minimum + share * (max(high, spec.minimum) - spec.minimum)
+        return round(value) if spec.kind is int else float(value)
+
+    def parameters(self) -> list[Parameter]:
+        number = int(self._rng.integers(1, 6))
+        chosen = self._rng.choice(len(self._specs), number, replace=False)
+        return [Parameter(self._specs[k].name, value=self.value(self._specs[k])) for k in chosen]
+
+
+class TestParameters:
+    def test_a_thousand_random_sets_while_frames_run_leave_whole_sets_and_no_nan(
+        self, world: Any, near: str, strip: Make, image_message: Make
+    ) -> None:
+        """Two clients, a frame for every tenth set: what is in force is what is told."""
+        node = world.tracker(initial_state=near, input_timeout=3600.0)
+        states = world.listen(JointState, "state")
+        lines = world.listen(PoseWithCovarianceStamped, "centreline")
+        draws = [Random(1), Random(2)]
+        for number in range(1000):
+            parameters = draws[number % 2].parameters()
+            before = node.tracker.parameters
+            if number % 3:
+                node.set_parameters(parameters)
+            else:
+                result = node.set_parameters_atomically(parameters)
+                assert result.successful or node.tracker.parameters == before
+            told = {spec.name: node.get_parameter(spec.name).value for spec in PARAMETER_TABLE}
+            assert node.tracker.parameters == TrackerParameters(**told)
+            if number % 10 == 0:
+                node.wait_until_warm()
+                pixels = strip()
+                pixels[0, 0] = number % 251
+                node.on_image(image_message(pixels, index=number))
+                world.turn()
+        world.spin(lambda: len(states) == 100)
+        numbers = [x for state in states for x in (*state.position, *state.velocity, *state.effort)]
+        numbers += [x for line in lines for x in line.pose.covariance]
+        assert np.all(np.isfinite(numbers))
+        assert node.statistics.tracked == 100
+
+    def test_clients_over_the_wire_at_the_same_time(
+        self, world: Any, near: str, image_message: Make
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        clients = [
+            world.me.create_client(kind, f"tracker/{name}")
+            for kind, name in (
+                (SetParameters, "set_parameters"),
+                (SetParametersAtomically, "set_parameters_atomically"),
+            )
+        ]
+        for client in clients:
+            world.spin(client.service_is_ready)
+        futures = []
+        for number in range(40):
+            client = clients[number % 2]
+            low = 5.0 + number % 7
+            pair = [
+                Parameter("width_minimum", value=low).to_parameter_msg(),
+                Parameter("width_maximum", value=low + 90.0).to_parameter_msg(),
+            ]
+            futures.append(client.call_async(client.srv_type.Request(parameters=pair)))
+            node.on_image(image_message(index=number))
+        world.spin(lambda: all(future.done() for future in futures))
+        parameters = node.tracker.parameters
+        assert parameters.width_maximum - parameters.width_minimum == 90.0
+
+    @pytest.mark.parametrize(
+        ("name", "value"), [("particle_count", 150), ("filter_sigma", 2.5), ("working_width", 200)]
+    )
+    def test_a_change_of_number_filter_or_size_keeps_the_estimate(
+        self, world: Any, near: str, image_message: Make, name: str, value: object
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        for index in range(12):
+            if index == 6:
+                assert node.set_parameters([Parameter(name, value=value)])[0].successful
+            node.on_image(image_message(index=index))
+            assert node.status == "TRACKING"
+
+    def test_random_values_are_of_both_kinds(self) -> None:
+        draw, refused = Random(3), 0
+        for _ in range(100):
+            values = {each.name: each.value for each in draw.parameters()}
+            known = {spec.name for spec in PARAMETER_TABLE}
+            try:
+                TrackerParameters().replaced({k: v for k, v in values.items() if k in known})
+            except ParameterError:
+                refused += 1
+        assert 0 < refused < 60
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc and /dev/shm")
+class TestProcesses:
+    @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+    def test_a_signal_while_it_compiles_ends_it_with_0(
+        self, start: Make, tmp_path: Path, number: int
+    ) -> None:
+        # An empty cache: everything is compiled, as at first use on a machine.
+        tracker = start("tracker", NUMBA_CACHE_DIR=str(tmp_path / "cache"))
+        wait(lambda: "warming up" in tracker.words, tracker)
+        assert tracker.end(number) == 0
+        assert "Traceback" not in tracker.words
+
+    @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+    def test_a_signal_between_services_and_frames_ends_it_with_0(
+        self, start: Make, world: Any, image_message: Make, number: int
+    ) -> None:
+        tracker = start("tracker")
+        camera = world.me.create_publisher(Image, "image", 5)
+        reset = world.me.create_client(Trigger, "tracker/reset")
+        enable = world.me.create_client(SetBool, "tracker/enable")
+        world.spin(camera.get_subscription_count)
+        world.spin(reset.service_is_ready)
+        for index in range(20):
+            reset.call_async(Trigger.Request())
+            enable.call_async(SetBool.Request(data=index % 2 == 0))
+            camera.publish(image_message(index=index))
+            world.turn()
+        assert tracker.end(number) == 0
+        assert "Traceback" not in tracker.words
+
+    def test_a_killed_tracker_is_replaced_and_a_killed_replay_too(
+        self, start: Make, world: Any, make_dive: Make
+    ) -> None:
+        states = world.listen(JointState, "state")
+        parameters = (f"source:={make_dive(50)}", "loop:=true")
+        first = [start("tracker"), start("replay", *parameters)]
+        world.spin(lambda: len(states) > 3)
+        for node, arguments, old in (
+            ("tracker", (), first[0]),
+            ("replay", parameters, first[1]),
+        ):
+            old.process.kill()
+            assert old.process.wait() == -signal.SIGKILL
+            new = start(node, *arguments)
+            heard = len(states)
+            world.spin(lambda heard=heard: len(states) > heard + 3, patience=40.0)
+            assert new.process.poll() is None
+
+    def test_two_trackers_at_one_camera_by_namespace(
+        self, world: Any, start: Make, namespace: str, image_message: Make
+    ) -> None:
+        """One is there before the camera, the other comes after it."""
+        topic = f"{namespace}/eye"
+        names = [f"{namespace}/{side}" for side in ("port", "starboard")]
+        heard = [world.listen(JointState, f"{name}/state") for name in names]
+        first = start("tracker", ns=names[0], image=topic)
+        world.spin(lambda: world.me.count_subscribers(topic) == 1)
+        camera = world.me.create_publisher(Image, topic, 5)
+        second = start("tracker", ns=names[1], image=topic)
+        world.spin(lambda: camera.get_subscription_count() == 2)
+        indices = count()
+
+        def both_answer() -> bool:
+            camera.publish(image_message(index=next(indices)))
+            world.pass_time(0.05)
+            return all(len(states) >= 3 for states in heard)
+
+        world.spin(both_answer)
+        assert (first.end(), second.end(signal.SIGTERM)) == (0, 0)
+
+    def test_an_orderly_end_leaves_no_shared_memory(self, start: Make, world: Any) -> None:
+        before = set(SHARED_MEMORY.iterdir())
+        tracker = start("tracker")
+        world.spin(lambda: world.me.count_subscribers("image") == 1)
+        mine = segments_of(tracker.process.pid) - before
+        assert mine
+        assert tracker.end() == 0
+        assert not [path for path in mine if path.exists()]
+
+    def test_what_a_killed_tracker_leaves_is_removed_and_nothing_else(
+        self, start: Make, world: Any
+    ) -> None:
+        before = set(SHARED_MEMORY.iterdir())
+        killed, living = start("tracker"), start("tracker")
+        world.spin(lambda: world.me.count_subscribers("image") == 2)
+        new = [segments_of(each.process.pid) - before for each in (killed, living)]
+        killed.process.kill()
+        killed.process.wait()
+        removed = {SHARED_MEMORY / name for name in remove_dead_segments(youngest=0.0)}
+        left = removed & set.union(*new)
+        assert len(left) == 1
+        assert not left.pop().exists()
+        assert living.end() == 0
+        assert "Traceback" not in living.words
+
+    def test_a_missing_profile_is_one_line_and_exit_code_2(
+        self, start: Make, tmp_path: Path
+    ) -> None:
+        tracker = start("tracker", **{PROFILE_VARIABLE: str(tmp_path / "gone.xml")})
+        assert tracker.process.wait(30.0) == 2
+        assert len(tracker.words.splitlines()) == 1
+        assert tracker.words.startswith("error: the Fast DDS profile")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+class TestNetwork:
+    def test_with_the_shipped_profile_it_listens_on_loopback_alone(
+        self, start: Make, world: Any
+    ) -> None:
+        tracker = start("tracker")
+        world.spin(lambda: world.me.count_subscribers("image") == 1)
+        addresses = listening(tracker.process.pid)
+        assert addresses
+        assert {address for _, address in addresses} <= LOOPBACK
+        assert {kind for kind, _ in addresses} == {"udp"}
+
+    def test_without_a_profile_it_listens_everywhere_which_the_documentation_says(
+        self, start: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.delenv(PROFILE_VARIABLE)
+        monkeypatch.delenv(RANGE_VARIABLE)
+        tracker = start("tracker")
+        wait(lambda: "waiting for images" in tracker.words, tracker)
+        addresses = {address for _, address in listening(tracker.process.pid)}
+        assert "0.0.0.0" in addresses
+        page = Path(__file__).resolve().parents[2] / "docs" / "security.md"
+        assert "0.0.0.0" in page.read_text(encoding="utf-8")
+
+
+def wait(condition: Callable[[], bool], process: Process, patience: float = 60.0) -> None:
+    deadline = time.monotonic() + patience
+    while not condition():
+        assert time.monotonic() < deadline and process.process.poll() is None, process.words
+        time.sleep(0.02)
+
+
+def segments_of(pid: int) -> set[Path]:
+    """Shared-memory segments that a process has mapped: its own and those of its partners."""
+    maps = Path(f"/proc/{pid}/maps").read_text()
+    names = re.findall(rf"{SHARED_MEMORY}/(fastrtps_[0-9a-f]{{16}})", maps)
+    return {SHARED_MEMORY / name for name in names}
+
+
+def listening(pid: int) -> set[tuple[str, str]]:
+    """Protocol and address of the sockets on which a process takes what comes from elsewhere."""
+    inodes = set()
+    for descriptor in Path(f"/proc/{pid}/fd").iterdir():
+        with suppress(OSError):
+            match = re.fullmatch(r"socket:\[(\d+)\]", str(descriptor.readlink()))
+            if match:
+                inodes.add(match[1])
+    found = set()
+    for kind in ("udp", "tcp", "udp6", "tcp6"):
+        for line in Path(f"/proc/{pid}/net/{kind}").read_text().splitlines()[1:]:
+            fields = line.split()
+            if fields[9] in inodes:
+                found.add((kind, readable(fields[1].split(":")[0])))
+    return found
+
+
+def readable(address: str) -> str:
+    """Turn the kernel's hexadecimal form of an address into the usual one."""
+    if len(address) == 8:
+        return ".".join(str(octet) for octet in reversed(bytes.fromhex(address)))
+    return "::1" if address.endswith("01000000") else "::"

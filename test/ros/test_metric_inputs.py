@@ -1,0 +1,202 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from geometry_msgs.msg import PoseWithCovarianceStamped, Quaternion
+from nav_msgs.msg import Odometry
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import CameraInfo, Imu, JointState, Range
+
+from cable_tracker.cable.state import CableState
+
+ALTITUDE, FOCAL = 1.4, 280.0
+K = [FOCAL, 0.0, 159.5, 0.0, FOCAL, 119.5, 0.0, 0.0, 1.0]
+
+
+class Vehicle:
+    """Publishes what its instruments measure, and shows frames to a tracker."""
+
+    def __init__(self, world: Any, node: Any, image_message: Callable[..., Any]) -> None:
+        self._world, self._node, self._image = world, node, image_message
+        self._publishers = {
+            topic: world.me.create_publisher(kind, topic, 10)
+            for kind, topic in (
+                (CameraInfo, "camera_info"),
+                (Range, "altitude"),
+                (Imu, "imu"),
+                (Odometry, "odometry"),
+            )
+        }
+        self._index = 0
+        self._states = world.listen(JointState, "state")
+        self.foot = world.listen(PoseWithCovarianceStamped, "cross_track")
+        self.ahead = world.listen(PoseWithCovarianceStamped, "cross_track_ahead")
+        world.spin(lambda: all(each.get_subscription_count() for each in self._publishers.values()))
+
+    def sends(self, topic: str, message: Any) -> None:
+        message.header = self._image(index=self._index).header
+        self._publishers[topic].publish(message)
+        self._world.pass_time(0.1)
+
+    def is_calibrated(self, **fields: Any) -> None:
+        given = {"width": 320, "height": 240, "distortion_model": "plumb_bob", "k": K}
+        self.sends("camera_info", CameraInfo(**{**given, **fields}))
+
+    def measures(self, altitude: float) -> None:
+        self.sends("altitude", Range(range=altitude, min_range=0.1, max_range=30.0))
+
+    def rolls(self, roll: float) -> None:
+        orientation = Quaternion(x=math.sin(roll / 2), w=math.cos(roll / 2))
+        self.sends("imu", Imu(orientation=orientation))
+
+    def sways(self, velocity: float) -> None:
+        message = Odometry()
+        message.twist.twist.linear.y = velocity
+        self.sends("odometry", message)
+
+    def sees(self, count: int = 1) -> None:
+        """Show frames of the strip, and wait for the answers."""
+        wanted = len(self._states) + count
+        for _ in range(count):
+            self._node.on_image(self._image(index=self._index))
+            self._index += 1
+        self._world.spin(lambda: len(self._states) >= wanted)
+        self._world.pass_time(0.1)
+
+
+@pytest.fixture
+def start(world: Any, near: str, image_message: Callable[..., Any]) -> Callable[..., Any]:
+    def make(**parameters: Any) -> tuple[Any, Vehicle]:
+        node = world.tracker(initial_state=near, **parameters)
+        return node, Vehicle(world, node, image_message)
+
+    return make
+
+
+def yaw_of(message: PoseWithCovarianceStamped) -> float:
+    orientation = message.pose.pose.orientation
+    return 2 * math.atan2(orientation.z, orientation.w)
+
+
+def test_a_calibrated_camera_and_an_altitude_give_metres(
+    start: Callable[..., Any], truth: CableState
+) -> None:
+    _, vehicle = start(look_ahead=2.0)
+    vehicle.is_calibrated()
+    vehicle.measures(ALTITUDE)
+    vehicle.sees(3)
+    foot, ahead = vehicle.foot[-1], vehicle.ahead[-1]
+    offset = -truth.distance / math.cos(truth.angle) * ALTITUDE / FOCAL
+    assert foot.header.frame_id == "base_link"
+    assert foot.pose.pose.position.y == pytest.approx(offset, abs=0.01)
+    assert yaw_of(foot) == pytest.approx(truth.angle, abs=0.03)
+    assert (foot.pose.pose.position.x, ahead.pose.pose.position.x) == (0.0, 2.0)
+    assert ahead.pose.pose.position.y == pytest.approx(
+        foot.pose.pose.position.y + 2.0 * math.tan(yaw_of(foot)), abs=0.01
+    )
+    assert 0.0 < foot.pose.covariance[7] < ahead.pose.covariance[7] < 1.0
+
+
+def test_without_calibration_there_are_no_metres_and_diagnostics_say_why(
+    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
+) -> None:
+    node, vehicle = start(diagnostics_period=0.05)
+    vehicle.measures(ALTITUDE)
+    vehicle.sees(3)
+    assert vehicle.foot == [] == vehicle.ahead
+    node.publish_diagnostics()
+    world.spin(
+        lambda: any(
+            "no camera calibration" in values["no metres"] for _, values in diagnostics(node)
+        )
+    )
+
+
+@pytest.mark.parametrize("altitude", [0.0, math.nan, math.inf, 40.0])
+def test_an_impossible_altitude_gives_no_metres(start: Callable[..., Any], altitude: float) -> None:
+    _, vehicle = start()
+    vehicle.is_calibrated()
+    vehicle.measures(altitude)
+    vehicle.sees(3)
+    assert vehicle.foot == []
+
+
+def test_a_calibration_of_another_aspect_gives_no_metres(start: Callable[..., Any]) -> None:
+    _, vehicle = start(fixed_altitude=ALTITUDE)
+    vehicle.is_calibrated(width=640, height=360)
+    vehicle.sees(3)
+    assert vehicle.foot == []
+
+
+def test_the_roll_of_the_imu_is_corrected(start: Callable[..., Any]) -> None:
+    _, vehicle = start(fixed_altitude=ALTITUDE)
+    vehicle.is_calibrated()
+    vehicle.sees(3)
+    level = vehicle.foot[-1].pose.pose.position.y
+    vehicle.rolls(0.1)
+    vehicle.sees()
+    rolled = vehicle.foot[-1].pose.pose.position.y
+    assert rolled - level == pytest.approx(ALTITUDE * math.tan(0.1), rel=0.1)
+
+
+def test_the_mounting_can_be_set_while_it_runs(start: Callable[..., Any]) -> None:
+    node, vehicle = start(fixed_altitude=ALTITUDE)
+    vehicle.is_calibrated()
+    vehicle.sees(3)
+    before = vehicle.foot[-1].pose.pose.position.y
+    results = node.set_parameters(
+        [Parameter("camera_y", value=0.5), Parameter("base_frame", value="rov")]
+    )
+    assert all(result.successful for result in results)
+    vehicle.sees()
+    assert vehicle.foot[-1].pose.pose.position.y - before == pytest.approx(0.5, abs=0.01)
+    assert vehicle.foot[-1].header.frame_id == "rov"
+
+
+def test_a_mounting_out_of_range_is_refused(start: Callable[..., Any]) -> None:
+    node, _ = start()
+    result = node.set_parameters([Parameter("camera_pitch", value=400.0)])[0]
+    assert not result.successful
+
+
+def unaided(node: Any, diagnostics: Callable[..., Any], world: Any) -> str:
+    """Why the last frame was not aided, as diagnostics say it."""
+    before = len(diagnostics(node))
+    node.publish_diagnostics()
+    world.spin(lambda: len(diagnostics(node)) > before)
+    return str(diagnostics(node)[-1][1]["no motion aid"])
+
+
+def test_odometry_reaches_the_filter(
+    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
+) -> None:
+    node, vehicle = start(fixed_altitude=ALTITUDE)
+    vehicle.is_calibrated()
+    vehicle.sees(2)
+    assert unaided(node, diagnostics, world) == "no odometry has come"
+    for index in range(30):
+        vehicle.sways(1e-4 * (-1) ** index)
+        vehicle.sees()
+    assert unaided(node, diagnostics, world) == ""
+
+
+def test_odometry_that_disagrees_is_told(
+    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
+) -> None:
+    node, vehicle = start(fixed_altitude=ALTITUDE)
+    vehicle.is_calibrated()
+    for index in range(12):
+        vehicle.sways(1.5 + 0.001 * index)
+        vehicle.sees()
+    assert "disagrees" in unaided(node, diagnostics, world)
+
+
+def test_the_aid_can_be_switched_off(
+    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
+) -> None:
+    node, vehicle = start(fixed_altitude=ALTITUDE, motion_aid=False)
+    vehicle.sees()
+    assert unaided(node, diagnostics, world) == "the parameter motion_aid is false"

@@ -1,0 +1,507 @@
+"""What a camera, its clock and its link may do to the node."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import rclpy
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CompressedImage, Image, JointState
+from std_srvs.srv import SetBool
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.ros import tracker_node, tracker_outputs
+from cable_tracker.sequences.encodings import MAX_PIXELS
+from cable_tracker.sequences.messages import read_state
+
+SECOND = 1_000_000_000
+START = 1_700_000_000 * SECOND
+FRAME = 40_000_000
+
+Make = Callable[..., Any]
+
+
+def stamped(message: Any, stamp: int) -> Any:
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, SECOND)
+    return message
+
+
+def values_of(diagnostics: Make, node: Any) -> dict[str, str]:
+    heard = diagnostics(node)
+    return dict(heard[-1][1]) if heard else {}
+
+
+@pytest.fixture
+def feed(strip: Make, image_message: Make) -> Make:
+    """Give a node the strip at some times [ns]; no two pictures are the same."""
+    pictures: list[int] = []
+
+    def fed(node: Any, stamps: list[int], **image: Any) -> None:
+        for stamp in stamps:
+            pixels = strip()
+            pixels[0, 0] = len(pictures) % 256
+            pictures.append(stamp)
+            node.on_image(stamped(image_message(pixels, **image), stamp))
+
+    return fed
+
+
+def regular(count: int, start: int = START, step: int = FRAME) -> list[int]:
+    return [start + index * step for index in range(count)]
+
+
+class TestStamps:
+    def test_a_repeated_stamp_is_refused_and_moves_nothing(
+        self, world: Any, near: str, feed: Make
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        feed(node, regular(5))
+        before = node.tracker.particles
+        feed(node, [START + 4 * FRAME] * 3)
+        assert (node.statistics.tracked, node.statistics.refused) == (5, 3)
+        assert node.tracker.particles is before
+        assert node.status == "TRACKING"
+
+    def test_a_frame_that_was_overtaken_is_refused_and_moves_nothing(
+        self, world: Any, near: str, feed: Make
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        feed(node, regular(5))
+        before = node.tracker.particles
+        feed(node, [START + 3 * FRAME + 1])
+        assert "out of order" in node.statistics.last_bad_frame
+        assert node.tracker.particles is before
+        feed(node, [START + 5 * FRAME])
+        assert node.status == "TRACKING"
+
+    @pytest.mark.parametrize("back", [0.3, 7.0, 3600.0, 1.6e9])
+    def test_a_jump_back_starts_anew_and_is_named(
+        self, world: Any, near: str, feed: Make, back: float
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        feed(node, regular(5))
+        feed(node, regular(2, START + 4 * FRAME - round(back * SECOND)))
+        assert node.statistics.last_event.startswith("time went back by")
+        assert node.statistics.refused == 0
+        assert node.statistics.tracked == 7
+
+    @pytest.mark.parametrize("forward", [5.5, 7200.0, 1e9 - 1])
+    def test_a_jump_far_ahead_starts_anew_and_is_named(
+        self, world: Any, near: str, feed: Make, forward: float
+    ) -> None:
+        node = world.tracker(initial_state=near, maximum_gap=5.0)
+        feed(node, regular(5, START - SECOND * 10**9))
+        feed(node, regular(2, START - SECOND * 10**9 + round(forward * SECOND)))
+        assert node.statistics.last_event.startswith("no frame for")
+        assert node.statistics.tracked == 7
+
+    def test_the_longer_the_gap_the_wider_the_belief(
+        self, world: Any, near: str, feed: Make
+    ) -> None:
+        spreads = []
+        for gap in (FRAME, SECOND, 4 * SECOND):
+            node = world.tracker(initial_state=near, filter="bootstrap", maximum_gap=5.0)
+            feed(node, regular(5))
+            blank = np.full((240, 320), 90, np.uint8)
+            # Without borders the weights stay level: what is seen is the prediction.
+            node.tracker.process(blank, START + 4 * FRAME + gap)
+            spreads.append(node.tracker.particles.states[:, 0].std())
+            assert node.statistics.last_event == ""
+        assert spreads == sorted(spreads)
+        assert spreads[2] > 2 * spreads[0]
+
+    @pytest.mark.parametrize("rate", [1, 200])
+    def test_slow_and_fast_cameras_are_tracked(
+        self, world: Any, near: str, truth: CableState, feed: Make, rate: int
+    ) -> None:
+        # A belief that has had a second to spread says less about what it was about.
+        node = world.tracker(initial_state=near, presence_to_track=0.3, presence_to_lose=0.01)
+        states = world.listen(JointState, "state")
+        feed(node, regular(12, step=SECOND // rate))
+        world.spin(lambda: len(states) == 12)
+        assert node.status == "TRACKING"
+        last = read_state(states[-1])
+        assert last is not None
+        assert last.distance == pytest.approx(truth.distance, abs=2.0)
+
+    def test_without_stamp_and_clock_a_frame_is_refused_until_simulated_time_begins(
+        self, world: Any, feed: Make
+    ) -> None:
+        node = world.tracker(use_sim_time=True)
+        states = world.listen(JointState, "state")
+        feed(node, [0, 0])
+        assert node.statistics.refused == 2
+        assert "nothing has come on /clock" in node.statistics.last_bad_frame
+        world.spin(lambda: len(states) == 2)
+        clock = world.me.create_publisher(Clock, "/clock", 10)
+        world.spin(clock.get_subscription_count)
+        message = Clock()
+        message.clock.sec = 5
+
+        def simulated_time_runs() -> bool:
+            clock.publish(message)
+            return bool(node.get_clock().now().nanoseconds)
+
+        world.spin(simulated_time_runs)
+        feed(node, [0])
+        assert node.statistics.tracked == 1
+        world.spin(lambda: len(states) == 3)
+        assert states[-1].header.stamp.sec == 5
+
+
+class TestSilence:
+    def test_frames_that_are_all_refused_are_stale_input_too(
+        self, world: Any, near: str, feed: Make, image_message: Make
+    ) -> None:
+        node = world.tracker(initial_state=near, input_timeout=0.3)
+        feed(node, regular(5))
+        assert node.status == "TRACKING"
+
+        def refused() -> bool:
+            node.on_image(image_message(encoding="mono7", index=100))
+            return bool(node.status == "STALE INPUT")
+
+        world.spin(refused)
+        feed(node, regular(1, START + SECOND))
+        assert node.status == "TRACKING"
+
+    def test_no_centreline_comes_while_input_is_stale(
+        self, world: Any, near: str, feed: Make
+    ) -> None:
+        node = world.tracker(initial_state=near, input_timeout=0.2)
+        lines = world.listen(PoseWithCovarianceStamped, "centreline")
+        world.spin(lambda: world.me.count_publishers("centreline"))
+        feed(node, regular(5))
+        world.spin(lambda: node.status == "STALE INPUT")
+        count = len(lines)
+        world.pass_time(0.3)
+        assert len(lines) == count
+        feed(node, regular(1, START + SECOND))
+        world.spin(lambda: len(lines) == count + 1)
+
+
+class TestFrozenCamera:
+    def frozen(self, node: Any, image_message: Make, stamps: list[int]) -> None:
+        for stamp in stamps:
+            node.on_image(stamped(image_message(), stamp))
+
+    def test_the_same_picture_is_no_measurement_after_a_time(
+        self,
+        world: Any,
+        near: str,
+        image_message: Make,
+        diagnostics: Make,
+    ) -> None:
+        node = world.tracker(initial_state=near, frozen_timeout=1.0, input_timeout=3600.0)
+        states = world.listen(JointState, "state")
+        self.frozen(node, image_message, regular(40))
+        assert node.status == "FROZEN INPUT"
+        assert node.statistics.frozen == 40 - 25
+        world.spin(lambda: len(states) == 40)
+        assert states[24].position and not states[25].position and not states[39].position
+        world.spin(lambda: diagnostics(node) and diagnostics(node)[-1][0] == "FROZEN INPUT")
+        assert float(values_of(diagnostics, node)["same picture for [s]"]) >= 1.0
+
+    def test_it_resumes_with_the_first_other_picture(
+        self, world: Any, near: str, image_message: Make, feed: Make
+    ) -> None:
+        node = world.tracker(initial_state=near, frozen_timeout=1.0)
+        self.frozen(node, image_message, regular(40))
+        feed(node, regular(1, START + 40 * FRAME))
+        assert node.status == "TRACKING"
+        assert node.statistics.last_event == ""
+
+    def test_zero_switches_the_check_off(self, world: Any, near: str, image_message: Make) -> None:
+        node = world.tracker(initial_state=near, frozen_timeout=0.0)
+        self.frozen(node, image_message, regular(15, step=SECOND // 5))
+        assert node.status == "TRACKING"
+        assert node.statistics.frozen == 0
+
+
+class TestPictures:
+    @pytest.mark.parametrize(
+        ("grey", "words"), [(0, "the same (0 of 255)"), (255, "the same (255 of 255)")]
+    )
+    def test_black_and_white_lose_the_cable_and_are_named(
+        self,
+        world: Any,
+        near: str,
+        feed: Make,
+        image_message: Make,
+        diagnostics: Make,
+        grey: int,
+        words: str,
+    ) -> None:
+        node = world.tracker(initial_state=near, frozen_timeout=0.0)
+        feed(node, regular(5))
+        for stamp in regular(40, START + SECOND):
+            node.on_image(stamped(image_message(np.full((240, 320), grey, np.uint8)), stamp))
+        assert node.status == "LOST"
+        assert node.statistics.refused == 0
+        node.publish_diagnostics()
+        world.spin(lambda: words in values_of(diagnostics, node).get("picture", ""))
+
+    def test_too_many_pixels_are_refused_before_anything_is_decoded(
+        self, world: Any, image_message: Make
+    ) -> None:
+        node = world.tracker()
+        side = math.isqrt(MAX_PIXELS) + 1
+        node.on_image(image_message(width=side, height=side, step=side))
+        assert "more than the" in node.statistics.last_bad_frame
+
+    def test_a_picture_file_that_claims_gigabytes_is_refused(
+        self, world: Any, compressed_message: Make
+    ) -> None:
+        node = world.tracker(image_transport="compressed")
+        message = compressed_message("png")
+        data = bytearray(message.data)
+        data[16:24] = (60_000).to_bytes(4, "big") * 2
+        message.data = bytes(data)
+        node.on_compressed_image(message)
+        assert "60000 x 60000 pixels, more than the" in node.statistics.last_bad_frame
+
+    def test_a_change_of_encoding_keeps_the_estimate(
+        self, world: Any, near: str, feed: Make, strip: Make, image_message: Make
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        feed(node, regular(5))
+        colour = np.ascontiguousarray(np.dstack([strip()] * 3))
+        node.on_image(stamped(image_message(colour, "bgr8"), START + 5 * FRAME))
+        assert node.status == "TRACKING"
+        assert node.statistics.last_event == ""
+
+
+def camera_profile(
+    reliability: ReliabilityPolicy = ReliabilityPolicy.BEST_EFFORT,
+    durability: DurabilityPolicy = DurabilityPolicy.VOLATILE,
+) -> QoSProfile:
+    return QoSProfile(depth=5, reliability=reliability, durability=durability)
+
+
+class TestOverDds:
+    @pytest.mark.parametrize("reliability", [*ReliabilityPolicy.__members__.values()][1:3])
+    @pytest.mark.parametrize("durability", [*DurabilityPolicy.__members__.values()][1:3])
+    def test_any_camera_is_heard_by_default(
+        self,
+        world: Any,
+        image_message: Make,
+        reliability: ReliabilityPolicy,
+        durability: DurabilityPolicy,
+    ) -> None:
+        node = world.tracker()
+        camera = world.me.create_publisher(Image, "image", camera_profile(reliability, durability))
+        world.spin(camera.get_subscription_count)
+        camera.publish(image_message())
+        world.spin(lambda: node.statistics.tracked == 1)
+
+    @pytest.mark.parametrize("encoding", ["mono8", "bgr8", "32FC1"])
+    def test_what_comes_as_bytes_is_tracked_like_the_message(
+        self, world: Any, near: str, image_message: Make, strip: Make, encoding: str
+    ) -> None:
+        pixels = {
+            "mono8": strip(),
+            "bgr8": np.ascontiguousarray(np.dstack([strip()] * 3)),
+            "32FC1": strip().astype(np.float32),
+        }[encoding]
+        messages = [image_message(pixels, encoding, index=index, padding=4) for index in range(4)]
+        states = world.listen(JointState, "state")
+        node = world.tracker(initial_state=near, image_reliability="reliable")
+        camera = world.me.create_publisher(Image, "image", 10)
+        world.spin(camera.get_subscription_count)
+        for message in messages:
+            camera.publish(message)
+        world.spin(lambda: len(states) == 4)
+        assert [state.header for state in states] == [message.header for message in messages]
+        node.on_reset(None, SetBool.Response())
+        for message in messages:
+            node.on_image(message)
+        world.spin(lambda: len(states) == 8)
+        assert [list(each.position) for each in states[4:]] == [
+            list(each.position) for each in states[:4]
+        ]
+
+    def test_only_the_newest_of_many_frames_is_used_and_the_others_are_counted(
+        self, world: Any, image_message: Make
+    ) -> None:
+        node = world.tracker()
+        states = world.listen(JointState, "state")
+        camera = world.me.create_publisher(Image, "image", camera_profile())
+        world.spin(camera.get_subscription_count)
+        camera.publish(image_message(index=0))
+        world.spin(lambda: len(states) == 1)
+        # Nothing is spun here: as if the node were still busy with the first.
+        for index in range(1, 21):
+            camera.publish(image_message(index=index))
+            time.sleep(0.001)
+        world.spin(lambda: len(states) == 2)
+        world.pass_time(0.1)
+        assert len(states) == 2
+        assert states[-1].header == image_message(index=20).header
+        assert node.statistics.dropped == 19
+
+    def test_a_reliable_input_answers_every_frame_of_a_burst(
+        self, world: Any, image_message: Make
+    ) -> None:
+        node = world.tracker(image_reliability="reliable")
+        states = world.listen(JointState, "state")
+        camera = world.me.create_publisher(Image, "image", 10)
+        world.spin(camera.get_subscription_count)
+        for index in range(10):
+            camera.publish(image_message(index=index))
+        world.spin(lambda: len(states) == 10)
+        assert node.statistics.dropped == 0
+
+    def test_time_in_the_queue_counts_as_latency(self, world: Any, image_message: Make) -> None:
+        node = world.tracker()
+        camera = world.me.create_publisher(Image, "image", camera_profile())
+        world.spin(camera.get_subscription_count)
+        camera.publish(image_message())
+        time.sleep(0.3)
+        world.spin(lambda: node.statistics.tracked == 1)
+        assert node.statistics.latency.latest[0] >= 250.0
+
+    def test_bytes_that_are_no_image_are_refused(self, world: Any) -> None:
+        node = world.tracker()
+        node.on_serialised_image(b"\0\1\0\0\xff\xff", {})
+        assert node.statistics.refused == 1
+        assert "no sensor_msgs/Image" in node.statistics.last_bad_frame
+
+    def test_bad_frames_over_dds_are_refused_and_the_next_is_tracked(
+        self, world: Any, image_message: Make
+    ) -> None:
+        node = world.tracker(image_reliability="reliable")
+        camera = world.me.create_publisher(Image, "image", 10)
+        world.spin(camera.get_subscription_count)
+        for index, changes in enumerate(({"step": 1}, {"data": b""}, {"encoding": "?" * 10_000})):
+            camera.publish(image_message(index=index, **changes))
+        camera.publish(image_message(index=9))
+        world.spin(lambda: node.statistics.tracked == 1)
+        assert node.statistics.refused == 3
+
+
+class TestMismatchedQos:
+    def test_a_camera_that_cannot_be_heard_is_named_with_what_to_set(
+        self, world: Any, diagnostics: Make, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.tracker(image_reliability="reliable", diagnostics_period=0.1)
+        camera = world.me.create_publisher(Image, "image", camera_profile())
+        words = "set image_reliability to best_effort"
+        world.spin(lambda: words in values_of(diagnostics, node).get("QoS mismatch", ""))
+        assert f"{world.namespace}/me publishes" in values_of(diagnostics, node)["QoS mismatch"]
+        assert words in capfd.readouterr().err
+        world.me.destroy_publisher(camera)
+        world.spin(lambda: values_of(diagnostics, node)["QoS mismatch"] == "")
+
+    def test_a_reader_that_cannot_hear_us_is_named_with_what_to_set(
+        self, world: Any, diagnostics: Make
+    ) -> None:
+        node = world.tracker(diagnostics_period=0.1)
+        profile = camera_profile(ReliabilityPolicy.RELIABLE, DurabilityPolicy.TRANSIENT_LOCAL)
+        world.me.create_subscription(
+            PoseWithCovarianceStamped, "centreline", lambda message: None, profile
+        )
+        words = "subscribes to " + world.namespace + "/centreline, but it asks for durability"
+        world.spin(lambda: words in values_of(diagnostics, node).get("QoS mismatch", ""))
+
+    def test_a_topic_of_another_type_is_told_when_nothing_comes(
+        self, world: Any, namespace: str, domain: int, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        other = Context()
+        # A process of its own would be: within one, a topic has one type.
+        rclpy.init(args=[], context=other, domain_id=domain)
+        camera = Node("camera", context=other, namespace=namespace)
+        camera.create_publisher(CompressedImage, "image", 10)
+        world.spin(lambda: world.me.count_publishers("image"))
+        node = world.tracker(input_timeout=1.0)
+        world.spin(lambda: node.count_publishers("image"))
+        world.spin(lambda: node.status == "STALE INPUT")
+        camera.destroy_node()
+        rclpy.try_shutdown(context=other)
+        assert "1 publishers there of type sensor_msgs/msg/CompressedImage" in (
+            capfd.readouterr().err
+        )
+
+
+class TestNothingIsBuiltForNobody:
+    def test_without_subscribers_no_centreline_is_built(
+        self, world: Any, near: str, feed: Make, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        built: list[Any] = []
+        for name in ("make_centreline", "make_report"):
+            monkeypatch.setattr(tracker_outputs, name, lambda *words, name=name: built.append(name))
+        node = world.tracker(initial_state=near)
+        feed(node, regular(5))
+        assert node.status == "TRACKING"
+        assert built == []
+
+
+class TestWarmUp:
+    def test_no_frame_is_asked_for_before_the_node_is_warm(
+        self, world: Any, monkeypatch: pytest.MonkeyPatch, diagnostics: Make
+    ) -> None:
+        slow = SlowWarmUp()
+        monkeypatch.setattr(tracker_node, "WarmUp", slow)
+        node = world.cold_tracker(diagnostics_period=0.05)
+        world.spin(lambda: diagnostics(node))
+        assert diagnostics(node)[-1][0] == node.status == "WARMING UP"
+        assert world.me.count_subscribers(f"{world.namespace}/image") == 0
+        slow.running = False
+        world.spin(lambda: world.me.count_subscribers(f"{world.namespace}/image") == 1)
+        assert node.status == "INITIALISING"
+
+    def test_a_change_that_needs_other_code_is_told_and_keeps_the_estimate(
+        self, world: Any, near: str, feed: Make, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        feed(node, regular(5))
+        slow = SlowWarmUp()
+        monkeypatch.setattr(tracker_node, "WarmUp", slow)
+        assert node.set_parameters([Parameter("resampling", value="stratified")])[0].successful
+        assert node.status == "WARMING UP"
+        states = world.listen(JointState, "state")
+        feed(node, regular(1, START + 5 * FRAME))
+        world.spin(lambda: len(states) == 1)
+        assert not states[0].position
+        assert node.statistics.ignored == 1
+        slow.running = False
+        world.spin(lambda: node.status != "WARMING UP")
+        feed(node, regular(1, START + 6 * FRAME))
+        assert node.status == "TRACKING"
+
+    def test_an_error_of_the_compiler_is_not_hidden(
+        self, world: Any, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        slow = SlowWarmUp(ZeroDivisionError("no code"))
+        monkeypatch.setattr(tracker_node, "WarmUp", slow)
+        node = world.cold_tracker()
+        slow.running = False
+        with pytest.raises(ZeroDivisionError, match="no code"):
+            node.on_watchdog()
+        slow.error = None
+
+
+class SlowWarmUp:
+    """Takes until it is told that it is done."""
+
+    seconds = 3.0
+
+    def __init__(self, error: Exception | None = None) -> None:
+        self.running = True
+        self.error = error
+
+    def __call__(self, parameters: Any) -> SlowWarmUp:
+        return self
+
+    def finish(self) -> None:
+        if self.error is not None:
+            raise self.error
