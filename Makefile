@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install check-python test lint demo docs bench table fuzz soak clean
+.PHONY: help install check-python test lint demo loop docs bench table fuzz soak clean
 
 CANDIDATES := python3 python3.12 python3.11 python3.13 python3.14
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
@@ -13,6 +13,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 SOURCE ?=
 DEMO := demo
+SEED ?= 1
 TABLE := cable_tracker/cable/border_responses.json
 TABLE_SCENARIOS := S1 S2 S3 S4 S5 S6 night
 TABLE_SEEDS := 200,204-206
@@ -30,6 +31,7 @@ export MPLCONFIGDIR ?= $(CURDIR)/$(VENV)/cache/matplotlib
 help:
 	@echo "make demo                  simulate a dive, replay it over DDS, track it, show the errors"
 	@echo "make demo SOURCE=path      the same for a recording of yours"
+	@echo "make loop                  let a simulated vehicle follow 100 m of cable, over DDS"
 	@echo "make test                  run the whole suite, with linters and type checks"
 	@echo "make install               set up $(VENV); the others do it by themselves"
 	@echo "make docs                  write config/*.yaml and docs/parameters.md from the table"
@@ -85,6 +87,11 @@ else
 	@echo "replaying $(SOURCE) to the tracker over DDS, in lockstep ..."
 	@$(BIN)/cable-tracker track "$(SOURCE)" --ros --output $(DEMO)/your_recording_tracked --force
 endif
+
+loop: install
+	@mkdir -p $(DEMO)
+	@echo "a simulated vehicle follows 100 m of cable, which takes some minutes ..."
+	@$(BIN)/cable-tracker loop --seed $(SEED) --output $(DEMO)/loop --force
 
 docs: install
 	$(BIN)/python docs/generate.py

@@ -75,6 +75,8 @@ setup(
             "cable-tracker = cable_tracker.cli:main",
             "tracker = cable_tracker.ros.entry:tracker",
             "replay = cable_tracker.ros.entry:replay",
+            "simulator = cable_tracker.ros.entry:simulator",
+            "controller = cable_tracker.ros.entry:controller",
         ],
     },
     zip_safe=True,

@@ -17,6 +17,7 @@ from cable_tracker.commands.estimate_noise import estimate_noise
 from cable_tracker.commands.evaluate import evaluate
 from cable_tracker.commands.experiment import experiment
 from cable_tracker.commands.learn import learn
+from cable_tracker.commands.loop import loop
 from cable_tracker.commands.parameters import parameters
 from cable_tracker.commands.simulate import simulate_command
 from cable_tracker.commands.soak import soak
@@ -56,6 +57,7 @@ def root(
 app.command()(track)
 app.command()(convert)
 app.command(name="simulate")(simulate_command)
+app.command()(loop)
 app.command()(evaluate)
 app.command()(experiment)
 app.command()(bench)

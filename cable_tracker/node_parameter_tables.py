@@ -18,6 +18,11 @@ def number(
     return ParameterSpec(name, float, default, unit, meaning, limits[0], limits[1], ())
 
 
+def count(name: str, default: int, limits: tuple[int, int], meaning: str) -> ParameterSpec:
+    """Make a row of the table for a whole number."""
+    return ParameterSpec(name, int, default, "", meaning, limits[0], limits[1], ())
+
+
 def flag(name: str, default: bool, meaning: str) -> ParameterSpec:
     """Make a row of the table for a switch."""
     return ParameterSpec(name, bool, default, "", meaning, None, None, ())
@@ -35,6 +40,12 @@ TRACKER_START_PARAMETERS = (
         "image_reliability",
         "best_effort",
         "QoS of the image subscription; `reliable` loses no frame and needs a reliable camera.",
+        ("best_effort", "reliable"),
+    ),
+    word(
+        "instrument_reliability",
+        "best_effort",
+        "The same for `camera_info`, `altitude`, `imu` and `odometry`.",
         ("best_effort", "reliable"),
     ),
 )
@@ -76,6 +87,14 @@ METRIC_PARAMETERS = (
         "s",
         (0.01, 3600.0),
         "Measurements that are older than this at the time of a frame do not count.",
+    ),
+    number(
+        "instrument_wait",
+        0.0,
+        "s",
+        (0.0, 60.0),
+        "Hold a frame back for at most so long, until `camera_info` and, of its time or later,"
+        " `altitude`, `imu` and `odometry` have come; 0: do not wait.",
     ),
 )
 """For `cross_track`; see docs/metric.md."""
@@ -135,6 +154,59 @@ REPLAY_RUNTIME_PARAMETERS = (
     flag("loop", False, "Begin again at the end."),
 )
 """May be changed at any time; `start` takes effect at the next restart."""
+
+SIMULATOR_PARAMETERS = (
+    count("seed", 0, (0, 2**31 - 1), "The same one gives the same world and the same errors."),
+    number("length", 100.0, "m", (1.0, 1e5), "Of the cable; at its end the node ends."),
+    number("buried", 5.0, "m", (0.0, 1e5), "Length of the stretch in its middle under sand."),
+    number("altitude", 2.0, "m", (0.3, 20.0), "That the vehicle keeps."),
+    number("current", 0.1, "m/s", (0.0, 2.0), "Speed of the water; its direction is drawn."),
+    count("image_width", 320, (32, 4096), "Of the camera [px]."),
+    count("image_height", 240, (32, 4096), "Of the camera [px]."),
+    number("rate", 12.5, "1/s", (1.0, 100.0), "Frames per second."),
+    flag("publish_clock", False, "Publish the simulated time on /clock."),
+    flag("lockstep", False, "Send a frame when a `cmd_vel` has come for the last."),
+    number("answer_timeout", 60.0, "s", (0.1, 3600.0), "Lockstep: give up after waiting so long."),
+    count("image_readers", 1, (0, 100), "Begin when so many nodes subscribe to `image`."),
+    count("odometry_readers", 0, (0, 100), "And so many to `odometry`."),
+    number(
+        "command_timeout",
+        0.5,
+        "s",
+        (0.05, 60.0),
+        "Without a `cmd_vel` for so long the vehicle stops; not in lockstep.",
+    ),
+    number(
+        "patience",
+        60.0,
+        "s",
+        (1.0, 1e6),
+        "Without a new metre of cable for so long of simulated time the node ends.",
+    ),
+)
+"""Read at start only."""
+
+CONTROLLER_PARAMETERS = (
+    number("speed", 0.5, "m/s", (0.0, 5.0), "Forward, through the water."),
+    number("look_ahead", 1.2, "m", (0.1, 50.0), "Steer for the point of the cable so far ahead."),
+    number("integral_gain", 0.1, "1/s", (0.0, 1.0), "Against current."),
+    number("turn_gain", 1.2, "1/s", (0.0, 10.0), "Rate of turn per radian off the course."),
+    number("most_turn", 0.5, "rad/s", (0.01, 3.0), "Fastest turn."),
+    number("search_speed", 0.35, "m/s", (0.0, 5.0), "While the cable is lost."),
+    number("search_length", 25.0, "m", (0.0, 1e4), "Search so far along the line, then give up."),
+    flag("lockstep", False, "Answer every `state` with one `cmd_vel`, however long it takes."),
+    number(
+        "settle_time",
+        0.05,
+        "s",
+        (0.0, 60.0),
+        "How long to wait for `cross_track` and `odometry` that belong to a `state`.",
+    ),
+    number(
+        "state_timeout", 1.0, "s", (0.05, 60.0), "Without a `state` for so long: stop the vehicle."
+    ),
+)
+"""Read at start only."""
 
 TRACKER_NODE_PARAMETERS = (*TRACKER_START_PARAMETERS, *TRACKER_RUNTIME_PARAMETERS)
 REPLAY_NODE_PARAMETERS = (*REPLAY_START_PARAMETERS, *REPLAY_RUNTIME_PARAMETERS)

@@ -12,8 +12,10 @@ from cable_tracker.cable.parameter_files import format_parameter_file
 from cable_tracker.cable.parameters import PARAMETER_TABLE, ParameterSpec
 from cable_tracker.cable.presets import PRESETS
 from cable_tracker.node_parameter_tables import (
+    CONTROLLER_PARAMETERS,
     REPLAY_RUNTIME_PARAMETERS,
     REPLAY_START_PARAMETERS,
+    SIMULATOR_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
     TRACKER_START_PARAMETERS,
 )
@@ -85,6 +87,11 @@ def parameters_page() -> str:
     ):
         parts += [f"\n## {title}\n\nRead at start only:\n\n", node_table(start)]
         parts += ["\nMay be changed while it runs:\n\n", node_table(runtime)]
+    for title, start in (
+        ("The node `simulator`", SIMULATOR_PARAMETERS),
+        ("The node `controller`, an example", CONTROLLER_PARAMETERS),
+    ):
+        parts += [f"\n## {title}\n\nRead at start only:\n\n", node_table(start)]
     return "".join(parts)
 
 

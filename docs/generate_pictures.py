@@ -1,12 +1,14 @@
-"""Draw the pictures of the documentation; run by hand, after `make demo`, for a minute.
+"""Draw the pictures of the documentation; run by hand, after `make demo loop`, for a minute.
 
 `python docs/generate_pictures.py` writes docs/images/demo.jpg, three frames of the overlay that
 `make demo` has left in demo/; and docs/images/scenarios.jpg, a row of frames of every scenario, the
-true borders drawn as dashes in the second of each pair.
+true borders drawn as dashes in the second of each pair; and what docs/loop.md shows of the run that
+`make loop` has left there.
 """
 
 from __future__ import annotations
 
+import shutil
 from itertools import islice, pairwise
 from pathlib import Path
 
@@ -26,6 +28,9 @@ ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "images"
 DEMO_VIDEO = ROOT / "demo" / "dive_tracked" / "overlay.webm"
 DEMO_FRAMES = (60, 130, 270)
+LOOP = ROOT / "demo" / "loop"
+LOOP_PLOTS = {"way.png": "loop_way.png", "cross_track.png": "loop_error.png"}
+LOOP_FRAMES = (700, 1600)
 COLUMNS = 6
 GAP = 4
 TRUTH_COLOUR = (60, 160, 255)
@@ -109,6 +114,9 @@ def main() -> None:
     PICTURES.mkdir(exist_ok=True)
     write("demo.jpg", demo_row())
     write("scenarios.jpg", scenario_sheet())
+    write("loop_video.jpg", np.hstack(video_frames(LOOP / "loop.webm", LOOP_FRAMES)))
+    for plot, name in LOOP_PLOTS.items():
+        shutil.copyfile(LOOP / plot, PICTURES / name)
 
 
 if __name__ == "__main__":

@@ -28,8 +28,10 @@ MAY_IMPORT = {
         "evaluation", "trackers", "detection", "visualisation", "sequences", "cable",
         "particle_filter",
     },
+    "example_controller": set(),
     "ros": {
-        "benchmark", "evaluation", "trackers", "visualisation", "sequences",
+        "benchmark", "evaluation", "trackers", "simulation", "example_controller",
+        "visualisation", "sequences",
         "node_parameter_tables", "metric", "cable", "particle_filter", "resources",
     },
     "commands": {

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import ForceOption, Storage
+from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import console, counted, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.convert import write_bag
@@ -27,7 +28,9 @@ class SimulationFormat(str, Enum):
 
 
 def simulate_command(  # noqa: PLR0917
-    output: Annotated[Path, typer.Argument(help="Folder to write.")],
+    output: Annotated[
+        Path | None, typer.Argument(help="Folder to write; none with --live.")
+    ] = None,
     output_format: Annotated[
         SimulationFormat,
         typer.Option("--format", help="A ROS 2 bag, or PNGs with a sequence file."),
@@ -52,9 +55,20 @@ def simulate_command(  # noqa: PLR0917
     ] = None,
     storage: Annotated[Storage, typer.Option(help="Format of the bag.")] = Storage.MCAP,
     force: ForceOption = False,
+    live: Annotated[
+        bool,
+        typer.Option(
+            "--live", help="Run the ROS node `simulator` instead: a vehicle that obeys `cmd_vel`."
+        ),
+    ] = False,
 ) -> None:
     """Simulate a dive over a cable on a textured sea bed, with exact ground truth."""
     image_size = parse_size(size)
+    if live:
+        _run_live(output, seed, image_size, rate)
+        return
+    if output is None:
+        raise ParameterError("output: name a folder to write, or give --live")
     source: Iterator[Frame]
     if scenario is not None:
         frames = find_scenario(scenario).frame_count
@@ -74,6 +88,17 @@ def simulate_command(  # noqa: PLR0917
         else:
             count = write_sequence(output, dive, overwrite=force)
     console.print(f"{count} frames: {output}", soft_wrap=True)
+
+
+def _run_live(output: Path | None, seed: int, image_size: tuple[int, int], rate: float) -> None:
+    """Run the simulator node in this process until its cable is at its end."""
+    if output is not None:
+        raise ParameterError(f"output: --live publishes and writes nothing; leave {output} out")
+    entry = need_ros("entry")
+    width, height = image_size
+    values = {"seed": seed, "image_width": width, "image_height": height, "rate": rate}
+    given = [word for name, value in values.items() for word in ("-p", f"{name}:={value}")]
+    raise typer.Exit(entry.run("simulator", ["simulator", "--ros-args", *given]))
 
 
 def parse_size(text: str) -> tuple[int, int]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from contextlib import ExitStack
 from pathlib import Path
-from types import ModuleType
 from typing import Annotated
 
 import typer
@@ -26,9 +25,10 @@ from cable_tracker.commands.options import (
     TruthOption,
     open_recording,
 )
+from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.detection.detectors import DETECTORS
-from cable_tracker.errors import RecordingError, RosError
+from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.metrics import ErrorSummary, summarise_errors
 from cable_tracker.evaluation.result_folder import (
     BAG,
@@ -104,7 +104,7 @@ def track(  # noqa: PLR0917
         results = stack.enter_context(ResultFolder(folder, overwrite=force, timing=timing))
         progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
         if ros:
-            ros_module = _ros_tracking()
+            ros_module = need_ros("track_recording")
             request = ros_module.RecordingRequest(
                 source={
                     "source": str(source.resolve()),
@@ -152,18 +152,6 @@ def default_output(source: Path) -> Path:
     resolved = source.resolve()
     stem = resolved.name if resolved.is_dir() else resolved.stem
     return Path(f"{stem}_tracked")
-
-
-def _ros_tracking() -> ModuleType:
-    """Import the ROS part only when it is asked for: everything else works without ROS."""
-    try:
-        from cable_tracker.ros import track_recording as module  # noqa: PLC0415
-    except ModuleNotFoundError as error:
-        raise RosError(
-            f"ROS 2 is not installed (no module {error.name}); run"
-            " `pip install '.[ros]'` in the package's folder, or source /opt/ros/jazzy/setup.bash"
-        ) from error
-    return module
 
 
 def _need_usable_frames(results: ResultFolder, damage: RecordingError | None) -> None:

@@ -1,4 +1,4 @@
-"""What the executables `tracker` and `replay` start."""
+"""What the executables `tracker`, `replay`, `simulator` and `controller` start."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import sys
 import threading
 from collections.abc import Sequence
+from importlib import import_module
 from typing import NoReturn
 
 from cable_tracker.errors import EXIT_USER_ERROR
@@ -19,10 +20,22 @@ USAGE = (
     "usage: {node} --ros-args [-p NAME:=VALUE]... [--params-file FILE] [-r FROM:=TO]...\n"
     "docs/parameters.md lists the parameters. Everything must stand behind --ros-args."
 )
+NODES = {
+    "tracker": ("tracker_node", "TrackerNode"),
+    "replay": ("replay_node", "ReplayNode"),
+    "simulator": ("simulator_node", "SimulatorNode"),
+    "controller": ("controller_node", "ControllerNode"),
+}
+"""Module and class of each."""
+
 ROS_PACKAGES = ("rclpy", "_msgs", "std_srvs", "rosidl", "ament")
 
 
-def _run(node_name: str, arguments: Sequence[str] | None) -> int:
+def run(node_name: str, arguments: Sequence[str] | None) -> int:
+    """Run a node until it ends or is stopped, and return the exit code.
+
+    `arguments` are those of the process, its name first; None takes them from the command line.
+    """
     # Before the imports: they take a while, and a signal may come any time.
     stop = stop_on_signals()
     try:
@@ -30,8 +43,9 @@ def _run(node_name: str, arguments: Sequence[str] | None) -> int:
             arguments_without_ros,
             run_node,
         )
-        from cable_tracker.ros.replay_node import ReplayNode  # noqa: PLC0415
-        from cable_tracker.ros.tracker_node import TrackerNode  # noqa: PLC0415
+
+        module_name, class_name = NODES[node_name]
+        node_class = getattr(import_module(f"cable_tracker.ros.{module_name}"), class_name)
     except ModuleNotFoundError as error:
         if not any(part in str(error.name) for part in ROS_PACKAGES):
             raise
@@ -41,7 +55,6 @@ def _run(node_name: str, arguments: Sequence[str] | None) -> int:
     if strangers:
         print(USAGE.format(node=node_name), file=sys.stderr)
         return 0 if strangers[0] in ("-h", "--help") else EXIT_USER_ERROR
-    node_class = {"tracker": TrackerNode, "replay": ReplayNode}[node_name]
     return run_node(lambda context: node_class(context=context), arguments, stop)
 
 
@@ -59,14 +72,24 @@ def _end(code: int) -> NoReturn:
 
 def tracker() -> None:
     """Run the tracker node until it is stopped."""
-    _end(_run("tracker", None))
+    _end(run("tracker", None))
 
 
 def replay() -> None:
     """Run the replay node until the recording is at its end."""
-    _end(_run("replay", None))
+    _end(run("replay", None))
+
+
+def simulator() -> None:
+    """Run the simulated vehicle until it is at the end of its cable."""
+    _end(run("simulator", None))
+
+
+def controller() -> None:
+    """Run the example of a controller until it is stopped."""
+    _end(run("controller", None))
 
 
 if __name__ == "__main__":
     # `python -m cable_tracker.ros.entry tracker --ros-args ...`, where no script is on the path.
-    _end(_run(sys.argv[1], sys.argv[1:]))
+    _end(run(sys.argv[1], sys.argv[1:]))

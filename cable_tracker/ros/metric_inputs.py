@@ -6,13 +6,13 @@ And odometry in, the vehicle's motion for the filter out.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import cast
 
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.node import Node
-from rclpy.qos import qos_profile_sensor_data
+from rclpy.publisher import Publisher
 from sensor_msgs.msg import CameraInfo, Imu, Range
 
 from cable_tracker.cable.estimate import CableEstimate
@@ -34,6 +34,9 @@ from cable_tracker.ros.metric_messages import (
     read_twist,
 )
 from cable_tracker.sequences.messages import Message, MessageFactory, make_header, stamp_of
+
+INSTRUMENTS = ("altitude", "imu", "odometry")
+"""Those whose measurements have a time."""
 
 
 class MetricInputs:
@@ -61,11 +64,34 @@ class MetricInputs:
         self._ahead = node.create_publisher(
             PoseWithCovarianceStamped, "cross_track_ahead", qos.RESULTS
         )
-        sensor = qos_profile_sensor_data
-        node.create_subscription(CameraInfo, "camera_info", self.on_camera_info, sensor)
-        node.create_subscription(Range, "altitude", self.on_altitude, sensor)
-        node.create_subscription(Imu, "imu", self.on_imu, sensor)
-        node.create_subscription(OdometryMessage, "odometry", self.on_odometry, sensor)
+        self._newest: dict[str, int] = {}
+
+    def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
+        """Listen, `best_effort` or `reliable`; `on_news` is called after each message."""
+        profile = qos.instrument_input(reliability)
+        for kind, topic, take in (
+            (CameraInfo, "camera_info", self.on_camera_info),
+            (Range, "altitude", self.on_altitude),
+            (Imu, "imu", self.on_imu),
+            (OdometryMessage, "odometry", self.on_odometry),
+        ):
+            self._node.create_subscription(kind, topic, _then(take, on_news), profile)
+
+    @property
+    def publishers(self) -> tuple[Publisher, ...]:
+        """Those of `cross_track` and `cross_track_ahead`."""
+        return self._foot, self._ahead
+
+    @property
+    def wait(self) -> float:
+        """How long a frame may be held back for the instruments [s]."""
+        return self._number("instrument_wait")
+
+    def has_all_of(self, stamp: int) -> bool:
+        """Tell whether every instrument has said something of a time [ns] or later."""
+        return self._info is not None and all(
+            self._newest.get(name, -1) >= stamp for name in INSTRUMENTS
+        )
 
     @property
     def result(self) -> CrossTrack | Withheld:
@@ -116,12 +142,13 @@ class MetricInputs:
     def on_altitude(self, message: Message) -> None:
         """Take an altitude."""
         metres, limits = read_range(message)
-        self._instruments.take_altitude(self._stamp_of(message), metres, limits)
+        stamp = self._note("altitude", message)
+        self._instruments.take_altitude(stamp, metres, limits)
 
     def on_imu(self, message: Message) -> None:
         """Take roll and pitch."""
         least = math.radians(self._number("imu_sigma"))
-        self._instruments.take_attitude(self._stamp_of(message), read_attitude(message, least))
+        self._instruments.take_attitude(self._note("imu", message), read_attitude(message, least))
 
     def on_odometry(self, message: Message) -> None:
         """Take a twist of base_link."""
@@ -129,7 +156,7 @@ class MetricInputs:
             self._number("velocity_sigma"),
             math.radians(self._number("turn_sigma")),
         )
-        self._odometry.add(self._stamp_of(message), *read_twist(message, least))
+        self._odometry.add(self._note("odometry", message), *read_twist(message, least))
 
     def motion(self, stamp: int) -> MotionAid | None:
         """Return how the cable has moved since the frame before, for the frame of a stamp [ns].
@@ -145,6 +172,12 @@ class MetricInputs:
         if "disagrees" in why and why != before:
             self._node.get_logger().warning(f"the filter goes on without odometry: {why}")
         return motion
+
+    def _note(self, name: str, message: Message) -> int:
+        """Return the stamp of an instrument's message [ns], and remember it."""
+        stamp = self._stamp_of(message)
+        self._newest[name] = stamp
+        return stamp
 
     def _stamp_of(self, message: Message) -> int:
         return stamp_of(message.header) or int(self._node.get_clock().now().nanoseconds)
@@ -186,3 +219,13 @@ class MetricInputs:
             "no metres": "" if is_known else str(result),
             "no motion aid": self._why_unaided,
         }
+
+
+def _then(
+    take: Callable[[Message], None], on_news: Callable[[], None]
+) -> Callable[[Message], None]:
+    def taken(message: Message) -> None:
+        take(message)
+        on_news()
+
+    return taken

@@ -22,6 +22,16 @@ def image_input(reliability: str) -> QoSProfile:
     )
 
 
+def instrument_input(reliability: str) -> QoSProfile:
+    """Return the profile of the subscriptions to the vehicle's instruments.
+
+    A few are kept: several come between two frames, and each counts.
+    """
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST, depth=20, reliability=RELIABILITIES[reliability]
+    )
+
+
 RESULTS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=50, reliability=ReliabilityPolicy.RELIABLE
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, TypeAlias, cast
 
 from builtin_interfaces.msg import Time
@@ -75,6 +76,15 @@ NO_TIME = (
 )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _HeldFrame:
+    """A frame that has come in, at a time of the performance counter [s]."""
+
+    given: MessageHeader
+    read: Callable[[], AnyImage]
+    arrival: float
+
+
 class TrackerNode(ProcessNode):
     """Wraps a `CableTracker`.
 
@@ -101,6 +111,7 @@ class TrackerNode(ProcessNode):
         self._status = TrackingStatus.INITIALISING.value
         self._estimate: CableEstimate | None = None
         self._frame_id = ""
+        self._held: _HeldFrame | None = None
         self._prior_while_disabled: StatePrior | None = None
         self._frozen = FrozenInput()
         self._is_frozen = False
@@ -164,6 +175,7 @@ class TrackerNode(ProcessNode):
         }
         self._compressed_input = start["image_transport"] == "compressed"
         self._reliability = str(start["image_reliability"])
+        self._instrument_reliability = str(start["instrument_reliability"])
         self._tracker = make_tracker(values.replaced(given))
         self._apply_runtime_values(runtime)
         specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS} | dict(PARAMETERS_BY_NAME)
@@ -210,6 +222,8 @@ class TrackerNode(ProcessNode):
 
     def _watchdog_period(self) -> float:
         shortest = min(self._input_timeout, self._diagnostics_period)
+        if self._metric.wait:
+            shortest = min(shortest, self._metric.wait)
         return min(max(shortest / 2, FASTEST_WATCH), SLOWEST_WATCH)
 
     def _create_services(self) -> None:
@@ -224,6 +238,7 @@ class TrackerNode(ProcessNode):
         )
 
     def _create_inputs(self) -> None:
+        self._metric.subscribe(self._instrument_reliability, self._track_held)
         self._image_qos = qos.image_input(self._reliability)
         kind, topic, callback = (
             (CompressedImage, "image/compressed", self.on_serialised_compressed_image)
@@ -308,7 +323,7 @@ class TrackerNode(ProcessNode):
         self._take(_header_of(message), lambda: read_compressed_image(message), time.perf_counter())
 
     def _take(self, given: MessageHeader, read: Callable[[], AnyImage], arrival: float) -> None:
-        """Answer one frame.
+        """Answer one frame, at once or as soon as the instruments of its time have spoken.
 
         Parameters
         ----------
@@ -320,6 +335,28 @@ class TrackerNode(ProcessNode):
             When it came, on the clock of `time.perf_counter` [s].
         """
         self._statistics.arrived(time.monotonic())
+        held = _HeldFrame(given, read, arrival)
+        if not (self._enabled and self._metric.wait and given.stamp):
+            self._track(held)
+            return
+        # The order of the frames counts for more than what the instruments may still say.
+        self._track_held(at_once=True)
+        self._held = held
+        self._track_held()
+
+    def _track_held(self, *, at_once: bool = False) -> None:
+        """Track on the frame that is held back, if the instruments have spoken or it is time."""
+        held = self._held
+        if held is None:
+            return
+        waited = time.perf_counter() - held.arrival
+        is_due = at_once or waited >= self._metric.wait
+        if is_due or self._metric.has_all_of(held.given.stamp):
+            self._held = None
+            self._track(held)
+
+    def _track(self, held: _HeldFrame) -> None:
+        given, read, arrival = held.given, held.read, held.arrival
         self._frame_id = given.frame_id
         stamp = given.stamp or int(self.get_clock().now().nanoseconds)
         header = self._header_for_answer(given, stamp)
@@ -495,6 +532,7 @@ class TrackerNode(ProcessNode):
 
     def on_watchdog(self) -> None:
         """See whether the input has stopped, and publish diagnostics when they are due."""
+        self._track_held()
         now = time.monotonic()
         if self._warm_up is not None and not self._warm_up.running:
             self._end_warm_up()
@@ -534,6 +572,8 @@ class TrackerNode(ProcessNode):
             values[f"subscribers of {publisher.topic_name}"] = str(
                 publisher.get_subscription_count()
             )
+        for publisher in self._metric.publishers:
+            values[f"readers of {publisher.topic_name}"] = str(publisher.get_subscription_count())
         header = make_header(self._factory, self.get_clock().now().nanoseconds, "")
         name = self.get_fully_qualified_name()
         self._diagnostics.publish(

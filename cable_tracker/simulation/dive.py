@@ -174,7 +174,7 @@ def run(
     length = float(dive.trajectory.way(np.array([(frame_count - 1) / rate]))[0])
     clutter_rng = np.random.default_rng(seeds.clutter)
     picture_rng = np.random.default_rng(seeds.picture)
-    scene, cable = _lay_out(dive, surroundings, length, clutter_rng, picture_rng)
+    scene, cable = lay_out(dive.camera, dive.tube, surroundings, length, (clutter_rng, picture_rng))
     renderer = SceneRenderer(dive.camera, scene, surroundings.look, picture_rng)
     for start in range(0, frame_count, BATCH):
         views = dive.views(frame_times(start, rate))
@@ -192,30 +192,51 @@ def run(
             yield SimulatedFrame(_make_frame(start + place, rate, image, truth), visibility)
 
 
-def _lay_out(
-    dive: Dive,
+def lay_out(
+    camera: Camera,
+    tube: Tube,
     surroundings: Surroundings,
     length: float,
-    clutter_rng: np.random.Generator,
-    picture_rng: np.random.Generator,
+    rngs: tuple[np.random.Generator, np.random.Generator],
 ) -> tuple[Scene, LaidCable | None]:
-    look, radius = surroundings.look, dive.tube.radius
+    """Lay the bottom, the cables and the clutter for a way of some length [m].
+
+    Parameters
+    ----------
+    camera : Camera
+        Its resolution is that of the surfaces.
+    tube : Tube
+        The first cable.
+    surroundings : Surroundings
+        What else there is.
+    length : float
+        Of the way along the cable's course, from 0 [m].
+    rngs : (Generator, Generator)
+        Draw the clutter, and the surfaces.
+
+    Returns
+    -------
+    (Scene, LaidCable or None)
+        What lies there, and the first cable if it is there.
+    """
+    clutter_rng, picture_rng = rngs
+    look, radius = surroundings.look, tube.radius
     streaks = random_streaks(
         -VIEW_LENGTH / radius, (length + VIEW_LENGTH) / radius, look.clutter, clutter_rng
     )
     gaps = random_gaps(-VIEW_LENGTH, length + VIEW_LENGTH, radius, look.skin, clutter_rng)
     streaks += random_companions(
-        dive.tube,
+        tube,
         -VIEW_LENGTH / radius,
         (length + VIEW_LENGTH) / radius,
         look.companions,
         clutter_rng,
     )
-    scale = dive.camera.image_size[0] / 320
+    scale = camera.image_size[0] / 320
     resolution = int(np.clip(round(5 * scale), 2, 10)) * 4
     bed = _make_bed(surroundings, resolution, picture_rng)
     own = LaidCable(
-        dive.tube,
+        tube,
         make_cable(resolution, look.skin, picture_rng),
         gaps + surroundings.stretches,
         look.skin.shade,

@@ -85,15 +85,22 @@ class SimulationSettings:
             raise ParameterError(f"frame_count is {self.frame_count}: simulate at least 1 frame")
         if not (math.isfinite(self.rate) and 1e-3 <= self.rate <= 1e6):
             raise ParameterError(f"rate is {self.rate}: give 0.001 to 1000000 frames per second")
-        _check_size(self.image_size)
+        check_size(self.image_size)
         if not 0.0 <= self.clutter <= 1.0:
             raise ParameterError(f"clutter is {self.clutter}: give a value from 0 to 1")
         if not 0.0 <= self.noise <= 64.0:
             raise ParameterError(f"noise is {self.noise}: give 0 to 64 grey levels")
-        _check_seed(self.seed)
+        check_seed(self.seed)
 
 
-def _check_size(image_size: tuple[int, int]) -> None:
+def check_size(image_size: tuple[int, int]) -> None:
+    """See that images can have a size.
+
+    Raises
+    ------
+    ParameterError
+        They cannot.
+    """
     if not all(SMALLEST_SIDE <= side <= LARGEST_SIDE for side in image_size):
         raise ParameterError(
             f"image_size is {image_size[0]}x{image_size[1]}: "
@@ -101,7 +108,14 @@ def _check_size(image_size: tuple[int, int]) -> None:
         )
 
 
-def _check_seed(seed: int) -> None:
+def check_seed(seed: int) -> None:
+    """See that a number can be a seed.
+
+    Raises
+    ------
+    ParameterError
+        It cannot.
+    """
     if seed < 0:
         raise ParameterError(f"seed is {seed}: give a number that is not negative")
 
@@ -153,8 +167,8 @@ def simulate_scenario(
         There are no photographs in the folder.
     """
     chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
-    _check_size(image_size)
-    _check_seed(seed)
+    check_size(image_size)
+    check_seed(seed)
     seeds = Seeds.of(seed)
     dive = _scenario_dive(chosen, seeds, image_size, distortion)
     surroundings = Surroundings(
@@ -184,8 +198,8 @@ def scenario_states(
         As `simulate_scenario`.
     """
     chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
-    _check_size(image_size)
-    _check_seed(seed)
+    check_size(image_size)
+    check_seed(seed)
     if not chosen.has_cable:
         return np.full((chosen.frame_count, STATE_SIZE), np.nan)
     dive = _scenario_dive(chosen, Seeds.of(seed), image_size)
@@ -205,8 +219,8 @@ def scenario_dive(
         As `simulate_scenario`.
     """
     chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
-    _check_size(image_size)
-    _check_seed(seed)
+    check_size(image_size)
+    check_seed(seed)
     return _scenario_dive(chosen, Seeds.of(seed), image_size)
 
 

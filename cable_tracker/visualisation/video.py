@@ -28,6 +28,9 @@ USUAL_STEP = 40_000_000
 LONGEST_STEP = 10_000_000_000
 """A longer pause between two stamps is not shown in full, but as a usual step [ns]."""
 
+CONTAINER_OPTIONS = {"fflags": "+bitexact"}
+"""Otherwise each file gets a random number of its own: the same frames must give the same file."""
+
 CODEC_OPTIONS = {
     "deadline": "realtime",
     "cpu-used": "8",
@@ -93,7 +96,9 @@ class VideoWriter:
         self._av = av
         try:
             self._part.touch()
-            self._container = av.open(str(self._part), mode="w", format="webm")
+            self._container = av.open(
+                str(self._part), mode="w", format="webm", options=CONTAINER_OPTIONS
+            )
         except (OSError, av.error.FFmpegError) as error:
             with contextlib.suppress(OutputError):
                 self._discard()

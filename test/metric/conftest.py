@@ -17,6 +17,12 @@ from cable_tracker.metric.calibration import Calibration, CameraModel, camera_fo
 from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
 
 SIZE = (320, 240)
+
+
+class OutOfViewError(Exception):
+    """The camera does not see the cable."""
+
+
 ALTITUDE = Altitude(1.4)
 LEVEL = Attitude()
 FORWARD = Mounting(0.3, 0.05, -0.1, 0.0, math.radians(70.0), 0.0)
@@ -60,6 +66,8 @@ class Flight:
         points = camera.project(self.to_optical(self.edge(aside)))
         inside = (np.abs(points) <= (np.array(camera.image_size) - 1) / 2).all(axis=1)
         chosen = points[inside]
+        if len(chosen) < 2:
+            raise OutOfViewError
         middle = chosen.mean(axis=0)
         _, _, directions = np.linalg.svd(chosen - middle)
         along = directions[0] * np.sign(directions[0] @ (chosen[-1] - chosen[0]))

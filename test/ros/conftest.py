@@ -51,7 +51,9 @@ if HAS_ROS:
     from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
     from rclpy.signals import SignalHandlerOptions
 
+    from cable_tracker.ros.controller_node import ControllerNode
     from cable_tracker.ros.replay_node import ReplayNode
+    from cable_tracker.ros.simulator_node import SimulatorNode
     from cable_tracker.ros.tracker_node import TrackerNode
 
 
@@ -145,6 +147,12 @@ class World:
 
     def replay(self, **parameters: Any) -> Any:
         return self.add(ReplayNode(**self._arguments(parameters)))
+
+    def simulator(self, **parameters: Any) -> Any:
+        return self.add(SimulatorNode(**self._arguments(parameters)))
+
+    def controller(self, **parameters: Any) -> Any:
+        return self.add(ControllerNode(**self._arguments(parameters)))
 
     def listen(self, kind: Any, topic: str) -> list[Any]:
         """Return a list that grows with every message on a topic."""

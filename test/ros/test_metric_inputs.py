@@ -200,3 +200,92 @@ def test_the_aid_can_be_switched_off(
     node, vehicle = start(fixed_altitude=ALTITUDE, motion_aid=False)
     vehicle.sees()
     assert unaided(node, diagnostics, world) == "the parameter motion_aid is false"
+
+
+class Instruments:
+    """Speaks for the time of one frame."""
+
+    def __init__(self, world: Any, node: Any, image_message: Callable[..., Any]) -> None:
+        self._world, self._node, self._image = world, node, image_message
+        self.states = world.listen(JointState, "state")
+
+    def show(self, index: int) -> None:
+        self._node.on_image(self._image(index=index))
+
+    def speak(self, index: int) -> None:
+        header = self._image(index=index).header
+        self._node._metric.on_camera_info(
+            CameraInfo(header=header, width=320, height=240, distortion_model="plumb_bob", k=K)
+        )
+        self._node._metric.on_imu(Imu(header=header, orientation=Quaternion(w=1.0)))
+        self._node._metric.on_odometry(Odometry(header=header))
+        self._node._metric.on_altitude(Range(header=header, range=1.4, max_range=30.0))
+
+    def has_answers(self, count: int) -> None:
+        self._world.spin(lambda: len(self.states) >= count)
+
+    def has_no_more_than(self, count: int) -> None:
+        self._world.pass_time(0.4)
+        assert len(self.states) == count
+
+
+@pytest.fixture
+def instruments(world: Any, near: str, image_message: Callable[..., Any]) -> Callable[..., Any]:
+    def make(**parameters: Any) -> Instruments:
+        node = world.tracker(initial_state=near, **parameters)
+        made = Instruments(world, node, image_message)
+        world.spin(node._outputs._state.get_subscription_count)
+        return made
+
+    return make
+
+
+def test_a_frame_waits_for_the_instruments_of_its_time(instruments: Callable[..., Any]) -> None:
+    vehicle = instruments(instrument_wait=30.0)
+    vehicle.speak(0)
+    vehicle.show(1)
+    vehicle.has_no_more_than(0)
+    vehicle.speak(1)
+    vehicle.has_answers(1)
+    vehicle.show(2)
+    vehicle.has_no_more_than(1)
+
+
+def test_a_frame_whose_instruments_have_spoken_does_not_wait(
+    instruments: Callable[..., Any],
+) -> None:
+    vehicle = instruments(instrument_wait=30.0)
+    vehicle.speak(3)
+    vehicle.show(2)
+    vehicle.has_answers(1)
+
+
+def test_a_frame_does_not_wait_for_ever(instruments: Callable[..., Any]) -> None:
+    vehicle = instruments(instrument_wait=0.2)
+    vehicle.show(0)
+    vehicle.has_answers(1)
+
+
+def test_the_next_frame_does_not_overtake_the_one_that_waits(
+    instruments: Callable[..., Any],
+) -> None:
+    vehicle = instruments(instrument_wait=30.0)
+    vehicle.show(0)
+    vehicle.show(1)
+    vehicle.has_answers(1)
+    vehicle.speak(1)
+    vehicle.has_answers(2)
+    stamps = [state.header.stamp.nanosec for state in vehicle.states]
+    assert stamps == sorted(stamps)
+
+
+def test_instruments_can_be_read_reliably(world: Any) -> None:
+    for reliability, count in (("best_effort", 0), ("reliable", 4)):
+        node = world.tracker(instrument_reliability=reliability)
+        subscriptions = [
+            each
+            for each in node.subscriptions
+            if each.topic_name.rpartition("/")[2] in {"camera_info", "altitude", "imu", "odometry"}
+        ]
+        policies = [each.qos_profile.reliability.name for each in subscriptions]
+        assert policies.count("RELIABLE") == count

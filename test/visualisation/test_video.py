@@ -181,3 +181,9 @@ def test_without_pyav_it_says_what_to_install(tmp_path, monkeypatch):
     with pytest.raises(OutputError, match="pip install av"), VideoWriter(tmp_path / "v.webm"):
         raise AssertionError
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_same_frames_give_the_same_file(tmp_path):
+    for name in ("a.webm", "b.webm"):
+        _write(tmp_path / name, [index * SECOND // 25 for index in range(12)])
+    assert (tmp_path / "a.webm").read_bytes() == (tmp_path / "b.webm").read_bytes()

@@ -1,0 +1,253 @@
+"""What came of a vehicle that followed a cable by the tracker's word: table and judgement."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.cable.estimate import TrackingStatus
+
+SETTLED = 5.0
+"""Errors count from here on: before, the vehicle comes from where it was let down [m]."""
+
+LAST_METRES = 5.0
+"""A cable that is claimed rightly within the last metres is not lost."""
+
+RIGHT_WITHIN = 0.3
+"""A claim is right if the offset is no more off [m]."""
+
+GOAL = 0.15
+"""Root mean square of the lateral error that is aimed at, at 2 m altitude and 0.5 m/s [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class LoopRow:
+    """One frame of a closed loop; offsets and angles as in `cross_track`.
+
+    Attributes
+    ----------
+    time : float
+        Since the first frame [s].
+    x, y, altitude, yaw : float
+        Of the vehicle in the world [m, rad]; x runs along the cable's course.
+    speed : float
+        Over the ground [m/s].
+    status : str
+        The tracker's; empty if it was given no answer.
+    mode : str
+        The controller's.
+    error : float
+        True distance to the cable; positive: the cable is to the left [m].
+    heading : float
+        True direction of the cable from the vehicle's [rad].
+    offset : float
+        Of the cable at x = 0, as it was [m].
+    measured_offset, measured_heading, sigma_offset : float
+        What `cross_track` said [m, rad, m]; NaN where it said nothing.
+    """
+
+    time: float
+    x: float
+    y: float
+    altitude: float
+    yaw: float
+    speed: float
+    status: str
+    mode: str
+    error: float
+    heading: float
+    offset: float
+    measured_offset: float
+    measured_heading: float
+    sigma_offset: float
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether there was a `cross_track`."""
+        return math.isfinite(self.measured_offset)
+
+    @property
+    def is_right(self) -> bool:
+        """Whether it was that of the cable."""
+        return abs(self.measured_offset - self.offset) <= RIGHT_WITHIN
+
+
+@dataclass(frozen=True, slots=True)
+class Burial:
+    """Where along the course the cable is under sand, from and to [m]."""
+
+    start: float
+    end: float
+
+    def holds(self, x: FloatArray) -> BoolArray:
+        """Tell which places are within it."""
+        return np.asarray((x >= self.start) & (x <= self.end))
+
+
+@dataclass(frozen=True, slots=True)
+class LoopSummary:
+    """What is to be said of one run; lengths in metres, times in seconds.
+
+    Attributes
+    ----------
+    seed, frames : int
+        Which run, and how many frames.
+    seconds, way : float
+        How long it took, and how far along the course the vehicle came.
+    reached_end : bool
+        Whether it came to the end of the cable.
+    rms, percentile_95, most : float
+        Of the lateral error, once settled.
+    rms_in_sight : float
+        The same without the buried stretch and the search for its end.
+    rms_offset, rms_heading : float
+        Of `cross_track` itself, where it was right; the second in degrees.
+    measured, wrong : float
+        Shares of the frames with a `cross_track`, and of those with one that was not the cable's.
+    losses : int
+        How often the controller had to stop.
+    longest_loss : float
+        How long it did not follow at most.
+    found_again : bool
+        After the buried stretch; true without one.
+    lost_for_good : bool
+        Whether the cable was lost, and not found again before the run ended.
+    """
+
+    seed: int
+    frames: int
+    seconds: float
+    way: float
+    reached_end: bool
+    rms: float
+    percentile_95: float
+    most: float
+    rms_in_sight: float
+    rms_offset: float
+    rms_heading: float
+    measured: float
+    wrong: float
+    losses: int
+    longest_loss: float
+    found_again: bool
+    lost_for_good: bool
+
+    @property
+    def is_within_goal(self) -> bool:
+        """Whether the vehicle kept as near to the cable as is aimed at, and did not lose it."""
+        return self.rms <= GOAL and not self.lost_for_good
+
+
+def summarise_loop(
+    rows: Sequence[LoopRow], seed: int, length: float, burial: Burial | None
+) -> LoopSummary:
+    """Judge a run.
+
+    Parameters
+    ----------
+    rows : sequence of LoopRow
+        At least one, in the order of time.
+    seed : int
+        Of the run.
+    length : float
+        Of the cable's course [m].
+    burial : Burial or None
+        Where it is under sand.
+    """
+    x = np.array([row.x for row in rows])
+    errors = np.array([row.error for row in rows])
+    follows = np.array([row.mode == "FOLLOWING" for row in rows])
+    settled = np.logical_or.accumulate(x >= min(SETTLED, length / 2))
+    in_sight = settled & follows
+    if burial is not None:
+        in_sight &= ~burial.holds(x)
+    right = [row for row in rows if row.is_measured and row.is_right]
+    measured = [row for row in rows if row.is_measured]
+    way = float(x.max())
+    reached_end = way >= length - 1.0
+    late = [row for row in right if row.x >= way - LAST_METRES and row.mode == "FOLLOWING"]
+    losses = _losses(rows)
+    return LoopSummary(
+        seed=seed,
+        frames=len(rows),
+        seconds=rows[-1].time - rows[0].time,
+        way=way,
+        reached_end=reached_end,
+        rms=_rms(errors[settled]),
+        percentile_95=_highest(errors[settled], 95.0),
+        most=_highest(errors[settled], 100.0),
+        rms_in_sight=_rms(errors[in_sight]),
+        rms_offset=_rms(np.array([row.measured_offset - row.offset for row in right])),
+        rms_heading=math.degrees(
+            _rms(np.array([row.measured_heading - row.heading for row in right]))
+        ),
+        measured=len(measured) / len(rows),
+        wrong=(len(measured) - len(right)) / len(rows),
+        losses=len(losses),
+        longest_loss=max(losses, default=0.0),
+        found_again=burial is None
+        or any(row.x > burial.end and row.mode == "FOLLOWING" for row in right),
+        lost_for_good=not (reached_end and late),
+    )
+
+
+def _losses(rows: Sequence[LoopRow]) -> list[float]:
+    """Return how long the controller did not follow, each time after the first sight [s]."""
+    losses, since = [], None
+    has_followed = False
+    for row in rows:
+        if row.mode == "FOLLOWING":
+            if since is not None:
+                losses.append(row.time - since)
+            since, has_followed = None, True
+        elif has_followed and since is None:
+            since = row.time
+    if since is not None:
+        losses.append(rows[-1].time - since)
+    return losses
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2))) if values.size else math.nan
+
+
+def _highest(errors: FloatArray, percent: float) -> float:
+    return float(np.percentile(np.abs(errors), percent)) if errors.size else math.nan
+
+
+def write_rows(path: Path, rows: Sequence[LoopRow]) -> None:
+    """Write the table of a run as CSV; what is not known is empty."""
+    names = [field.name for field in fields(LoopRow)]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        for row in rows:
+            writer.writerow([_cell(getattr(row, name)) for name in names])
+
+
+def write_summary(path: Path, summary: LoopSummary) -> None:
+    """Write the judgement of a run as CSV, one line below the names."""
+    names = [field.name for field in fields(LoopSummary)]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        writer.writerow([_cell(getattr(summary, name)) for name in names])
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return f"{value:.5f}" if math.isfinite(value) else ""
+    return str(value)
+
+
+def is_tracking(row: LoopRow) -> bool:
+    """Tell whether the tracker claimed a cable."""
+    return row.status == TrackingStatus.TRACKING.value

@@ -1,0 +1,178 @@
+"""Follow the cable; where it is lost, stop, and search along the line that it was last seen on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from enum import Enum
+
+from cable_tracker.example_controller.cable_memory import CableMemory, Pose, RememberedLine
+from cable_tracker.example_controller.line_of_sight import (
+    STOP,
+    Cable,
+    Command,
+    GuidanceSettings,
+    LineOfSight,
+)
+
+NEAR, NEAR_TURNED = 0.5, math.radians(35.0)
+"""How far from where it is expected, and how askew, the cable may appear [m, rad]."""
+
+GATE_GROWTH = 0.2
+"""How much farther for each metre since it was seen."""
+
+
+class Mode(Enum):
+    """What the controller is about."""
+
+    WAITING = "WAITING"
+    """For the first sight of the cable; the vehicle stands still."""
+    FOLLOWING = "FOLLOWING"
+    STOPPED = "STOPPED"
+    """The cable is lost: stand still for a moment, it may come back."""
+    SEARCHING = "SEARCHING"
+    GIVEN_UP = "GIVEN UP"
+    """It was not found; the vehicle stands still."""
+
+
+@dataclass(frozen=True, slots=True)
+class SearchSettings:
+    """What to do where the cable is lost.
+
+    Attributes
+    ----------
+    patience : float
+        Go on with the last command for so long: a frame or two without an answer are usual [s].
+    pause : float
+        Then stand still for so long [s].
+    speed : float
+        Of the search [m/s].
+    straight : float
+        So far the search follows the remembered line itself [m].
+    sweep_growth : float
+        After that it sweeps to both sides, farther by this for each metre.
+    most_sweep : float
+        The farthest sweep to a side [m].
+    sweep_length : float
+        Way along the line for a sweep to both sides [m].
+    give_up : float
+        The search ends so far along the line [m].
+    confirmations : int
+        The cable must be seen so often in a row before the search ends.
+    """
+
+    patience: float = 0.4
+    pause: float = 1.0
+    speed: float = 0.35
+    straight: float = 6.0
+    sweep_growth: float = 0.25
+    most_sweep: float = 1.5
+    sweep_length: float = 6.0
+    give_up: float = 25.0
+    confirmations: int = 5
+
+    def sweep(self, progress: float) -> float:
+        """Return how far to the left of the line to be after some way along it [m]."""
+        beyond = max(progress - self.straight, 0.0)
+        reach = min(self.sweep_growth * beyond, self.most_sweep)
+        return reach * math.sin(2 * math.pi * beyond / self.sweep_length)
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerSettings:
+    """How to follow and how to search."""
+
+    guidance: GuidanceSettings = field(default_factory=GuidanceSettings)
+    search: SearchSettings = field(default_factory=SearchSettings)
+
+
+class Controller:
+    """Follows the cable.
+
+    Parameters
+    ----------
+    settings : ControllerSettings
+        How.
+    """
+
+    def __init__(self, settings: ControllerSettings = ControllerSettings()) -> None:
+        self._settings = settings
+        self._guidance = LineOfSight(settings.guidance)
+        self._memory = CableMemory()
+        self._mode = Mode.WAITING
+        self._time: float | None = None
+        self._last_seen = -math.inf
+        self._in_a_row = 0
+        self._command = STOP
+        self._last_line: RememberedLine | None = None
+        self._line: RememberedLine | None = None
+
+    @property
+    def mode(self) -> Mode:
+        """What it is about."""
+        return self._mode
+
+    def step(self, time: float, cable: Cable | None, pose: Pose | None) -> Command:
+        """Return the command for a time.
+
+        Parameters
+        ----------
+        time : float
+            Of the measurements [s]; later than that of the step before.
+        cable : Cable or None
+            Where the cable is; None if the tracker does not say.
+        pose : Pose or None
+            From odometry; None without. Then a lost cable is not searched for.
+        """
+        seconds = 0.0 if self._time is None else min(max(time - self._time, 0.0), 1.0)
+        self._time = time
+        if cable is not None and self._is_credible(cable, pose):
+            self._in_a_row += 1
+            is_back = self._in_a_row >= self._settings.search.confirmations
+            if is_back or self._mode is Mode.FOLLOWING:
+                return self._follow(time, seconds, cable, pose)
+        else:
+            self._in_a_row = 0
+        self._command = self._without(time, seconds, pose)
+        return self._command
+
+    def _follow(self, time: float, seconds: float, cable: Cable, pose: Pose | None) -> Command:
+        self._mode = Mode.FOLLOWING
+        self._last_seen = time
+        self._line = None
+        if pose is not None:
+            self._memory.add(cable, pose)
+            self._last_line = self._memory.line() or self._last_line
+        self._command = self._guidance.steer(cable, seconds)
+        return self._command
+
+    def _is_credible(self, cable: Cable, pose: Pose | None) -> bool:
+        """Tell whether this may be the cable that was seen before, and not something beside it."""
+        line = self._line or self._last_line
+        if pose is None or line is None:
+            return True
+        expected = line.seen_from(pose)
+        gate = NEAR + GATE_GROWTH * max(line.progress(pose), 0.0)
+        turned = abs(math.remainder(cable.heading - expected.heading, math.pi))
+        return abs(cable.offset - expected.offset) < gate and turned < NEAR_TURNED
+
+    def _without(self, time: float, seconds: float, pose: Pose | None) -> Command:
+        """Return the command while the cable is not seen."""
+        search = self._settings.search
+        if self._mode in {Mode.WAITING, Mode.GIVEN_UP}:
+            return STOP
+        waited = time - self._last_seen
+        if waited <= search.patience:
+            return self._command
+        if self._line is None:
+            self._line = self._last_line
+        if waited <= search.patience + search.pause or pose is None or self._line is None:
+            self._mode = Mode.STOPPED
+            return STOP
+        progress = self._line.progress(pose)
+        if progress > search.give_up:
+            self._mode = Mode.GIVEN_UP
+            return STOP
+        self._mode = Mode.SEARCHING
+        wanted = self._line.seen_from(pose, search.sweep(progress))
+        return self._guidance.steer(wanted, seconds, search.speed)

@@ -1,0 +1,118 @@
+"""Line-of-sight guidance: steer for a point of the cable some way ahead.
+
+With an integral part against current, which slows down far from the cable so that it does not wind
+up, after E. Børhaug, A. Pavlov and K. Y. Pettersen, "Integral LOS control for path following of
+underactuated marine surface vessels in the presence of constant ocean currents" (2008).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class GuidanceSettings:
+    """How to steer.
+
+    Attributes
+    ----------
+    speed : float
+        Forward, through the water [m/s].
+    look_ahead : float
+        The vehicle steers for the point of the cable so far ahead [m].
+    integral_gain : float
+        How fast an offset that stays is steered against [1/s].
+    most_integral : float
+        The integral part never shifts the cable by more than this [m].
+    turn_gain : float
+        Rate of turn for each radian off the course to steer [1/s].
+    most_turn : float
+        [rad/s].
+    """
+
+    speed: float = 0.5
+    look_ahead: float = 1.2
+    integral_gain: float = 0.1
+    most_integral: float = 1.5
+    turn_gain: float = 1.2
+    most_turn: float = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """What the vehicle is told.
+
+    Attributes
+    ----------
+    surge : float
+        Forward [m/s].
+    turn : float
+        To the left [rad/s].
+    """
+
+    surge: float
+    turn: float
+
+
+STOP = Command(0.0, 0.0)
+"""Stand still."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cable:
+    """The cable beside the vehicle, as `cross_track` says it.
+
+    Attributes
+    ----------
+    offset : float
+        y of the cable at x = 0; positive: the cable is to the left [m].
+    heading : float
+        Direction of the cable from the vehicle's; positive: the cable leads to the left [rad].
+    """
+
+    offset: float
+    heading: float
+
+
+class LineOfSight:
+    """Turns where the cable is into what to do.
+
+    Parameters
+    ----------
+    settings : GuidanceSettings
+        How to steer.
+    """
+
+    def __init__(self, settings: GuidanceSettings) -> None:
+        self._settings = settings
+        self._integral = 0.0
+
+    @property
+    def integral(self) -> float:
+        """By how much the cable is thought to be farther to the left [m]."""
+        return self._integral
+
+    def steer(self, cable: Cable, seconds: float, speed: float | None = None) -> Command:
+        """Return the next command.
+
+        Parameters
+        ----------
+        cable : Cable
+            Where the cable is now.
+        seconds : float
+            Since the command before.
+        speed : float or None
+            Instead of that of the settings [m/s].
+        """
+        settings = self._settings
+        error = cable.offset * math.cos(cable.heading)
+        ahead = settings.look_ahead
+        share = ahead**2 / (ahead**2 + (error + self._integral) ** 2)
+        grown = self._integral + settings.integral_gain * error * share * seconds
+        self._integral = min(max(grown, -settings.most_integral), settings.most_integral)
+        course = cable.heading + math.atan2(error + self._integral, ahead)
+        turn = min(max(settings.turn_gain * course, -settings.most_turn), settings.most_turn)
+        wanted = settings.speed if speed is None else speed
+        # Far off the course, turning comes first.
+        return Command(wanted * max(math.cos(course), 0.0), turn)

@@ -1,0 +1,159 @@
+"""The instruments of a simulated vehicle, and how wrong they are."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.simulation.vehicle import Motion, rotation_of
+
+LEAST_RANGE, MOST_RANGE = 0.1, 50.0
+"""Of the altimeter [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class InstrumentErrors:
+    """How wrong the instruments are: standard deviations.
+
+    Attributes
+    ----------
+    velocity, velocity_bias : float
+        Of each linear component of the twist, and what stays the same over a dive [m/s].
+    turn, turn_bias : float
+        The same of its angular components [rad/s].
+    attitude : float
+        Of roll, pitch and yaw, for each measurement [rad].
+    acceleration : float
+        Of each component [m/s²].
+    altitude : float
+        Share of the altitude, for each measurement.
+    """
+
+    velocity: float = 0.02
+    velocity_bias: float = 0.01
+    turn: float = math.radians(0.2)
+    turn_bias: float = math.radians(0.05)
+    attitude: float = math.radians(0.2)
+    acceleration: float = 0.02
+    altitude: float = 0.01
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OdometryReading:
+    """Twist, and the pose that follows from adding twists up.
+
+    Attributes
+    ----------
+    position : FloatArray
+        In the frame odom, shape (3,) [m].
+    angles : FloatArray
+        Roll, pitch, yaw, shape (3,) [rad].
+    pose_covariance : FloatArray
+        Of position and angles, shape (6, 6).
+    twist : FloatArray
+        In base_link, shape (6,) [m/s, rad/s].
+    twist_covariance : FloatArray
+        Shape (6, 6).
+    """
+
+    position: FloatArray
+    angles: FloatArray
+    pose_covariance: FloatArray
+    twist: FloatArray
+    twist_covariance: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImuReading:
+    """Attitude, turn rates and accelerations with gravity, in base_link.
+
+    Attributes
+    ----------
+    angles : FloatArray
+        Roll, pitch, yaw, shape (3,) [rad].
+    turn : FloatArray
+        Shape (3,) [rad/s].
+    acceleration : FloatArray
+        Shape (3,) [m/s²].
+    """
+
+    angles: FloatArray
+    turn: FloatArray
+    acceleration: FloatArray
+
+
+GRAVITY = 9.81
+"""[m/s²]."""
+
+
+class InstrumentSet:
+    """Reads the instruments of one vehicle.
+
+    Parameters
+    ----------
+    errors : InstrumentErrors
+        How wrong they are.
+    start : Motion
+        Where the vehicle starts; odom lies where the vehicle believes the world to be then.
+    rng : numpy.random.Generator
+        Draws the errors.
+    """
+
+    def __init__(self, errors: InstrumentErrors, start: Motion, rng: np.random.Generator) -> None:
+        self._errors = errors
+        self._rng = rng
+        steps = np.repeat([errors.velocity, errors.turn], 3)
+        biases = np.repeat([errors.velocity_bias, errors.turn_bias], 3)
+        self._steps = steps
+        self._biases = biases * rng.standard_normal(6)
+        self._twist_covariance = np.diag(steps**2 + biases**2)
+        self._position = start.position.copy()
+        self._seconds = 0.0
+
+    @property
+    def errors(self) -> InstrumentErrors:
+        """How wrong they are."""
+        return self._errors
+
+    def odometry(self, motion: Motion, seconds: float) -> OdometryReading:
+        """Read the velocity log and add its way up.
+
+        `seconds` is the time since the reading before; 0 for the first.
+        """
+        twist = motion.twist + self._biases + self._steps * self._rng.standard_normal(6)
+        angles = self._angles(motion)
+        self._position = self._position + rotation_of(angles) @ twist[:3] * seconds
+        self._position[2] = motion.position[2]
+        self._seconds += seconds
+        drift = self._errors.velocity_bias * self._seconds
+        place = max(drift, self._errors.velocity) ** 2
+        own = self._errors.attitude**2
+        return OdometryReading(
+            position=self._position.copy(),
+            angles=angles,
+            pose_covariance=np.diag([place, place, place, own, own, own]),
+            twist=twist,
+            twist_covariance=self._twist_covariance,
+        )
+
+    def imu(self, motion: Motion) -> ImuReading:
+        """Read the imu."""
+        rng, errors = self._rng, self._errors
+        up = rotation_of(motion.angles).T @ np.array([0.0, 0.0, GRAVITY])
+        return ImuReading(
+            angles=self._angles(motion),
+            turn=motion.twist[3:] + errors.turn * rng.standard_normal(3),
+            acceleration=motion.acceleration + up + errors.acceleration * rng.standard_normal(3),
+        )
+
+    def altitude(self, motion: Motion) -> float:
+        """Read the altimeter, which is gimballed: the vertical distance to the bottom [m]."""
+        wrong = 1.0 + self._errors.altitude * float(self._rng.standard_normal())
+        return float(motion.position[2]) * wrong
+
+    def _angles(self, motion: Motion) -> FloatArray:
+        angles: FloatArray = motion.angles + self._errors.attitude * self._rng.standard_normal(3)
+        return angles

@@ -1,0 +1,291 @@
+"""A cable on the sea bed and a vehicle above it that goes where it is told.
+
+The world frame is that of `vehicle`: x along the general course of the cable, y to its left. The
+renderer's has x across to the right and y along.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import ParameterError
+from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
+from cable_tracker.simulation.camera import Camera, CameraPoses, VehiclePoses
+from cable_tracker.simulation.dive import CABLE_RADIUS, FOCAL, Seeds, Surroundings, lay_out
+from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
+from cable_tracker.simulation.laid_cable import BuriedStretch
+from cable_tracker.simulation.look import Bottom, Look, Skin, Water
+from cable_tracker.simulation.renderer import SceneRenderer
+from cable_tracker.simulation.scenario import check_seed, check_size
+from cable_tracker.simulation.tube import Tube, random_bends
+from cable_tracker.simulation.vehicle import (
+    Current,
+    Motion,
+    Vehicle,
+    VehicleModel,
+    VelocityCommand,
+)
+
+MOUNTING = math.radians(20.0)
+"""How far the camera looks forward [rad]."""
+
+CURVATURE = 0.04
+"""The cable never bends more than this [1/m]."""
+
+BEND_LENGTHS = (24.0, 45.0)
+"""Shortest and longest bend of the cable [m]."""
+
+BURIAL_RAMP = 0.3
+"""Way over which the sand rises and falls at the ends of the buried stretch [m]."""
+
+START_ASIDE, START_TURNED = 0.4, math.radians(8.0)
+"""How far from the cable the vehicle starts at most, and how askew [m, rad]."""
+
+NEAREST_STEPS = 6
+"""Steps to the nearest point of the cable."""
+
+LOOK = Look(
+    bottom=Bottom(stones=0.8, algae=0.8),
+    skin=Skin(tone=0.6, stains=0.7, cover=0.3, turf=0.05, silt=0.1, bulge=0.05, drift=0.1),
+    water=Water(absorption=0.1, scatter=0.1, veil=0.25, flakes=0.3),
+    daylight=0.6,
+    clutter=0.3,
+)
+"""An overgrown cable in fairly clear water, with a rope or furrow here and there."""
+
+
+@dataclass(frozen=True, slots=True)
+class LiveSettings:
+    """What there is.
+
+    Attributes
+    ----------
+    seed : int
+        Not negative; draws course, current, surfaces, and the errors of all instruments.
+    length : float
+        Of the cable's course that is to be followed, above 0 [m].
+    buried : float
+        Length of the stretch in its middle that sand hides [m]; 0 for none.
+    altitude : float
+        That the vehicle keeps [m].
+    current : float
+        Speed of the water [m/s]; its direction is drawn.
+    image_size : (int, int)
+        Width and height [px], each 32 to 4096.
+    rate : float
+        Frames per second.
+
+    Raises
+    ------
+    ParameterError
+        A value is out of its range.
+    """
+
+    seed: int = 0
+    length: float = 100.0
+    buried: float = 5.0
+    altitude: float = 2.0
+    current: float = 0.1
+    image_size: tuple[int, int] = (320, 240)
+    rate: float = 12.5
+
+    def __post_init__(self) -> None:
+        check_seed(self.seed)
+        check_size(self.image_size)
+        if not 1.0 <= self.length <= 1e5:
+            raise ParameterError(f"length is {self.length}: give 1 to 100000 m of cable")
+        if not 0.0 <= self.buried <= self.length:
+            raise ParameterError(f"buried is {self.buried}: give 0 m to the length of the cable")
+        if not 0.3 <= self.altitude <= 20.0:
+            raise ParameterError(f"altitude is {self.altitude}: give 0.3 to 20 m")
+        if not 0.0 <= self.current <= 2.0:
+            raise ParameterError(f"current is {self.current}: give 0 to 2 m/s")
+        if not 1.0 <= self.rate <= 100.0:
+            raise ParameterError(f"rate is {self.rate}: give 1 to 100 frames per second")
+
+    @property
+    def buried_from(self) -> float:
+        """Where along the course the sand begins [m]."""
+        return (self.length - self.buried) / 2
+
+
+@dataclass(frozen=True, slots=True)
+class TrueCrossTrack:
+    """The cable beside the vehicle, as it is.
+
+    Attributes
+    ----------
+    along : float
+        Where along the cable's course its nearest point is [m].
+    error : float
+        Distance to that point; positive: the cable is to the left of the vehicle, seen in the
+        cable's direction [m].
+    offset : float
+        y of the cable at x = 0, in the vehicle's level frame [m].
+    heading : float
+        Direction of the cable at its nearest point, from the vehicle's; positive: the cable leads
+        to the left [rad].
+    """
+
+    along: float
+    error: float
+    offset: float
+    heading: float
+
+
+class LiveWorld:
+    """The world of `simulate --live`.
+
+    Parameters
+    ----------
+    settings : LiveSettings
+        What there is.
+    errors : InstrumentErrors or None
+        How wrong the instruments are; None for what is usual.
+    """
+
+    def __init__(self, settings: LiveSettings, errors: InstrumentErrors | None = None) -> None:
+        self._settings = settings
+        seeds = Seeds.of(settings.seed)
+        course_rng = np.random.default_rng(seeds.course)
+        motion_rng, own_rng = (np.random.default_rng(seed) for seed in seeds.route.spawn(2))
+        width = settings.image_size[0]
+        self._camera = Camera(settings.image_size, FOCAL * width / 320, MOUNTING)
+        self._tube = _course(course_rng)
+        picture_rng = np.random.default_rng(seeds.picture)
+        scene, cable = lay_out(
+            self._camera,
+            self._tube,
+            Surroundings(LOOK, stretches=self._stretches()),
+            settings.length,
+            (np.random.default_rng(seeds.clutter), picture_rng),
+        )
+        assert cable is not None
+        self._cable = cable
+        self._renderer = SceneRenderer(self._camera, scene, LOOK, picture_rng)
+        current = Current.random(settings.current, course_rng)
+        self._vehicle = Vehicle(VehicleModel(), current, self._start(motion_rng), motion_rng)
+        self._instruments = InstrumentSet(
+            errors or InstrumentErrors(), self._vehicle.motion(), own_rng
+        )
+        self._time = 0.0
+
+    def _stretches(self) -> tuple[BuriedStretch, ...]:
+        settings = self._settings
+        if not settings.buried:
+            return ()
+        start = settings.buried_from
+        return (BuriedStretch(start, start + settings.buried, BURIAL_RAMP),)
+
+    def _start(self, rng: np.random.Generator) -> FloatArray:
+        """Return the pose at the beginning: near the cable, which is in view."""
+        point, direction = (part[0] for part in self.cable_at(np.zeros(1)))
+        aside = float(rng.uniform(-START_ASIDE, START_ASIDE))
+        turned = float(rng.uniform(-START_TURNED, START_TURNED))
+        course = math.atan2(direction[1], direction[0])
+        left = np.array([-math.sin(course), math.cos(course)])
+        place = point[:2] + aside * left
+        return np.array([*place, self._settings.altitude, course + turned])
+
+    @property
+    def settings(self) -> LiveSettings:
+        """What there is."""
+        return self._settings
+
+    @property
+    def camera(self) -> Camera:
+        """The vehicle's camera; base_link is at its centre."""
+        return self._camera
+
+    @property
+    def instruments(self) -> InstrumentSet:
+        """The vehicle's instruments."""
+        return self._instruments
+
+    @property
+    def cable_radius(self) -> float:
+        """[m]."""
+        return self._tube.radius
+
+    @property
+    def cable_height(self) -> float:
+        """Height of the cable's axis above the bottom [m]."""
+        return self._tube.height
+
+    @property
+    def time(self) -> float:
+        """Since the beginning [s]."""
+        return self._time
+
+    def motion(self) -> Motion:
+        """Return where the vehicle is now, and how it moves."""
+        return self._vehicle.motion()
+
+    def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
+        """Let the vehicle go on; `altitude` is what its altimeter said last [m]."""
+        self._vehicle.advance(command, altitude, seconds)
+        self._time += seconds
+
+    def cable_at(self, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return points and directions of the cable in the world, each (N, 3), at places (N,)."""
+        return _points_of(self._tube, along)
+
+    def cross_track(self, motion: Motion) -> TrueCrossTrack:
+        """Return where the cable is beside the vehicle."""
+        along = float(motion.position[0])
+        for _ in range(NEAREST_STEPS):
+            point, direction = (part[0] for part in self.cable_at(np.array([along])))
+            way = float((motion.position[:2] - point[:2]) @ direction[:2])
+            along += way * float(direction[0])
+        point, direction = (part[0] for part in self.cable_at(np.array([along])))
+        aside = point[:2] - motion.position[:2]
+        error = float(direction[0] * aside[1] - direction[1] * aside[0])
+        heading = math.atan2(direction[1], direction[0]) - float(motion.angles[2])
+        heading = math.remainder(heading, 2 * math.pi)
+        return TrueCrossTrack(along, error, error / max(math.cos(heading), 0.1), heading)
+
+    def picture(self, motion: Motion) -> Image:
+        """Take the next picture: grey, uint8, shape (H, W)."""
+        poses = self._camera_poses(motion)
+        return self._renderer.render(poses.positions[0], poses.rotations[0], self._time)
+
+    def true_state(self, motion: Motion) -> CableState | None:
+        """Return the cable in the image; None if nothing of it can be seen."""
+        poses = self._camera_poses(motion)
+        projected = project_tube(self._tube, self._camera, poses)
+        hidden = self._renderer.hidden(
+            self._cable, poses.positions[0], projected.world[0], projected.inside[0]
+        )
+        if visible_share(projected, 0, hidden) <= 0.0:
+            return None
+        return CableState.from_array(fit_states(projected, self._camera.image_size)[0])
+
+    def _camera_poses(self, motion: Motion) -> CameraPoses:
+        roll, pitch, yaw = motion.angles
+        x, y, z = motion.position
+        # The renderer counts a raised nose as positive.
+        poses = VehiclePoses(np.array([[-y, x, z]]), np.array([[yaw, -pitch, roll]]))
+        return self._camera.poses(poses)
+
+
+def cable_course(seed: int, along: FloatArray) -> FloatArray:
+    """Return points of the cable that a seed gives, (N, 3) [m], at places (N,) along it."""
+    return _points_of(_course(np.random.default_rng(Seeds.of(seed).course)), along)[0]
+
+
+def _course(rng: np.random.Generator) -> Tube:
+    return Tube(CABLE_RADIUS, random_bends(CURVATURE, BEND_LENGTHS, 2, rng))
+
+
+def _points_of(tube: Tube, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+    points, directions = tube.axis(along)
+    return _from_renderer(points), _from_renderer(directions)
+
+
+def _from_renderer(vectors: FloatArray) -> FloatArray:
+    return np.stack((vectors[..., 1], -vectors[..., 0], vectors[..., 2]), axis=-1)

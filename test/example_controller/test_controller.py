@@ -1,0 +1,152 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.example_controller.cable_memory import Pose
+from cable_tracker.example_controller.controller import (
+    Controller,
+    ControllerSettings,
+    Mode,
+    SearchSettings,
+)
+from cable_tracker.example_controller.line_of_sight import STOP, Cable, Command
+
+STEP = 0.1
+SEARCH = SearchSettings()
+AHEAD = Cable(0.0, 0.0)
+
+
+class Trial:
+    """A controller whose vehicle moves at once as it is told, over a cable along the x axis."""
+
+    def __init__(self, controller: Controller | None = None, has_odometry: bool = True) -> None:
+        self.controller = controller or Controller()
+        self.has_odometry = has_odometry
+        self.time = 0.0
+        self.pose = Pose(0.0, 0.0, 0.0)
+        self.command = STOP
+
+    @property
+    def mode(self) -> Mode:
+        return self.controller.mode
+
+    def sees(self, cable: Cable | None) -> Command:
+        self.time += STEP
+        pose = self.pose if self.has_odometry else None
+        self.command = self.controller.step(self.time, cable, pose)
+        yaw = self.pose.yaw + self.command.turn * STEP
+        way = self.command.surge * STEP
+        self.pose = Pose(self.pose.x + way * math.cos(yaw), self.pose.y + way * math.sin(yaw), yaw)
+        return self.command
+
+    def sees_the_x_axis(self, seconds: float) -> None:
+        for _ in range(round(seconds / STEP)):
+            self.sees(Cable(-self.pose.y / math.cos(self.pose.yaw), -self.pose.yaw))
+
+    def sees_nothing(self, seconds: float) -> Iterator[Command]:
+        for _ in range(round(seconds / STEP)):
+            yield self.sees(None)
+
+
+@pytest.fixture
+def following() -> Trial:
+    trial = Trial()
+    trial.sees_the_x_axis(5.0)
+    assert trial.mode is Mode.FOLLOWING
+    return trial
+
+
+@given(st.integers(1, 200))
+def test_before_the_cable_is_seen_the_vehicle_stands_still(count):
+    trial = Trial()
+    assert all(trial.sees(None) == STOP for _ in range(count))
+    assert trial.mode is Mode.WAITING
+
+
+def test_the_cable_must_be_seen_several_times_in_a_row():
+    trial = Trial()
+    for _ in range(3):
+        for _ in range(SEARCH.confirmations - 1):
+            assert trial.sees(AHEAD) == STOP
+        trial.sees(None)
+    for _ in range(SEARCH.confirmations):
+        trial.sees(AHEAD)
+    assert trial.mode is Mode.FOLLOWING
+    assert trial.command.surge > 0.0
+
+
+def test_a_frame_without_an_answer_changes_nothing(following):
+    before = following.command
+    assert following.sees(None) == before
+    assert following.mode is Mode.FOLLOWING
+
+
+def test_when_the_cable_is_lost_the_vehicle_stops(following):
+    commands = list(following.sees_nothing(SEARCH.patience + SEARCH.pause - STEP))
+    assert commands[-1] == STOP
+    assert following.mode is Mode.STOPPED
+
+
+def test_then_it_searches_along_the_line(following):
+    start = following.pose.x
+    for command in following.sees_nothing(12.0):
+        if following.mode is Mode.SEARCHING:
+            assert command.surge <= SEARCH.speed
+    assert following.mode is Mode.SEARCHING
+    assert following.pose.x > start + 2.0
+    assert abs(following.pose.y) < 0.05
+
+
+def test_the_search_sweeps_to_both_sides(following):
+    places = [following.pose.y for _ in following.sees_nothing(60.0)]
+    assert max(places) > 0.5
+    assert min(places) < -0.5
+
+
+def test_after_a_long_search_it_gives_up_and_stands_still(following):
+    for _ in following.sees_nothing(200.0):
+        pass
+    assert following.mode is Mode.GIVEN_UP
+    assert following.command == STOP
+
+
+def test_a_cable_that_comes_back_is_followed_again(following):
+    for _ in following.sees_nothing(12.0):
+        pass
+    following.sees_the_x_axis(1.0)
+    assert following.mode is Mode.FOLLOWING
+
+
+def test_also_after_giving_up(following):
+    for _ in following.sees_nothing(200.0):
+        pass
+    following.sees_the_x_axis(1.0)
+    assert following.mode is Mode.FOLLOWING
+
+
+@pytest.mark.parametrize("other", [Cable(1.5, 0.0), Cable(-1.5, 0.0), Cable(0.0, 1.0)])
+def test_what_lies_elsewhere_is_not_the_cable(following, other):
+    for _ in range(20):
+        following.sees(other)
+    assert following.mode is not Mode.FOLLOWING
+
+
+def test_without_odometry_a_lost_cable_is_not_searched_for():
+    trial = Trial(has_odometry=False)
+    trial.sees_the_x_axis(5.0)
+    for _ in trial.sees_nothing(30.0):
+        pass
+    assert trial.mode is Mode.STOPPED
+    assert trial.command == STOP
+
+
+@given(st.floats(0.0, 100.0))
+def test_sweeps_keep_within_their_limit(progress):
+    settings = ControllerSettings().search
+    assert abs(settings.sweep(progress)) <= settings.most_sweep
+    assert settings.sweep(min(progress, settings.straight)) == 0.0

@@ -1,0 +1,147 @@
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
+
+from cable_tracker.example_controller.controller import Mode, SearchSettings
+
+CONFIRMATIONS = SearchSettings().confirmations
+PATIENT = {"settle_time": 20.0, "state_timeout": 20.0}
+
+
+class Tracker:
+    """Says what a tracker would say about frames, 0.1 s apart."""
+
+    def __init__(self, world: Any) -> None:
+        self._world = world
+        self._publishers = {
+            topic: world.me.create_publisher(kind, topic, 10)
+            for kind, topic in (
+                (JointState, "state"),
+                (PoseWithCovarianceStamped, "cross_track"),
+                (Odometry, "odometry"),
+            )
+        }
+        self.commands = world.listen(Twist, "cmd_vel")
+        self._frame = 0
+
+    def is_heard(self) -> None:
+        self._world.spin(
+            lambda: all(each.get_subscription_count() for each in self._publishers.values())
+        )
+
+    def _header(self) -> Header:
+        seconds, tenths = divmod(self._frame, 10)
+        return Header(stamp=Time(sec=1 + seconds, nanosec=100_000_000 * tenths))
+
+    def next_frame(self) -> None:
+        self._frame += 1
+
+    def says_state(self, *, claims: bool) -> None:
+        position = [0.0, 0.0, 30.0, 0.0] if claims else []
+        self._publishers["state"].publish(JointState(header=self._header(), position=position))
+
+    def says_cross_track(self, offset: float, heading: float) -> None:
+        message = PoseWithCovarianceStamped(header=self._header())
+        message.pose.pose.position.y = offset
+        message.pose.pose.orientation.z = math.sin(heading / 2)
+        message.pose.pose.orientation.w = math.cos(heading / 2)
+        self._publishers["cross_track"].publish(message)
+
+    def says_odometry(self) -> None:
+        self._publishers["odometry"].publish(Odometry(header=self._header()))
+
+    def tells(self, offset: float, heading: float = 0.0, frames: int = CONFIRMATIONS) -> None:
+        for _ in range(frames):
+            count = len(self.commands)
+            self.next_frame()
+            self.says_odometry()
+            self.says_cross_track(offset, heading)
+            self.says_state(claims=True)
+            self._world.spin(lambda count=count: len(self.commands) > count)
+
+    def loses(self, frames: int) -> None:
+        for _ in range(frames):
+            count = len(self.commands)
+            self.next_frame()
+            self.says_odometry()
+            self.says_state(claims=False)
+            self._world.spin(lambda count=count: len(self.commands) > count)
+
+
+@pytest.fixture
+def tracker(world: Any) -> Tracker:
+    return Tracker(world)
+
+
+@pytest.mark.parametrize(("offset", "heading"), [(0.3, 0.0), (0.0, 0.2)])
+def test_a_cable_to_the_left_turns_the_vehicle_to_the_left(world, tracker, offset, heading):
+    world.controller(**PATIENT)
+    tracker.is_heard()
+    tracker.tells(offset, heading)
+    assert tracker.commands[-1].linear.x > 0.3
+    assert tracker.commands[-1].angular.z > 0.0
+    tracker.tells(-offset, -heading, frames=1)
+    assert tracker.commands[-1].angular.z < 0.0
+
+
+def test_each_state_has_one_command(world, tracker):
+    world.controller(**PATIENT)
+    tracker.is_heard()
+    tracker.tells(0.1, frames=8)
+    world.pass_time(0.3)
+    assert len(tracker.commands) == 8
+
+
+def test_a_state_waits_for_its_cross_track_and_odometry(world, tracker):
+    world.controller(**PATIENT)
+    tracker.is_heard()
+    tracker.next_frame()
+    tracker.says_state(claims=True)
+    world.pass_time(0.3)
+    assert not tracker.commands
+    tracker.says_cross_track(0.1, 0.0)
+    world.pass_time(0.3)
+    assert not tracker.commands
+    tracker.says_odometry()
+    world.spin(lambda: tracker.commands)
+
+
+def test_but_not_for_ever(world, tracker):
+    world.controller(settle_time=0.1, state_timeout=20.0)
+    tracker.is_heard()
+    tracker.next_frame()
+    tracker.says_state(claims=True)
+    world.spin(lambda: tracker.commands)
+    assert tracker.commands[0].linear.x == 0.0
+
+
+def test_a_lost_cable_stops_the_vehicle(world, tracker):
+    node = world.controller(**PATIENT)
+    tracker.is_heard()
+    tracker.tells(0.0, frames=10)
+    tracker.loses(10)
+    assert node.mode is Mode.STOPPED
+    assert (tracker.commands[-1].linear.x, tracker.commands[-1].angular.z) == (0.0, 0.0)
+
+
+def test_a_tracker_that_falls_silent_stops_the_vehicle(world, tracker):
+    world.controller(state_timeout=0.3)
+    tracker.is_heard()
+    tracker.tells(0.0, frames=CONFIRMATIONS + 1)
+    assert tracker.commands[-1].linear.x > 0.0
+    world.spin(lambda: tracker.commands[-1].linear.x == 0.0)
+
+
+def test_a_change_of_mode_is_told_in_diagnostics(world, tracker, diagnostics):
+    node = world.controller(**PATIENT)
+    tracker.is_heard()
+    tracker.tells(0.0)
+    world.spin(lambda: [words for words, _ in diagnostics(node)] == ["WAITING", "FOLLOWING"])

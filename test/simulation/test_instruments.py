@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cable_tracker.simulation.instruments import GRAVITY, InstrumentErrors, InstrumentSet
+from cable_tracker.simulation.vehicle import Motion
+
+PERFECT = InstrumentErrors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def motion(x: float = 0.0) -> Motion:
+    return Motion(
+        position=np.array([x, 0.0, 2.0]),
+        angles=np.zeros(3),
+        twist=np.array([0.5, 0.0, 0.0, 0.0, 0.0, 0.1]),
+        acceleration=np.zeros(3),
+    )
+
+
+def instruments(errors: InstrumentErrors, seed: int = 0) -> InstrumentSet:
+    return InstrumentSet(errors, motion(), np.random.default_rng(seed))
+
+
+def test_perfect_instruments_say_what_is():
+    perfect = instruments(PERFECT)
+    reading = perfect.odometry(motion(), 0.0)
+    assert np.array_equal(reading.twist, motion().twist)
+    assert perfect.altitude(motion()) == 2.0
+    assert perfect.imu(motion()).acceleration == pytest.approx([0.0, 0.0, GRAVITY])
+
+
+def test_odometry_adds_the_way_up():
+    perfect = instruments(PERFECT)
+    perfect.odometry(motion(), 0.0)
+    for _ in range(10):
+        reading = perfect.odometry(motion(), 0.2)
+    assert reading.position == pytest.approx([1.0, 0.0, 2.0])
+
+
+def test_errors_are_of_the_size_that_the_covariance_states():
+    errors = InstrumentErrors()
+    wrong = []
+    for seed in range(200):
+        reading = instruments(errors, seed).odometry(motion(), 0.0)
+        wrong.append(reading.twist - motion().twist)
+    assert np.std(wrong, axis=0) == pytest.approx(
+        np.sqrt(np.diag(reading.twist_covariance)), rel=0.2
+    )
+
+
+def test_doubt_about_the_place_grows():
+    real = instruments(InstrumentErrors())
+    first = real.odometry(motion(), 0.0).pose_covariance[0, 0]
+    for _ in range(100):
+        last = real.odometry(motion(), 0.1).pose_covariance[0, 0]
+    assert last > first
