@@ -63,7 +63,7 @@ $(VENV)/installed: setup.py setup.cfg constraints.txt package.xml | check-python
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt \
 		--upgrade pip setuptools wheel
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt \
-		--no-build-isolation -e ".[ros,dev]"
+		--no-build-isolation -e ".[ros,gui,dev]"
 	@echo "compiling the inner loops, once ..."
 	@$(BIN)/cable-tracker warm-up
 	@touch $@

@@ -31,6 +31,7 @@ setup(
         PACKAGE: ["py.typed"],
         f"{PACKAGE}.cable": ["*.json"],
         f"{PACKAGE}.evaluation": ["templates/*.j2"],
+        f"{PACKAGE}.gui": ["*.js", "browser/*.js"],
     },
     python_requires=">=3.11",
     install_requires=[
@@ -50,12 +51,14 @@ setup(
     ],
     extras_require={
         "ros": ["ros-jazzy-rclpy[fastrtps]", "ros-jazzy-common-interfaces"],
+        "gui": ["nicegui>=3"],
         "dev": [
             "atheris; python_version < '3.13'",
             "filterpy",
             "hypothesis",
             "mypy",
             "particles",
+            "playwright",
             "pytest",
             "pytest-timeout",
             "pytest-xdist",
@@ -79,5 +82,5 @@ setup(
             "controller = cable_tracker.ros.entry:controller",
         ],
     },
-    zip_safe=True,
+    zip_safe=False,
 )

@@ -33,3 +33,7 @@ class ResourceError(CableTrackerError):
 
 class RosError(CableTrackerError):
     """ROS is missing, or the processes do not find each other."""
+
+
+class GuiError(CableTrackerError):
+    """The browser's windows cannot be served."""

@@ -24,18 +24,22 @@ MAY_IMPORT = {
     "evaluation": {
         "trackers", "simulation", "detection", "visualisation", "sequences", "metric", "cable",
     },
+    "gui": {
+        "trackers", "evaluation", "detection", "visualisation", "sequences",
+        "node_parameter_tables", "cable", "particle_filter",
+    },
     "benchmark": {
         "evaluation", "trackers", "detection", "visualisation", "sequences", "cable",
         "particle_filter",
     },
     "example_controller": set(),
     "ros": {
-        "benchmark", "evaluation", "trackers", "simulation", "example_controller",
+        "benchmark", "gui", "evaluation", "trackers", "simulation", "example_controller",
         "visualisation", "sequences",
         "node_parameter_tables", "metric", "cable", "particle_filter", "resources",
     },
     "commands": {
-        "ros", "benchmark", "evaluation", "trackers", "simulation", "detection", "sequences",
+        "ros", "benchmark", "gui", "evaluation", "trackers", "simulation", "detection", "sequences",
         "node_parameter_tables", "cable", "resources",
     },
     "cli": {"commands"},

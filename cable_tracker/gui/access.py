@@ -1,0 +1,119 @@
+"""Who may reach the server: this machine alone, or whoever knows the token."""
+
+from __future__ import annotations
+
+import ipaddress
+import secrets
+from collections.abc import Awaitable, Callable, MutableMapping
+from http.cookies import CookieError, SimpleCookie
+from typing import Any, TypeAlias
+from urllib.parse import parse_qs, urlsplit
+
+Scope: TypeAlias = MutableMapping[str, Any]
+Message: TypeAlias = MutableMapping[str, Any]
+Receive: TypeAlias = Callable[[], Awaitable[Message]]
+Send: TypeAlias = Callable[[Message], Awaitable[None]]
+Application: TypeAlias = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+COOKIE = "cable_tracker_token"
+LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
+REFUSED_BY_CLOSING = 1008
+"""WebSocket's code for a violation of policy (RFC 6455, 7.4.1)."""
+
+
+def is_loopback(host: str) -> bool:
+    """Tell whether an address to listen on can only be reached from this machine."""
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def make_token() -> str:
+    """Return a word that nobody can guess."""
+    return secrets.token_urlsafe(16)
+
+
+class AccessGuard:
+    """Lets through what comes from the right page, and turns everything else away.
+
+    A page of another host that is open in the same browser must not command the tracker: requests
+    must name a host of this server, and a WebSocket must come from a page of that host. Where
+    others than this machine can reach the server, they must bring the token: once in the address
+    (``?token=...``), which then stays in a cookie.
+
+    Parameters
+    ----------
+    application : Application
+        What is guarded (ASGI).
+    token : str or None
+        What a request must bring. None: the server listens on loopback alone, and the name of the
+        host must be one of this machine's own.
+    """
+
+    def __init__(self, application: Application, token: str | None = None) -> None:
+        self._application = application
+        self._token = token
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one connection."""
+        if scope["type"] not in ("http", "websocket"):
+            await self._application(scope, receive, send)
+            return
+        headers = {
+            key.decode("latin-1"): value.decode("latin-1") for key, value in scope["headers"]
+        }
+        if not self._is_allowed(scope, headers):
+            await _refuse(scope, receive, send)
+            return
+        if self._token is not None and scope["type"] == "http":
+            send = _with_cookie(send, self._token)
+        await self._application(scope, receive, send)
+
+    def _is_allowed(self, scope: Scope, headers: MutableMapping[str, str]) -> bool:
+        host = headers.get("host", "")
+        origin = headers.get("origin")
+        if origin is not None and urlsplit(origin).netloc != host:
+            return False
+        if self._token is None:
+            return _name_of(host) in LOCAL_NAMES
+        given = [*parse_qs(scope["query_string"].decode("latin-1")).get("token", ())]
+        given += _cookie_of(headers)
+        return any(secrets.compare_digest(word.encode(), self._token.encode()) for word in given)
+
+
+def _name_of(host: str) -> str:
+    name, colon, port = host.rpartition(":")
+    return name if colon and port.isdigit() else host
+
+
+def _cookie_of(headers: MutableMapping[str, str]) -> list[str]:
+    try:
+        cookie = SimpleCookie(headers.get("cookie", "")).get(COOKIE)
+    except CookieError:
+        return []
+    return [cookie.value] if cookie is not None else []
+
+
+def _with_cookie(send: Send, token: str) -> Send:
+    value = f"{COOKIE}={token}; Path=/; HttpOnly; SameSite=Strict".encode("latin-1")
+
+    async def send_with_cookie(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            message["headers"] = [*message.get("headers", ()), (b"set-cookie", value)]
+        await send(message)
+
+    return send_with_cookie
+
+
+async def _refuse(scope: Scope, receive: Receive, send: Send) -> None:
+    if scope["type"] == "websocket":
+        await receive()
+        await send({"type": "websocket.close", "code": REFUSED_BY_CLOSING})
+        return
+    words = b"refused: open the address that cable-tracker printed, with its token if it has one\n"
+    kind = (b"content-type", b"text/plain; charset=utf-8")
+    await send({"type": "http.response.start", "status": 403, "headers": [kind]})
+    await send({"type": "http.response.body", "body": words})

@@ -1,0 +1,3 @@
+// What both windows share; NiceGUI serves it as the module "cable-tracker-browser".
+export { unpack } from "./packet.js";
+export { FrameView } from "./frame_view.js";

@@ -1,0 +1,106 @@
+"""Any frame of a recording, by its number."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Iterator
+
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.source import Source
+
+KEPT_BYTES = 256 << 20
+"""Pixels that are kept in memory, as they were recorded."""
+
+
+class FrameAccess:
+    """Reads frames of a source in any order.
+
+    Sources read forwards. A frame further on is reached by reading on, one further back by starting
+    again, unless it is among the last ones that are kept. From any thread.
+
+    Parameters
+    ----------
+    source : Source
+        An open recording.
+    kept_bytes : int
+        How many bytes of pixels are kept.
+    """
+
+    def __init__(self, source: Source, kept_bytes: int = KEPT_BYTES) -> None:
+        self.source = source
+        self._kept_bytes = kept_bytes
+        self._kept: OrderedDict[int, Frame] = OrderedDict()
+        self._bytes = 0
+        self._frames: Iterator[Frame] | None = None
+        self._next = 0
+        self._end: int | None = None
+        self._damage: RecordingError | None = None
+        self._lock = threading.Lock()
+
+    @property
+    def count(self) -> int | None:
+        """Number of frames; None while it is unknown."""
+        return self._end if self._end is not None else self.source.frame_count
+
+    @property
+    def damage(self) -> RecordingError | None:
+        """Where the recording breaks off, once that has been seen."""
+        return self._damage
+
+    def frame(self, index: int) -> Frame:
+        """Return a frame.
+
+        Raises
+        ------
+        IndexError
+            The recording ends before it, or the number is negative.
+        RecordingError
+            The recording is damaged before or at it.
+        """
+        if index < 0:
+            raise IndexError(f"there is no frame {index}")
+        with self._lock:
+            kept = self._kept.get(index)
+            if kept is not None:
+                self._kept.move_to_end(index)
+                return kept
+            return self._read(index)
+
+    def _read(self, index: int) -> Frame:
+        self._check_end(index)
+        if self._frames is None or index < self._next:
+            self._frames, self._next = self.source.frames(), 0
+        while True:
+            frame = self._advance(index)
+            self._next = frame.index + 1
+            self._keep(frame)
+            if frame.index >= index:
+                return frame
+
+    def _advance(self, index: int) -> Frame:
+        assert self._frames is not None
+        try:
+            frame = next(self._frames, None)
+        except RecordingError as error:
+            self._damage = error
+            frame = None
+        if frame is None:
+            self._end, self._frames = self._next, None
+            self._check_end(index)
+            raise IndexError(f"there is no frame {index}")
+        return frame
+
+    def _check_end(self, index: int) -> None:
+        if self._end is not None and index >= self._end:
+            if self._damage is not None:
+                raise self._damage
+            raise IndexError(f"there is no frame {index}; the recording has {self._end}")
+
+    def _keep(self, frame: Frame) -> None:
+        self._kept[frame.index] = frame
+        self._bytes += len(frame.image.data)
+        while self._bytes > self._kept_bytes and len(self._kept) > 1:
+            _, oldest = self._kept.popitem(last=False)
+            self._bytes -= len(oldest.image.data)

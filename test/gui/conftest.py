@@ -1,0 +1,129 @@
+"""A real headless Chromium, and the commands as processes of their own."""
+
+import os
+import re
+import select
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
+START_TIMEOUT = 120.0
+"""Seconds until a command must have printed its address, on a busy machine, compiling included."""
+PAGE_TIMEOUT = 30_000
+"""Milliseconds that Playwright waits for anything on a page."""
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """Return the browser that all tests of a process share."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="PLAYWRIGHT IS NOT INSTALLED")
+    if CHROMIUM is None:
+        pytest.skip("NO CHROMIUM: the pages are not tested; apt install chromium")
+    with playwright.sync_playwright() as running:
+        browser = running.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"]
+        )
+        yield browser
+        browser.close()
+
+
+@contextmanager
+def visiting(chromium, url, size=(1280, 800), **options):
+    """Open a page; no request may go elsewhere, and no script may fail."""
+    context = chromium.new_context(
+        viewport={"width": size[0], "height": size[1]}, accept_downloads=True, **options
+    )
+    context.set_default_timeout(PAGE_TIMEOUT)
+    page = context.new_page()
+    requested, failures = [], []
+    page.on("request", lambda request: requested.append(request.url))
+    page.on("websocket", lambda socket: requested.append(socket.url))
+    page.on("pageerror", lambda error: failures.append(str(error)))
+    page.goto(url)
+    try:
+        yield page
+    finally:
+        context.close()
+    outside = {name for name in map(host_of, requested) if name not in (None, host_of(url))}
+    assert not outside, f"the page asked other hosts: {outside}"
+    assert not failures, failures
+
+
+def host_of(url):
+    parts = urlsplit(url)
+    return parts.netloc if parts.scheme in ("http", "https", "ws", "wss") else None
+
+
+@pytest.fixture
+def visit(chromium):
+    """Return a function that opens a page as a context."""
+    return lambda url, **options: visiting(chromium, url, **options)
+
+
+class Running:
+    """A command that serves a page.
+
+    Attributes
+    ----------
+    url : str
+        What it printed.
+    """
+
+    def __init__(self, arguments, folder):
+        self.output = b""
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "cable_tracker.cli", *map(str, arguments)],
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env=os.environ
+            | {"PYTHONUNBUFFERED": "1", "PYTHONPATH": str(Path(__file__).parents[2])},
+        )
+        self.url = self.wait_for(rb"(http://\S+)").group(1).decode()
+
+    def wait_for(self, pattern):
+        """Return the match of what it prints, now or before long."""
+        deadline = time.monotonic() + START_TIMEOUT
+        while (found := re.search(pattern, self.output)) is None:
+            left = deadline - time.monotonic()
+            ready, _, _ = select.select([self.process.stdout], [], [], max(left, 0.0))
+            chunk = os.read(self.process.stdout.fileno(), 65536) if ready else b""
+            if not chunk:
+                self.process.kill()
+                raise AssertionError(f"{pattern!r} is not in:\n{self.output.decode()}")
+            self.output += chunk
+        return found
+
+    def stop(self):
+        """End it as Ctrl-C does, and return its exit code."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+        try:
+            rest, _ = self.process.communicate(timeout=30)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise
+        self.output += rest
+        return self.process.returncode
+
+
+@pytest.fixture
+def run_command(tmp_path):
+    """Return a function that starts `cable-tracker ...` and gives it when it serves."""
+    running = []
+
+    def start(*arguments):
+        running.append(Running([*arguments, "--port", "0"], tmp_path))
+        return running[-1]
+
+    yield start
+    for command in running:
+        command.stop()

@@ -1,0 +1,84 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.sequences.frame_source import FrameSource, damage
+
+PIXELS = bytes(12)
+
+
+class Numbers(FrameSource):
+    """Frames whose stamp is their number; `readings` counts how often it was begun."""
+
+    def __init__(self, path, count, *, broken=False):
+        super().__init__(path)
+        self._count, self._broken, self.readings = count, broken, 0
+
+    def _read(self):
+        self.readings += 1
+        for index in range(self._count):
+            image = RawImage("mono8", 3, 4, 4, False, memoryview(PIXELS))
+            yield Frame(index, index, image)
+        if self._broken:
+            raise damage(self.path, self._count, "cut off")
+
+
+@pytest.fixture
+def numbers(tmp_path):
+    return Numbers(tmp_path, 10)
+
+
+@given(st.lists(st.integers(0, 9)), st.integers(1, 200))
+def test_any_frame_comes_at_any_time(order, kept):
+    frames = FrameAccess(Numbers("", 10), kept)
+    assert [frames.frame(index).stamp for index in order] == order
+
+
+def test_frames_in_order_are_read_once(numbers):
+    frames = FrameAccess(numbers, kept_bytes=1)
+    for index in range(10):
+        frames.frame(index)
+    assert numbers.readings == 1
+
+
+def test_kept_frames_need_no_reading(numbers):
+    frames = FrameAccess(numbers)
+    for index in (9, 3, 0, 8):
+        frames.frame(index)
+    assert numbers.readings == 1
+
+
+def test_no_more_is_kept_than_allowed(numbers):
+    frames = FrameAccess(numbers, kept_bytes=2 * len(PIXELS))
+    frames.frame(5)
+    frames.frame(4)
+    assert numbers.readings == 1
+    frames.frame(3)
+    assert numbers.readings == 2
+
+
+def test_the_number_of_frames_is_known_at_the_end(numbers):
+    frames = FrameAccess(numbers)
+    assert frames.count is None
+    with pytest.raises(IndexError):
+        frames.frame(10)
+    assert frames.count == 10
+    assert frames.frame(9).stamp == 9
+
+
+def test_there_are_no_negative_numbers(numbers):
+    with pytest.raises(IndexError):
+        FrameAccess(numbers).frame(-1)
+
+
+def test_damage_is_told_and_the_frames_before_it_remain(tmp_path):
+    frames = FrameAccess(Numbers(tmp_path, 4, broken=True))
+    with pytest.raises(RecordingError, match="cut off"):
+        frames.frame(4)
+    assert frames.damage is not None
+    assert frames.frame(3).stamp == 3
+    with pytest.raises(RecordingError, match="cut off"):
+        frames.frame(7)
