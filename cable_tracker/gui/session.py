@@ -1,0 +1,181 @@
+"""What the window watches and commands: a recording tracked in this process, or a live node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.estimate import Hypothesis
+from cable_tracker.cable.initialisation import StatePrior
+from cable_tracker.cable.parameters import ParameterSpec, ParameterValue
+from cable_tracker.cable.state import CableState
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot:
+    """What the filter made of one frame.
+
+    Attributes
+    ----------
+    number : int
+        Counts the snapshots of a session; each has a larger one than those before.
+    frame : int or None
+        Number of the frame in its recording; None of a live camera.
+    stamp : int
+        Time of the frame [ns].
+    grey : Image
+        The frame, uint8, shape (H, W).
+    status : str
+        As in diagnostics: TRACKING, LOST, INITIALISING, REFUSED, DISABLED, ...
+    reason : str
+        Why the frame was refused, or why the filter started anew; empty on ordinary frames.
+    state : CableState or None
+        The estimate [px, rad, per second]; None while no cable is claimed.
+    sigma : FloatArray or None
+        Standard deviations of `state`, columns of `StateColumn`, shape (8,), or (4,) where those of
+        the rates are not known; None while no cable is claimed.
+    cloud : FloatArray or None
+        Particles and their weights, shape (N, 9): columns of `StateColumn`, then the weight. None
+        if there are none.
+    hypotheses : tuple of Hypothesis
+        Where the cable may be, likeliest first; empty if it is not known.
+    presence : float or None
+        Probability that a cable is in view.
+    evidence, n_eff, ms : float or None
+        As in `estimates.csv`; None if not known.
+    truth : CableState or None
+        Where the cable really runs, if the frame is labelled.
+    """
+
+    number: int
+    frame: int | None
+    stamp: int
+    grey: Image
+    status: str
+    reason: str = ""
+    state: CableState | None = None
+    sigma: FloatArray | None = None
+    cloud: FloatArray | None = None
+    hypotheses: tuple[Hypothesis, ...] = ()
+    presence: float | None = None
+    evidence: float | None = None
+    n_eff: float | None = None
+    ms: float | None = None
+    truth: CableState | None = None
+
+
+Listener: TypeAlias = Callable[[Snapshot], None]
+"""Told of every new snapshot, in the session's own thread: it must not take long."""
+
+
+class Session(Protocol):
+    """What is common to both. All methods may be called from any thread, and may take a while.
+
+    Attributes
+    ----------
+    name : str
+        What is being watched, for the title of the page.
+    table : sequence of ParameterSpec
+        The parameters that can be changed while it runs, in the order of docs/parameters.md.
+    """
+
+    name: str
+    table: Sequence[ParameterSpec]
+
+    @property
+    def latest(self) -> Snapshot | None:
+        """The newest snapshot."""
+        ...
+
+    @property
+    def trouble(self) -> str:
+        """What keeps frames from coming: the damage, the node that is gone. Empty if nothing."""
+        ...
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether the tracker takes frames."""
+        ...
+
+    def listen(self, listener: Listener) -> Callable[[], None]:
+        """Tell a listener of every snapshot from now on; returns the function that ends it."""
+        ...
+
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        """Return the values in force, by name.
+
+        Raises
+        ------
+        CableTrackerError
+            They cannot be had.
+        """
+        ...
+
+    def change(self, values: Mapping[str, object]) -> None:
+        """Change parameters, all of them or none.
+
+        Raises
+        ------
+        ParameterError
+            A value is refused; the message says why, and nothing has changed.
+        RosError
+            The node does not answer.
+        """
+        ...
+
+    def initialise(self, prior: StatePrior) -> None:
+        """Start the next frame from a belief that the user gives."""
+        ...
+
+    def reset(self) -> None:
+        """Forget everything."""
+        ...
+
+    def enable(self, wanted: bool) -> None:
+        """Let the tracker take frames, or not."""
+        ...
+
+    def close(self) -> None:
+        """End all threads and connections."""
+        ...
+
+
+class Player(Session, Protocol):
+    """A session on a recording."""
+
+    @property
+    def frame_count(self) -> int | None:
+        """Number of frames; None while it is unknown."""
+        ...
+
+    @property
+    def is_playing(self) -> bool:
+        """Whether frames follow each other."""
+        ...
+
+    @property
+    def speed(self) -> float:
+        """How fast it plays, as a multiple of the recording's own pace."""
+        ...
+
+    def play(self) -> None:
+        """Let frames follow each other; from the start again if it stands at the end."""
+        ...
+
+    def pause(self) -> None:
+        """Stand still."""
+        ...
+
+    def step(self, count: int = 1) -> None:
+        """Pause, and go some frames forwards, or backwards if negative."""
+        ...
+
+    def seek(self, frame: int) -> None:
+        """Go to a frame."""
+        ...
+
+    def set_speed(self, speed: float) -> None:
+        """Play faster or more slowly; infinity plays as fast as the tracker can."""
+        ...
