@@ -1,0 +1,173 @@
+"""Puts together what a tracker node says of the same frame."""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cable_tracker.cable.estimate import TrackingStatus
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import FrameError
+from cable_tracker.gui.session import Snapshot
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import CompressedImage, RawImage
+from cable_tracker.sequences.messages import (
+    Message,
+    read_cloud,
+    read_sigma,
+    read_state,
+    stamp_of,
+)
+
+KEPT_FRAMES = 16
+"""Frames whose messages are waited for; older ones are given up."""
+
+PATIENCE = 0.25
+"""How long a picture waits for what is only for people: particles, report, truth [s]."""
+
+WITH_PARTICLES = frozenset(status.value for status in TrackingStatus)
+"""With another status, a frame has none."""
+
+
+@dataclass(slots=True, eq=False)
+class _Parts:
+    """What has come about one frame, and when the first of it came."""
+
+    since: float = field(default_factory=time.monotonic)
+    image: RawImage | CompressedImage | None = None
+    state: Message | None = None
+    cloud: Message | None = None
+    report: Message | None = None
+    truth: Message | None = None
+
+    def status(self) -> str | None:
+        """Return what the report says."""
+        return None if self.report is None else str(self.report.status[0].message)
+
+    def is_complete(self) -> bool:
+        """Tell whether nothing more will come; ground truth comes with the image, if at all."""
+        if self.image is None or self.state is None or self.report is None:
+            return False
+        return self.cloud is not None or self.status() not in WITH_PARTICLES
+
+    def will_do(self, now: float) -> bool:
+        """Tell whether a picture can be shown, and has waited long enough for the rest."""
+        return (
+            self.image is not None
+            and self.state is not None
+            and (self.is_complete() or now - self.since > PATIENCE)
+        )
+
+
+class LiveFrames:
+    """Joins messages by their stamps; each frame is handed on once, in order.
+
+    Parameters
+    ----------
+    hand_on : callable
+        Gets the snapshots.
+    """
+
+    def __init__(self, hand_on: Callable[[Snapshot], None]) -> None:
+        self._hand_on = hand_on
+        self._parts: OrderedDict[int, _Parts] = OrderedDict()
+        self._last = -1
+        self._count = 0
+
+    def take_image(self, header: Message, image: RawImage | CompressedImage) -> None:
+        """Take what the camera sent."""
+        self._of(header).image = image
+        self.hand_on_what_is_due()
+
+    def take_state(self, message: Message) -> None:
+        """Take a message of the topic `state`."""
+        self._of(message.header).state = message
+        self.hand_on_what_is_due()
+
+    def take_cloud(self, message: Message) -> None:
+        """Take a message of the topic `particles`."""
+        self._of(message.header).cloud = message
+        self.hand_on_what_is_due()
+
+    def take_report(self, message: Message) -> None:
+        """Take a message of the topic `~/frame_report`."""
+        if message.status:
+            self._of(message.header).report = message
+            self.hand_on_what_is_due()
+
+    def take_truth(self, message: Message) -> None:
+        """Take a message of the topic `ground_truth`, of a simulator or a replay."""
+        self._of(message.header).truth = message
+
+    def _of(self, header: Message) -> _Parts:
+        stamp = stamp_of(header)
+        if stamp not in self._parts:
+            self._parts[stamp] = _Parts()
+            while len(self._parts) > KEPT_FRAMES:
+                self._parts.popitem(last=False)
+        return self._parts[stamp]
+
+    def hand_on_what_is_due(self) -> None:
+        """Hand on the newest frame that is ready; those before it are given up."""
+        now = time.monotonic()
+        ready = [stamp for stamp, parts in self._parts.items() if parts.will_do(now)]
+        if not ready:
+            return
+        # By order of arrival: a bag that starts again has earlier stamps, and is shown.
+        parts = self._parts[ready[-1]]
+        for stamp in tuple(self._parts):
+            del self._parts[stamp]
+            if stamp == ready[-1]:
+                break
+        try:
+            snapshot = _snapshot(self._count + 1, ready[-1], parts)
+        except FrameError:
+            # The tracker has refused the same image, and says so in diagnostics.
+            return
+        self._count += 1
+        self._hand_on(snapshot)
+
+
+def _snapshot(number: int, stamp: int, parts: _Parts) -> Snapshot:
+    assert parts.image is not None
+    assert parts.state is not None
+    facts = _facts(parts.report)
+    state = read_state(parts.state)
+    sigma = read_sigma(parts.state)
+    cloud = read_cloud(parts.cloud) if parts.cloud is not None else None
+    grey = decode_grey(parts.image)
+    return Snapshot(
+        number=number,
+        frame=None,
+        stamp=stamp,
+        grey=grey if grey.dtype == np.uint8 else np.clip(grey, 0, 255).astype(np.uint8),
+        status=parts.status() or ("TRACKING" if state is not None else "NO REPORT"),
+        reason=facts.get("event", ""),
+        state=state,
+        sigma=np.array(sigma) if state is not None and sigma is not None else None,
+        cloud=cloud if cloud is not None and len(cloud) else None,
+        presence=_number(facts, "presence"),
+        evidence=_number(facts, "evidence"),
+        n_eff=_number(facts, "n_eff"),
+        ms=_number(facts, "ms"),
+        truth=_truth(parts.truth),
+    )
+
+
+def _truth(message: Message | None) -> CableState | None:
+    return read_state(message) if message is not None else None
+
+
+def _facts(report: Message | None) -> dict[str, str]:
+    if report is None:
+        return {}
+    return {str(pair.key): str(pair.value) for pair in report.status[0].values}
+
+
+def _number(facts: dict[str, str], key: str) -> float | None:
+    text = facts.get(key, "")
+    return float(text) if text else None
