@@ -84,16 +84,6 @@ def effective_time(parameters: TrackerParameters, dt: float) -> float:
     return damped / (1.0 - damping) / REFERENCE_RATE
 
 
-def diffusion_variances(parameters: TrackerParameters, image_width: int, dt: float) -> FloatArray:
-    """Return the variance that each component gains in `dt` seconds, shape (8,) [px², rad², per s].
-
-    The thesis gives variances per frame, and rates per frame: a rate per second is 25 times as
-    large, its variance 625 times. Over a longer gap the changes of the rates within it move the
-    cable too, so that the prior widens as it would have done frame by frame.
-    """
-    return variances_over(variances_per_frame(parameters, image_width), parameters, dt)
-
-
 def variances_per_frame(
     parameters: TrackerParameters, image_width: int
 ) -> tuple[FloatArray, FloatArray]:
@@ -122,7 +112,12 @@ def variances_per_frame(
 def variances_over(
     per_frame: tuple[FloatArray, FloatArray], parameters: TrackerParameters, dt: float
 ) -> FloatArray:
-    """Return what they gain in `dt` seconds, shape (8,) [px², rad², per s]."""
+    """Return the variance that each component gains in `dt` seconds, shape (8,) [px², rad², per s].
+
+    The thesis gives variances per frame, see `variances_per_frame`, and rates per frame: a rate per
+    second is 25 times as large, its variance 625 times. Over a longer gap the changes of the rates
+    within it move the cable too, so that the prior widens as it would have done frame by frame.
+    """
     places, rates = per_frame
     frames = dt * REFERENCE_RATE
     carried = _carried_by_rates(frames, parameters.rate_damping)

@@ -8,14 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.frame_noise import draw_frame_noise
 from cable_tracker.cable.leaving import BirthDensity
 from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import PLACES, STATE_SIZE
+from cable_tracker.cable.state import PLACES
 from cable_tracker.cable.usual_width import UsualWidth
 from cable_tracker.particle_filter.existence import PredictedExistence
 from cable_tracker.particle_filter.kernel_mixture import KernelMixture
-from cable_tracker.particle_filter.student_t import standard_student_t
 
 MINIMUM_DENSITY = 1e-12
 """Stands for a probability of zero where its logarithm is taken."""
@@ -119,27 +117,24 @@ class Prior:
             return np.zeros(len(states))
         return self.usual_width.log_factors(states, self.parameters)
 
-    def draw_rates(self, ancestors: IndexArray, rng: np.random.Generator) -> FloatArray:
-        """Draw the rates of the children of some ancestors, shape (len(ancestors), 4)."""
-        tail = self.kernels.degrees_of_freedom
-        return self.rates_about(
-            ancestors, standard_student_t(rng, len(ancestors), STATE_SIZE - PLACES, tail)
-        )
-
     def rates_about(self, ancestors: IndexArray, noise: FloatArray) -> FloatArray:
         """Return the rates of the children of some ancestors for noise of unit scale, (n, 4)."""
         return self.rates[ancestors] + noise * self.rate_sigmas
 
-    def rates_given_places(self, states: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Draw the rates of states (N, 8) whose places were proposed, shape (N, 4)."""
-        noise = draw_frame_noise(rng, len(states), 0, self.kernels.degrees_of_freedom)
-        return self.rates_from(states, noise.uniform, noise.of_rates(slice(None)))
-
     def rates_from(self, states: FloatArray, uniform: FloatArray, noise: FloatArray) -> FloatArray:
-        """Return the rates of states (N, 8) for random numbers (N, 8) and noise (N, 4).
+        """Return the rates of states whose places were proposed, shape (N, 4).
 
         An ancestor is drawn by how likely it would have moved there; a cable that was more likely
         born there has the rates of the search.
+
+        Parameters
+        ----------
+        states : FloatArray
+            Shape (N, 8).
+        uniform : FloatArray
+            Random numbers from 0 to 1, shape (N, 8); see `FrameNoise`.
+        noise : FloatArray
+            Of unit scale, shape (N, 4).
         """
         born = math.log(max(self.existence.born, MINIMUM_DENSITY)) + self.births.log_density(states)
         with np.errstate(divide="ignore"):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.particle_filter.student_t import standard_student_t, student_t_log_density
+from cable_tracker.particle_filter.student_t import student_t_log_density
 
 POINTS_AT_ONCE = 4096
 """Points whose distances to all centres are held at a time, so that memory does not grow with N."""
@@ -31,13 +31,11 @@ class KernelMixture:
     scales: FloatArray
     degrees_of_freedom: float
 
-    def draw_about(self, indices: IndexArray, rng: np.random.Generator) -> FloatArray:
-        """Draw one point about each of the centres at `indices`, shape (len(indices), k)."""
-        standard = standard_student_t(rng, len(indices), len(self.scales), self.degrees_of_freedom)
-        return self.placed_about(indices, standard)
-
     def placed_about(self, indices: IndexArray, standard: FloatArray) -> FloatArray:
-        """Return the points for draws (N, k) of location zero and unit scale, shape (N, k)."""
+        """Return one point about each of the centres at `indices`, shape (N, k).
+
+        `standard` holds draws of location zero and unit scale, shape (N, k).
+        """
         return self.centres[indices] + standard * self.scales
 
     def log_densities(self, points: FloatArray, weights: tuple[FloatArray, ...]) -> FloatArray:

@@ -15,18 +15,6 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 
 
-def standard_student_t(
-    rng: np.random.Generator, count: int, dimensions: int, degrees_of_freedom: float
-) -> FloatArray:
-    """Draw from the distribution of location zero and unit scale, shape (count, dimensions)."""
-    normal = rng.standard_normal((count, dimensions))
-    if math.isinf(degrees_of_freedom):
-        return normal
-    stretch = np.sqrt(degrees_of_freedom / rng.chisquare(degrees_of_freedom, count))
-    draws: FloatArray = normal * stretch[:, None]
-    return draws
-
-
 def student_t_stretches(
     rng: np.random.Generator, rows: int, count: int, degrees_of_freedom: float
 ) -> FloatArray:
@@ -81,11 +69,6 @@ class StudentT:
     location: FloatArray
     factor: FloatArray
     degrees_of_freedom: float
-
-    def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
-        """Return `count` draws, shape (count, k)."""
-        standard = standard_student_t(rng, count, len(self.location), self.degrees_of_freedom)
-        return self.placed(standard)
 
     def placed(self, standard: FloatArray) -> FloatArray:
         """Return the points for draws (N, k) of location zero and unit scale, shape (N, k)."""

@@ -9,10 +9,11 @@ from hypothesis.extra.numpy import arrays
 from cable_tracker.cable.movement import (
     CableMovement,
     clip_to_limits,
-    diffusion_variances,
     effective_time,
     reflect_at_limits,
     state_limits,
+    variances_over,
+    variances_per_frame,
 )
 from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.presets import preset
@@ -65,14 +66,18 @@ SOME = TrackerParameters(
 )
 
 
+def variances_of(parameters, dt, width=320):
+    return variances_over(variances_per_frame(parameters, width), parameters, dt)
+
+
 def variances(dt, damping=0.9):
-    return diffusion_variances(SOME.replaced({"rate_damping": damping}), 320, dt)
+    return variances_of(SOME.replaced({"rate_damping": damping}), dt)
 
 
 def test_one_frame_has_exactly_the_variances_of_the_thesis():
     # Table 5.1; its rates are per frame, ours per second.
     expected = np.concatenate((TABLE_5_1, RATES_OF_TABLE_5_1))
-    np.testing.assert_allclose(diffusion_variances(preset("thesis"), 320, FRAME), expected)
+    np.testing.assert_allclose(variances_of(preset("thesis"), FRAME), expected)
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.5, 0.9, 1.0])
@@ -140,7 +145,7 @@ def test_after_a_gap_the_prior_is_as_wide_as_it_would_be_frame_by_frame(rng):
 def test_particles_spread_with_the_variances_of_the_diffusion(dt, rng):
     spread = moved(thesis(), dt, rng).var(axis=0)
     # Five standard errors of a variance.
-    expected = diffusion_variances(preset("thesis"), 320, dt)
+    expected = variances_of(preset("thesis"), dt)
     np.testing.assert_allclose(spread, expected, rtol=5 * np.sqrt(2 / COUNT), atol=1e-15)
 
 
@@ -167,7 +172,7 @@ def test_places_and_rates_jump_independently(rng):
 
 
 def test_lengths_scale_with_the_image_and_angles_do_not():
-    small, large = (diffusion_variances(SOME, width, FRAME) for width in (320, 640))
+    small, large = (variances_of(SOME, FRAME, width) for width in (320, 640))
     np.testing.assert_allclose(large / small, [4.0, 1.0, 4.0, 1.0] * 2)
     parameters = TrackerParameters()
     small_box, large_box = (state_limits(parameters, width) for width in (320, 640))

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from cable_tracker.cable.frame_noise import draw_frame_noise
 from cable_tracker.cable.initialisation import search_box
 from cable_tracker.cable.leaving import BirthDensity
 from cable_tracker.cable.parameters import TrackerParameters
@@ -38,6 +39,11 @@ def states_at(*places) -> np.ndarray:
     return np.hstack((np.array(places, dtype=float), np.zeros((len(places), 4))))
 
 
+def rates_at(prior, states, rng) -> np.ndarray:
+    noise = draw_frame_noise(rng, len(states), 0, prior.kernels.degrees_of_freedom)
+    return prior.rates_from(states, noise.uniform, noise.of_rates(slice(None)))
+
+
 def test_the_prior_is_what_survived_and_what_was_born_by_their_masses():
     prior, states = make_prior(), states_at(*CENTRES, [100.0, 1.0, 50.0, 0.0])
     densities = prior.log_densities(states)
@@ -69,12 +75,12 @@ def test_nothing_may_be_born_or_survive(rng):
         prior = make_prior(survived, born)
         states = states_at(*CENTRES)
         assert np.isfinite(prior.log_densities(states).full).all()
-        assert np.isfinite(prior.rates_given_places(states, rng)).all()
+        assert np.isfinite(rates_at(prior, states, rng)).all()
 
 
 def test_a_place_that_was_proposed_has_the_rates_of_who_would_have_moved_there(rng):
     prior = make_prior()
-    rates = prior.rates_given_places(states_at(*np.repeat(CENTRES, 200, axis=0)), rng)
+    rates = rates_at(prior, states_at(*np.repeat(CENTRES, 200, axis=0)), rng)
     assert rates.shape == (400, 4)
     np.testing.assert_allclose(np.median(rates[:200], axis=0), RATES[0], atol=0.5)
     np.testing.assert_allclose(np.median(rates[200:], axis=0), RATES[1], atol=0.5)
@@ -82,18 +88,19 @@ def test_a_place_that_was_proposed_has_the_rates_of_who_would_have_moved_there(r
 
 def test_between_two_ancestors_the_likelier_one_is_chosen_more_often(rng):
     middle = CENTRES.mean(axis=0)
-    rates = make_prior(born=0.0).rates_given_places(states_at(*[middle] * 4000), rng)
+    rates = rates_at(make_prior(born=0.0), states_at(*[middle] * 4000), rng)
     assert (rates[:, 0] < 0.0).mean() == pytest.approx(0.9, abs=0.03)
 
 
 def test_far_from_all_ancestors_it_has_the_rates_of_the_search(rng):
     prior = make_prior()
-    rates = prior.rates_given_places(states_at(*[[150.0, -1.2, 80.0, 0.1]] * 500), rng)
+    rates = rates_at(prior, states_at(*[[150.0, -1.2, 80.0, 0.1]] * 500), rng)
     box = prior.births.box
     assert ((rates >= box.lower[4:]) & (rates <= box.upper[4:])).all(axis=1).mean() > 0.98
     assert np.ptp(rates[:, 0]) > 0.8 * (box.upper - box.lower)[4]
 
 
 def test_children_have_the_rates_of_their_parents(rng):
-    rates = make_prior().draw_rates(np.array([0, 1, 1]), rng)
+    noise = draw_frame_noise(rng, 3, 0, 4.0)
+    rates = make_prior().rates_about(np.array([0, 1, 1]), noise.of_rates(slice(None)))
     assert np.sign(rates[:, 0]).tolist() == [-1.0, 1.0, 1.0]

@@ -8,6 +8,7 @@ import pytest
 from cable_tracker.particle_filter.filter import ParticleFilter
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import systematic_resampling
+from cable_tracker.particle_filter.student_t import student_t_stretches
 
 
 class RandomWalk:
@@ -41,6 +42,18 @@ class GivenLikelihoods:
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(20081)
+
+
+@pytest.fixture
+def draw_standard(rng) -> Callable[..., np.ndarray]:
+    """Draw Student-t points of location zero and unit scale, as the filters draw them."""
+
+    def draw(count, dimensions, tail) -> np.ndarray:
+        normal = rng.standard_normal((count, dimensions))
+        stretches = student_t_stretches(rng, 1, count, tail)
+        return normal * stretches.T if stretches.size else normal
+
+    return draw
 
 
 @pytest.fixture

@@ -60,10 +60,10 @@ def test_centres_without_a_weight_count_nothing(rng):
     assert densities[0, 0] == -math.inf
 
 
-def test_draws_agree_with_the_density(rng):
+def test_draws_agree_with_the_density(rng, draw_standard):
     cloud = KernelMixture(np.array([[-1.0, 0.0], [2.0, 1.0]]), np.array([0.5, 1.0]), 4.0)
     weights = np.array([0.3, 0.7])
-    draws = cloud.draw_about(rng.choice(2, 40_000, p=weights), rng)
+    draws = cloud.placed_about(rng.choice(2, 40_000, p=weights), draw_standard(40_000, 2, 4.0))
     in_box = (np.abs(draws[:, 0] - 0.5) < 2.0) & (np.abs(draws[:, 1] - 0.5) < 1.0)
     ratios = in_box / np.exp(cloud.log_densities(draws, (weights,))[0])
     error = ratios.std() / np.sqrt(len(ratios))
@@ -71,7 +71,7 @@ def test_draws_agree_with_the_density(rng):
     assert error < 0.5
 
 
-def test_each_point_is_drawn_about_its_own_centre(rng):
+def test_each_point_is_drawn_about_its_own_centre(draw_standard):
     cloud = KernelMixture(np.array([[0.0], [100.0]]), np.full(1, 0.01), math.inf)
-    draws = cloud.draw_about(np.array([1, 0, 1]), rng)
+    draws = cloud.placed_about(np.array([1, 0, 1]), draw_standard(3, 1, math.inf))
     np.testing.assert_allclose(draws[:, 0], [100.0, 0.0, 100.0], atol=0.1)

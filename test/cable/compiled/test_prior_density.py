@@ -82,7 +82,9 @@ def near_and_far(rng, prior, count=40) -> np.ndarray:
     """Half of the states about ancestors, half anywhere."""
     far = any_states(rng, count // 2, prior.reference_angle)
     about = rng.integers(0, len(prior.target), count // 2)
-    near = np.hstack((prior.kernels.draw_about(about, rng), prior.rates[about]))
+    noise = draw_frame_noise(rng, len(about), 0, prior.kernels.degrees_of_freedom)
+    places = prior.kernels.placed_about(about, noise.of_places(slice(None)))
+    near = np.hstack((places, prior.rates[about]))
     return unwrap_states(np.concatenate((near, far)), prior.reference_angle)
 
 
