@@ -7,12 +7,16 @@ the right, y up. A line is given in Hesse normal form, ``x cos(angle) + y sin(an
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.state import StateColumn
+
+CABLES_AT_ONCE = 512
+"""Cables measured in one go, so that it all stays in the cache and memory does not grow with N."""
 
 SIGN_CHANGING_COLUMNS = (
     StateColumn.DISTANCE,
@@ -37,6 +41,12 @@ class Borders:
 
     angles: FloatArray
     offsets: FloatArray
+
+    def blocks(self) -> Iterator[Borders]:
+        """Go through them, at most `CABLES_AT_ONCE` at a time; without a cable, one empty block."""
+        for start in range(0, max(len(self.angles), 1), CABLES_AT_ONCE):
+            block = slice(start, start + CABLES_AT_ONCE)
+            yield Borders(self.angles[block], self.offsets[block])
 
 
 def wrap_angle(angle: FloatArray) -> FloatArray:

@@ -19,9 +19,6 @@ from cable_tracker.cable.response_table import PointMeasures, ResponseTable, loa
 from cable_tracker.cable.scanned_gradients import Channel, ScanLines
 from cable_tracker.cable.working_image import WorkingImage
 
-CABLES_AT_ONCE = 512
-"""Cables measured in one go, so that it all stays in the cache and memory does not grow with N."""
-
 TEMPERED_SPACING = 5.0
 """Spacing of the points that the parameter `tempering` is given for [px at the reference width]."""
 
@@ -92,17 +89,7 @@ class BorderLikelihoodRatio:
 
     def measure(self, states: FloatArray, image: WorkingImage) -> CableEvidence:
         """Measure cables, shape (N, 4) or more columns."""
-        borders = project_borders(states)
-        blocks = [
-            self._measure_block(
-                Borders(
-                    borders.angles[start : start + CABLES_AT_ONCE],
-                    borders.offsets[start : start + CABLES_AT_ONCE],
-                ),
-                image,
-            )
-            for start in range(0, max(len(states), 1), CABLES_AT_ONCE)
-        ]
+        blocks = [self._measure_block(block, image) for block in project_borders(states).blocks()]
         return functools.reduce(CableEvidence.joined, blocks)
 
     def _measure_block(self, borders: Borders, image: WorkingImage) -> CableEvidence:

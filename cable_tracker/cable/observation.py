@@ -15,9 +15,6 @@ from cable_tracker.cable.working_image import SMALLEST_SIGMA, WorkingImage
 REMAP_COLUMNS = 4096
 """Row length of the look-up map; OpenCV takes at most 32767 rows or columns of it."""
 
-CABLES_AT_ONCE = 512
-"""Cables measured in one go, so that it all stays in the cache and memory does not grow with N."""
-
 GRID_COLUMNS, GRID_ROWS, GRID_DIRECTIONS = 24, 18, 4
 """Places at which the frame's own scale is measured, and directions of the lines through them."""
 
@@ -117,16 +114,7 @@ class BorderObservation:
 
     def measure(self, borders: Borders, image: WorkingImage) -> BorderResponses:
         """Filter across each border at regular points, and sum along it."""
-        blocks = [
-            self._measure_block(
-                Borders(
-                    borders.angles[start : start + CABLES_AT_ONCE],
-                    borders.offsets[start : start + CABLES_AT_ONCE],
-                ),
-                image,
-            )
-            for start in range(0, len(borders.angles), CABLES_AT_ONCE)
-        ]
+        blocks = [self._measure_block(block, image) for block in borders.blocks()]
         return BorderResponses(
             np.concatenate([block.sums for block in blocks]),
             np.concatenate([block.counts for block in blocks]),

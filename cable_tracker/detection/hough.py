@@ -21,7 +21,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.cable.parameters import REFERENCE_WIDTH
-from cable_tracker.detection.border_lines import fit_lines
+from cable_tracker.detection.border_lines import BorderLines, fit_lines
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import EdgePoints, Gradient, gradient_of
 from cable_tracker.detection.line_pairs import pair_lines
@@ -57,9 +57,7 @@ class HoughDetector(ReducedImageDetector):
         points = zero_crossings(pixels).within(region)
         if len(points) == 0:
             return []
-        angles, offsets = hough_peaks(points, image_size)
-        lines = fit_lines(angles, offsets, points, image_size)
-        return pair_lines(lines, image_size, region, MINIMUM_SCORE)
+        return pair_lines(hough_lines(points, image_size), image_size, region, MINIMUM_SCORE)
 
 
 def zero_crossings(pixels: Image) -> EdgePoints:
@@ -104,6 +102,12 @@ def _crossings_between(
         ),
         contrasts=gradient.modulus[rows, columns].astype(np.float64) / gradient.scale,
     )
+
+
+def hough_lines(points: EdgePoints, image_size: tuple[int, int]) -> BorderLines:
+    """Return the strongest lines through edges in a picture of this size [px]."""
+    angles, offsets = hough_peaks(points, image_size)
+    return fit_lines(angles, offsets, points, image_size)
 
 
 def hough_peaks(points: EdgePoints, image_size: tuple[int, int]) -> tuple[FloatArray, FloatArray]:

@@ -23,10 +23,10 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.parameters import REFERENCE_WIDTH
-from cable_tracker.detection.border_lines import CONTRAST_CAP, fit_lines
+from cable_tracker.detection.border_lines import CONTRAST_CAP
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import EdgePoints, gradient_of, gradient_ridge
-from cable_tracker.detection.hough import hough_peaks
+from cable_tracker.detection.hough import hough_lines
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion, pixel_to_image
 
@@ -91,9 +91,7 @@ class TextureDetector(ReducedImageDetector):
         points = cable_cells(describe_cells(pixels)).within(region)
         if len(points) == 0:
             return []
-        angles, offsets = hough_peaks(points, image_size)
-        lines = fit_lines(angles, offsets, points, image_size)
-        return pair_lines(lines, image_size, region, MINIMUM_SCORE)
+        return pair_lines(hough_lines(points, image_size), image_size, region, MINIMUM_SCORE)
 
 
 def cable_cells(cells: Cells) -> EdgePoints:

@@ -208,11 +208,6 @@ class LiveWorld:
         return self._instruments
 
     @property
-    def cable_radius(self) -> float:
-        """[m]."""
-        return self._tube.radius
-
-    @property
     def cable_height(self) -> float:
         """Height of the cable's axis above the bottom [m]."""
         return self._tube.height

@@ -166,9 +166,7 @@ def simulate_scenario(
     RecordingError
         There are no photographs in the folder.
     """
-    chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
-    check_size(image_size)
-    check_seed(seed)
+    chosen = _checked(scenario, seed, image_size)
     seeds = Seeds.of(seed)
     dive = _scenario_dive(chosen, seeds, image_size, distortion)
     surroundings = Surroundings(
@@ -197,9 +195,7 @@ def scenario_states(
     ParameterError
         As `simulate_scenario`.
     """
-    chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
-    check_size(image_size)
-    check_seed(seed)
+    chosen = _checked(scenario, seed, image_size)
     if not chosen.has_cable:
         return np.full((chosen.frame_count, STATE_SIZE), np.nan)
     dive = _scenario_dive(chosen, Seeds.of(seed), image_size)
@@ -218,10 +214,16 @@ def scenario_dive(
     ParameterError
         As `simulate_scenario`.
     """
+    chosen = _checked(scenario, seed, image_size)
+    return _scenario_dive(chosen, Seeds.of(seed), image_size)
+
+
+def _checked(scenario: str | Scenario, seed: int, image_size: tuple[int, int]) -> Scenario:
+    """Return the scenario that is asked for, if the other values are in their ranges."""
     chosen = find_scenario(scenario) if isinstance(scenario, str) else scenario
     check_size(image_size)
     check_seed(seed)
-    return _scenario_dive(chosen, Seeds.of(seed), image_size)
+    return chosen
 
 
 def _camera(

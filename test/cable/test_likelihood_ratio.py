@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.geometry import project_borders
+from cable_tracker.cable.geometry import CABLES_AT_ONCE, project_borders
 from cable_tracker.cable.likelihood_ratio import (
-    CABLES_AT_ONCE,
     BorderLikelihoodRatio,
     agreed_contrast,
     bright_shares,

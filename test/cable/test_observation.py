@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.cable.geometry import project_borders
+from cable_tracker.cable.geometry import CABLES_AT_ONCE, project_borders
 from cable_tracker.cable.initialisation import random_states
 from cable_tracker.cable.observation import (
-    CABLES_AT_ONCE,
     BorderObservation,
     derivative_of_gaussian,
     interpolate,
