@@ -396,11 +396,13 @@ def test_the_dds_profile_is_found(run):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_leaves_nothing_half_written(run, tmp_path, number):
-    run("simulate", "long", "--frames", 400, "--size", "64x48")
-    command = [sys.executable, "-m", "cable_tracker.cli", "track", "long"]
+def test_a_signal_leaves_nothing_half_written(unlabelled, tmp_path, number):
+    shown = [picture.read_bytes() for picture in sorted(unlabelled.iterdir())]
+    for index in range(400):
+        (unlabelled / f"frame_{index:06}.png").write_bytes(shown[index % len(shown)])
+    command = [sys.executable, "-m", "cable_tracker.cli", "track", "pictures"]
     with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
-        partial = tmp_path / ".long_tracked.partial"
+        partial = tmp_path / ".pictures_tracked.partial"
         while process.poll() is None and not partial.exists():
             time.sleep(0.02)
         process.send_signal(number)
@@ -408,4 +410,4 @@ def test_a_signal_leaves_nothing_half_written(run, tmp_path, number):
     assert process.returncode == 128 + number
     assert errors.strip().endswith("stopped; nothing was written")
     assert not partial.exists()
-    assert not (tmp_path / "long_tracked").exists()
+    assert not (tmp_path / "pictures_tracked").exists()

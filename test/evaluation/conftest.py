@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import multiprocessing
 from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -109,6 +111,24 @@ def results(stripe: JudgedSequence) -> list[RunResult]:
     sequences = (stripe, _StripeSequence("<other> & more"))
     campaign = Campaign(("default", "thesis"), sequences, (0, 1), Start.RANDOM, with_sheets=True)
     return run_campaign(campaign)
+
+
+@pytest.fixture
+def run_apart() -> Callable[[Campaign], list[RunResult]]:
+    """Run a campaign alone in a fresh process, with the compiled loops that lie on disk.
+
+    A process that compiles a loop keeps its own, and two that compile the same loop may differ in
+    the last bit. Workers load what the first one has left on disk. So what is compared with them
+    must load it too: one process compiles what there is not yet, another one tells.
+    """
+
+    def run(campaign: Campaign) -> list[RunResult]:
+        for _ in ("compiles", "tells"):
+            with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+                told = pool.submit(run_campaign, campaign).result()
+        return told
+
+    return run
 
 
 class Recording:

@@ -40,11 +40,11 @@ def test_only_the_first_seed_gets_contact_sheets(results):
     assert all(bool(result.sheet) == (result.seed == 0) for result in results)
 
 
-def test_the_number_of_workers_does_not_change_the_results():
+def test_the_number_of_workers_does_not_change_the_results(run_apart):
     sequences = (ScenarioSequence("S6", 3),)
     campaign = Campaign(("thesis", "lsd"), sequences, (0, 1), Start.RANDOM, with_sheets=True)
     told = []
-    alone = run_campaign(campaign)
+    alone = run_apart(campaign)
     together = run_campaign(campaign, workers=2, advance=told.append)
     assert [numbers(result) for result in alone] == [numbers(result) for result in together]
     assert sum(told) == campaign.frame_count() == 6
