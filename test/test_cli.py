@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import cv2
@@ -20,7 +21,10 @@ from cable_tracker.commands import parameters
 from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.track import chosen_parameters, default_output
 from cable_tracker.errors import ParameterError
+from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import read_estimates
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
@@ -61,18 +65,23 @@ def run(monkeypatch, capsys, tmp_path):
     return run_command
 
 
+@cache
+def small_dive(frames: int, clutter: float) -> tuple[Frame, ...]:
+    """What `simulate` writes; worked out once, for most tests want it."""
+    return tuple(simulate(SimulationSettings(frames, image_size=(64, 48), clutter=clutter)))
+
+
 @pytest.fixture
 def bag(run) -> Path:
     """A small simulated bag with truth."""
-    assert run("simulate", "dive", "--frames", 8, "--size", "64x48", "--clutter", 0.1).code == 0
+    write_bag(Path("dive"), small_dive(8, 0.1))
     return Path("dive")
 
 
 @pytest.fixture
 def unlabelled(bag, run) -> Path:
     """The same dive as pictures without labels."""
-    options = ("--frames", 3, "--size", "64x48", "--format", "sequence")
-    assert run("simulate", "pictures", *options).code == 0
+    write_sequence(Path("pictures"), small_dive(3, 0.5))
     Path("pictures/sequence.txt").unlink()
     return Path("pictures")
 

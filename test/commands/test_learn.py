@@ -32,16 +32,21 @@ def command(monkeypatch, capsys, tmp_path):
     return run
 
 
+@pytest.fixture(scope="module")
+def frames():
+    return tuple(simulate(DIVE))
+
+
 @pytest.fixture
-def bag(command):
-    write_bag(Path("dive"), simulate(DIVE))
+def bag(command, frames):
+    write_bag(Path("dive"), frames)
     return Path("dive")
 
 
 @pytest.fixture
-def labels(command):
+def labels(command, frames):
     """The sequence file of a labelled recording."""
-    write_sequence(Path("pictures"), simulate(DIVE))
+    write_sequence(Path("pictures"), frames)
     (path,) = Path("pictures").glob("*.txt")
     return path
 
