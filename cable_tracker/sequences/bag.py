@@ -220,12 +220,13 @@ class BagSource(FrameSource):
             ) from error
         return truth
 
-    def _read(self) -> Generator[Frame | UnreadableFrame]:
+    def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
         count = 0
         try:
             with closing(self._storage.messages([self.topic])) as messages:
                 for message in messages:
-                    yield self._frame(count, message)
+                    if count >= start:
+                        yield self._frame(count, message)
                     count += 1
         except RecordingError as error:
             raise damage(self.path, count, str(error)) from error

@@ -14,11 +14,16 @@ KEPT_BYTES = 256 << 20
 """Pixels that are kept in memory, as they were recorded."""
 
 
+def _is_far(here: int, there: int) -> bool:
+    """Tell whether passing over all frames before one is less work than reading those between."""
+    return there - here > there / 2
+
+
 class FrameAccess:
     """Reads frames of a source in any order.
 
-    Sources read forwards. A frame further on is reached by reading on, one further back by starting
-    again, unless it is among the last ones that are kept. From any thread.
+    Sources read forwards. A frame a little further on is reached by reading on, another one by
+    starting anew there, unless it is among the last ones that are kept. From any thread.
 
     Parameters
     ----------
@@ -34,7 +39,7 @@ class FrameAccess:
         self._kept: OrderedDict[int, Frame] = OrderedDict()
         self._bytes = 0
         self._frames: Iterator[Frame] | None = None
-        self._next = 0
+        self._next = self._known = 0
         self._end: int | None = None
         self._damage: RecordingError | None = None
         self._lock = threading.Lock()
@@ -70,27 +75,33 @@ class FrameAccess:
 
     def _read(self, index: int) -> Frame:
         self._check_end(index)
-        if self._frames is None or index < self._next:
-            self._frames, self._next = self.source.frames(), 0
+        if self._frames is None or index < self._next or _is_far(self._next, index):
+            self._start(index)
         while True:
-            frame = self._advance(index)
+            frame = self._advance()
+            if frame is None:
+                if self._next <= self._known:
+                    self._end, self._frames = self._next, None
+                    self._check_end(index)
+                # Begun beyond the end: where that is, only reading tells.
+                self._start(self._known)
+                continue
             self._next = frame.index + 1
+            self._known = max(self._known, self._next)
             self._keep(frame)
             if frame.index >= index:
                 return frame
 
-    def _advance(self, index: int) -> Frame:
+    def _start(self, index: int) -> None:
+        self._frames, self._next = self.source.frames(index), index
+
+    def _advance(self) -> Frame | None:
         assert self._frames is not None
         try:
-            frame = next(self._frames, None)
+            return next(self._frames, None)
         except RecordingError as error:
             self._damage = error
-            frame = None
-        if frame is None:
-            self._end, self._frames = self._next, None
-            self._check_end(index)
-            raise IndexError(f"there is no frame {index}")
-        return frame
+            return None
 
     def _check_end(self, index: int) -> None:
         if self._end is not None and index >= self._end:

@@ -99,10 +99,11 @@ class FrameSource(ABC):
         self._labels = labels
         self.has_truth = self.has_truth or bool(labels)
 
-    def frames(self) -> Iterator[Frame]:
-        """Read the frames from the beginning.
+    def frames(self, start: int = 0) -> Iterator[Frame]:
+        """Read the frames from the beginning, or from a later one on.
 
-        Every image is checked when its frame is handed out.
+        Every image is checked when its frame is handed out. Those before the start are passed over
+        with as little work as their kind allows; damage among them is raised as elsewhere.
 
         Raises
         ------
@@ -111,7 +112,7 @@ class FrameSource(ABC):
             frames are to be skipped: then it is handed out, and decoding it raises FrameError), or
             the recording is damaged.
         """
-        frames = self._checked()
+        frames = self._checked(start)
         self._running.add(frames)
         return frames
 
@@ -120,11 +121,11 @@ class FrameSource(ABC):
         return f"frame {index}"
 
     @abstractmethod
-    def _read(self) -> Generator[Frame | UnreadableFrame]:
-        """Yield all frames; raise RecordingError where the recording breaks off."""
+    def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
+        """Yield the frames from one on; raise RecordingError where the recording breaks off."""
 
-    def _checked(self) -> Generator[Frame]:
-        with closing(self._read()) as items:
+    def _checked(self, start: int) -> Generator[Frame]:
+        with closing(self._read(start)) as items:
             for item in items:
                 yield self._labelled(self._check(item))
 

@@ -120,8 +120,8 @@ class ImageFolderSource(FrameSource):
         """Return how to call a frame in a message."""
         return f"frame {index} ({self.pictures[index].name})"
 
-    def _read(self) -> Generator[Frame | UnreadableFrame]:
-        for index, path in enumerate(self.pictures):
+    def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
+        for index, path in enumerate(self.pictures[start:], start):
             stamp = stamp_of_frame(index, self._rate)
             try:
                 yield Frame(index, stamp, load_picture(path))

@@ -28,6 +28,7 @@ from cable_tracker.sequences.video import (
     frame_rate,
     next_picture,
     opened_video,
+    pass_over,
 )
 
 SEQUENCE_SUFFIXES = (".txt", ".seq")
@@ -197,6 +198,8 @@ def _check_kind(sequence: Path, label: Label) -> None:
 
 def _one_pass(labels: list[Label]) -> Iterator[list[Label]]:
     """Split labels into runs that can be read from one file in one pass."""
+    if not labels:
+        return
     run = labels[:1]
     for before, label in pairwise(labels):
         same_file = before.filename == label.filename
@@ -263,14 +266,14 @@ class SequenceFileSource(FrameSource):
         """Return how to call a frame in a message."""
         return f"frame {index} ({self._entries[index]})"
 
-    def _read(self) -> Generator[Frame | UnreadableFrame]:
-        start = 0
-        for labels in _one_pass(self._entries):
+    def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
+        first = start
+        for labels in _one_pass(self._entries[start:]):
             if labels[0].frame is None:
-                yield self._picture(start, labels[0])
+                yield self._picture(first, labels[0])
             else:
-                yield from self._video_frames(start, labels)
-            start += len(labels)
+                yield from self._video_frames(first, labels)
+            first += len(labels)
 
     def _picture(self, index: int, label: Label) -> Frame | UnreadableFrame:
         stamp = stamp_of_frame(index, self._rate)
@@ -283,7 +286,7 @@ class SequenceFileSource(FrameSource):
     def _video_frames(self, start: int, labels: list[Label]) -> Generator[Frame]:
         with opened_video(self._files[labels[0].filename]) as capture:
             rate = frame_rate(capture)
-            number = -1
+            number = pass_over(capture, labels[0].frame or 0) - 1
             for index, label in enumerate(labels, start):
                 picture = None
                 while label.frame is not None and number < label.frame:

@@ -60,8 +60,8 @@ class Source(Protocol):
         traceback: TracebackType | None,
     ) -> None: ...
 
-    def frames(self) -> Iterator[Frame]:
-        """Read the frames from the beginning; see `FrameSource.frames`."""
+    def frames(self, start: int = 0) -> Iterator[Frame]:
+        """Read the frames from one on; see `FrameSource.frames`."""
         ...
 
 

@@ -75,6 +75,17 @@ def next_picture(capture: cv2.VideoCapture) -> Image | None:
     return np.asarray(picture) if decoded and picture is not None else None
 
 
+def pass_over(capture: cv2.VideoCapture, count: int) -> int:
+    """Go past frames without converting their pixels; return how many there were."""
+    for number in range(count):
+        try:
+            if not capture.grab():
+                return number
+        except cv2.error:
+            return number
+    return count
+
+
 class VideoSource(FrameSource):
     """All frames of a video file, as bgr8; frame times are steady, from `FIRST_STAMP` on.
 
@@ -91,9 +102,10 @@ class VideoSource(FrameSource):
             self.frame_count = _frame_count(path, capture)
         self.nominal_rate = self._rate
 
-    def _read(self) -> Generator[Frame | UnreadableFrame]:
-        count = 0
+    def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
         with opened_video(self.path) as capture:
+            # Jumping to a frame by its number lands beside it in many files.
+            count = pass_over(capture, start)
             while (picture := next_picture(capture)) is not None:
                 image = raw_from_array(picture, "bgr8")
                 yield Frame(count, stamp_of_frame(count, self._rate), image)

@@ -151,8 +151,8 @@ class Recording:
     def __exit__(self, *_):
         return None
 
-    def frames(self):
-        yield from self._frames
+    def frames(self, start=0):
+        yield from self._frames[start:]
         if self._damage is not None:
             raise self._damage
 

@@ -11,16 +11,18 @@ PIXELS = bytes(12)
 
 
 class Numbers(FrameSource):
-    """Frames whose stamp is their number; `readings` counts how often it was begun."""
+    """Frames whose stamp is their number; counts how often it was begun, and what it gave."""
 
     def __init__(self, path, count, *, broken=False):
         super().__init__(path)
-        self._count, self._broken, self.readings = count, broken, 0
+        self._count, self._broken = count, broken
+        self.readings = self.handed_out = 0
 
-    def _read(self):
+    def _read(self, start):
         self.readings += 1
-        for index in range(self._count):
+        for index in range(start, self._count):
             image = RawImage("mono8", 3, 4, 4, False, memoryview(PIXELS))
+            self.handed_out += 1
             yield Frame(index, index, image)
         if self._broken:
             raise damage(self.path, self._count, "cut off")
@@ -46,15 +48,15 @@ def test_frames_in_order_are_read_once(numbers):
 
 def test_kept_frames_need_no_reading(numbers):
     frames = FrameAccess(numbers)
-    for index in (9, 3, 0, 8):
+    for index in (*range(10), 3, 0, 8):
         frames.frame(index)
     assert numbers.readings == 1
 
 
 def test_no_more_is_kept_than_allowed(numbers):
     frames = FrameAccess(numbers, kept_bytes=2 * len(PIXELS))
-    frames.frame(5)
-    frames.frame(4)
+    for index in (*range(6), 4):
+        frames.frame(index)
     assert numbers.readings == 1
     frames.frame(3)
     assert numbers.readings == 2
@@ -67,6 +69,21 @@ def test_the_number_of_frames_is_known_at_the_end(numbers):
         frames.frame(10)
     assert frames.count == 10
     assert frames.frame(9).stamp == 9
+
+
+def test_a_far_frame_is_reached_without_those_between(numbers):
+    frames = FrameAccess(numbers, kept_bytes=1)
+    frames.frame(0)
+    frames.frame(9)
+    assert numbers.handed_out == 2
+
+
+def test_the_end_is_found_also_from_beyond_it(numbers):
+    frames = FrameAccess(numbers)
+    frames.frame(2)
+    with pytest.raises(IndexError, match="has 10"):
+        frames.frame(500)
+    assert frames.count == 10
 
 
 def test_there_are_no_negative_numbers(numbers):

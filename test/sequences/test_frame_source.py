@@ -17,9 +17,9 @@ class ListSource(FrameSource):
         self.items = items
         self.ended = 0
 
-    def _read(self):
+    def _read(self, start):
         try:
-            yield from self.items
+            yield from self.items[start:]
         finally:
             self.ended += 1
 

@@ -170,3 +170,19 @@ def test_the_real_video_with_its_labels(footage):
         frames = list(source.frames())
     assert len(frames) == 240
     assert sum(frame.truth is not None for frame in frames) == 138
+
+
+def told(frame):
+    return (frame.index, frame.stamp, bytes(frame.image.data), frame.truth)
+
+
+def test_reading_may_begin_anywhere(make_bag, make_ros1_bag, make_video, pictures, write_truth):
+    video = make_video()
+    sequence = write_truth((video.name, 1), (video.name, 3), ("pictures/2.png", None))
+    paths = [make_bag(), make_bag("b3", storage="sqlite3"), make_ros1_bag(), video, pictures]
+    for path in (*paths, sequence):
+        source = open_source(path)
+        everything = [told(frame) for frame in source.frames()]
+        for start in range(len(everything) + 2):
+            rest = [told(frame) for frame in source.frames(start)]
+            assert rest == everything[start:], (path, start)
