@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 
 import numpy as np
@@ -115,6 +116,12 @@ class CableTracker:
         self._prior = None
         self._status = StatusMachine()
         self._frame = None
+
+    def copy(self) -> CableTracker:
+        """Return another tracker that goes on as this one would, bit for bit, and apart from it."""
+        # What never changes is shared: the response table is many times as large as the rest.
+        shared = {id(part): part for part in (self._table, self._parameters)}
+        return copy.deepcopy(self, shared)
 
     def initialise(self, prior: StatePrior) -> None:
         """Start the next frame from a given belief instead of the present one.

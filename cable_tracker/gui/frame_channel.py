@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import secrets
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -44,9 +45,16 @@ class FrameChannel:
     ----------
     name : str
         Name under which browsers ask for it; nobody can guess it.
+
+    Parameters
+    ----------
+    when_wanted : callable
+        Called when a browser has begun to wait for a picture, with whether it has just come; from
+        the thread of the server, so it must not take long.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, when_wanted: Callable[[bool], None] = lambda _is_new: None) -> None:
+        self._when_wanted = when_wanted
         self.name = secrets.token_urlsafe(12)
         self._lock = threading.Lock()
         self._viewers: set[_Viewer] = set()
@@ -90,6 +98,7 @@ class FrameChannel:
             self._viewers.add(viewer)
             if self._latest is not None:
                 viewer.fresh.set()
+        self._when_wanted(True)
         sender = asyncio.create_task(self._send(websocket, viewer, closed))
         try:
             while True:
@@ -118,3 +127,4 @@ class FrameChannel:
                 await viewer.drawn.wait()
                 with self._lock:
                     viewer.waits = True
+                self._when_wanted(False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.estimate import Hypothesis
@@ -142,6 +142,7 @@ class Session(Protocol):
         ...
 
 
+@runtime_checkable
 class Player(Session, Protocol):
     """A session on a recording."""
 

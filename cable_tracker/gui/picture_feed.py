@@ -1,0 +1,109 @@
+"""Makes packets of a session's snapshots, as many as browsers can draw and no more."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+
+from cable_tracker.gui.frame_channel import FrameChannel
+from cable_tracker.gui.picture_packet import make_packet
+from cable_tracker.gui.session import Session, Snapshot
+from cable_tracker.gui.tracking_history import TrackingHistory
+
+WHOLE_EVERY = 50
+"""One packet of so many brings the whole history."""
+
+RATE_TIME = 2.0
+"""Time over which frames per second are counted [s]."""
+
+
+class PictureFeed:
+    """Takes the newest snapshot whenever some browser can draw one, in a thread of its own.
+
+    The thread of the session only notes a line of numbers for each frame.
+
+    Attributes
+    ----------
+    channel : FrameChannel
+        Where the packets come out.
+    """
+
+    def __init__(self) -> None:
+        self.channel = FrameChannel(self._is_wanted)
+        self._condition = threading.Condition()
+        self._snapshot: Snapshot | None = None
+        self._history = TrackingHistory()
+        self._arrivals: deque[float] = deque(maxlen=256)
+        self._is_fresh = False
+        self._has_newcomer = False
+        self._closing = False
+        self._count = 0
+        self._end_listening = lambda: None
+        self._thread = threading.Thread(target=self._run, name="pictures", daemon=True)
+        self._thread.start()
+
+    def watch(self, session: Session | None) -> None:
+        """Take the snapshots of this session from now on, and of no other."""
+        self._end_listening()
+        with self._condition:
+            self._history = TrackingHistory()
+            self._arrivals.clear()
+            self._snapshot = None
+        if session is None:
+            self._end_listening = lambda: None
+            return
+        self._end_listening = session.listen(self._take)
+        if session.latest is not None:
+            self._take(session.latest)
+
+    def close(self) -> None:
+        """End the thread."""
+        self._end_listening()
+        with self._condition:
+            self._closing = True
+            self._condition.notify_all()
+        self._thread.join()
+
+    def _take(self, snapshot: Snapshot) -> None:
+        with self._condition:
+            self._snapshot = snapshot
+            self._history.add(snapshot)
+            self._arrivals.append(time.monotonic())
+            self._is_fresh = True
+            self._condition.notify_all()
+
+    def _is_wanted(self, is_new: bool) -> None:
+        with self._condition:
+            self._has_newcomer |= is_new
+            self._condition.notify_all()
+
+    def _run(self) -> None:
+        while True:
+            with self._condition:
+                self._condition.wait_for(self._has_to_act)
+                if self._closing:
+                    return
+                snapshot = self._snapshot
+                assert snapshot is not None
+                is_whole = self._has_newcomer or self._count % WHOLE_EVERY == 0
+                self._is_fresh = self._has_newcomer = False
+                self._count += 1
+                history = self._history.table(snapshot.stamp, is_whole=is_whole)
+                fps = self._rate()
+            packet = make_packet(snapshot, history, is_whole=is_whole, fps=fps)
+            self.channel.publish(packet)
+
+    def _has_to_act(self) -> bool:
+        is_due = self._is_fresh or self._has_newcomer
+        return self._closing or (
+            is_due and self._snapshot is not None and self.channel.is_wanted
+        )
+
+    def _rate(self) -> float | None:
+        oldest = time.monotonic() - RATE_TIME
+        while self._arrivals and self._arrivals[0] < oldest:
+            self._arrivals.popleft()
+        if len(self._arrivals) < 3:
+            return None
+        return (len(self._arrivals) - 1) / (self._arrivals[-1] - self._arrivals[0] or 1.0)

@@ -1,0 +1,146 @@
+"""What is drawn on a picture, as lines and areas in its pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TypeAlias
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.estimate import Hypothesis
+from cable_tracker.cable.geometry import project_borders, segment_inside
+from cable_tracker.cable.state import CableState, StateColumn
+from cable_tracker.gui.session import Snapshot
+from cable_tracker.visualisation.palette import HYPOTHESES, TRUTH, Colour, status_colour
+
+Layer: TypeAlias = dict[str, object]
+"""See browser/frame_view.js."""
+
+LARGEST_CLOUD = 2000
+"""No more particles are sent than this: those of highest weight."""
+
+LEAST_PROBABILITY = 0.05
+"""Hypotheses below this are not drawn."""
+
+BAND_POINTS = 21
+
+LARGEST_SIGMA = 1e6
+"""What stands for unknown; wider bands fill the picture anyway [px, rad]."""
+
+
+def css(colour: Colour) -> str:
+    """Return a colour as a page names it."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+def layers_of(snapshot: Snapshot) -> list[Layer]:
+    """Return band, hypotheses, estimate and truth; each has a name, so that it can be hidden."""
+    size = (snapshot.grey.shape[1], snapshot.grey.shape[0])
+    layers: list[Layer] = []
+    colour = css(status_colour(snapshot.status))
+    state = snapshot.state
+    is_drawn = state is not None and state.is_finite()
+    if state is not None and is_drawn and snapshot.sigma is not None:
+        layers.append(_band(state, snapshot.sigma, colour, size))
+    others = snapshot.hypotheses[1:] if is_drawn else snapshot.hypotheses
+    layers.append(_lines("hypotheses", _hypotheses(others, size), css(HYPOTHESES), 1.5, size))
+    if state is not None and is_drawn:
+        layers.append(_lines("estimate", _borders(state, size), colour, 2.5, size))
+        layers.append(_lines("centreline", _centreline(state, size), colour, 1.5, size))
+    if snapshot.truth is not None and snapshot.truth.is_finite():
+        dashed = _lines("truth", _borders(snapshot.truth, size), css(TRUTH), 2.0, size)
+        layers.append(dashed | {"dash": [8, 6]})
+    return layers
+
+
+def heaviest(cloud: FloatArray) -> FloatArray:
+    """Return the particles that are sent, (M, 9), lightest first, weights over the largest."""
+    usable = np.isfinite(cloud).all(axis=1) & (cloud[:, -1] > 0.0)
+    chosen = cloud[usable]
+    chosen = chosen[np.argsort(chosen[:, -1], kind="stable")][-LARGEST_CLOUD:]
+    if len(chosen):
+        chosen = np.column_stack((chosen[:, :-1], chosen[:, -1] / chosen[-1, -1]))
+    return chosen
+
+
+def particle_lines(cloud: FloatArray, size: tuple[int, int]) -> FloatArray:
+    """Return the centrelines of particles in pixels: x1, y1, x2, y2, opacity; shape (M, 5).
+
+    Parameters
+    ----------
+    cloud : FloatArray
+        Particles as `heaviest` returns them.
+    size : (int, int)
+        Width and height of the frame [px].
+    """
+    width, height = size
+    reach = float(np.hypot(width, height)) / 2
+    cloud = cloud[np.abs(cloud[:, StateColumn.DISTANCE]) < reach]
+    distances, angles = cloud[:, StateColumn.DISTANCE], cloud[:, StateColumn.ANGLE]
+    cos, sin = np.cos(angles), np.sin(angles)
+    x, y = width / 2 + distances * cos, height / 2 - distances * sin
+    # Few particles are drawn clearly, many faintly.
+    share = min(1.0, 6.0 / np.sqrt(max(1, len(cloud))))
+    opacity = np.sqrt(cloud[:, -1]) * share
+    return np.column_stack(
+        (x - reach * sin, y - reach * cos, x + reach * sin, y + reach * cos, opacity)
+    )
+
+
+def _lines(
+    name: str,
+    segments: Iterable[FloatArray],
+    colour: str,
+    width: float,
+    size: tuple[int, int],
+) -> Layer:
+    points = [number for segment in segments for number in _to_page(segment, size)]
+    return {"kind": "lines", "name": name, "colour": colour, "width": width, "points": points}
+
+
+def _to_page(points: FloatArray, size: tuple[int, int]) -> list[float]:
+    """Turn points (N, 2) of the image frame into x, y, x, y ... from the upper left corner."""
+    x = size[0] / 2 + points[:, 0]
+    y = size[1] / 2 - points[:, 1]
+    limit = 20.0 * max(size)
+    page = np.clip(np.column_stack((x, y)), -limit, limit)
+    return [round(number, 2) for number in page.ravel().tolist()]
+
+
+def _borders(state: CableState, size: tuple[int, int]) -> Iterable[FloatArray]:
+    borders = project_borders(state.to_array()[None, :])
+    for angle, offset in zip(borders.angles[0], borders.offsets[0], strict=True):
+        yield from _segment(float(angle), float(offset), size)
+
+
+def _centreline(state: CableState, size: tuple[int, int]) -> Iterable[FloatArray]:
+    return _segment(state.angle, state.distance, size)
+
+
+def _segment(angle: float, offset: float, size: tuple[int, int]) -> Iterable[FloatArray]:
+    segment = segment_inside(angle, offset, size)
+    if segment is not None:
+        yield np.array(segment)
+
+
+def _hypotheses(
+    hypotheses: Sequence[Hypothesis], size: tuple[int, int]
+) -> Iterable[FloatArray]:
+    for hypothesis in hypotheses:
+        if hypothesis.probability >= LEAST_PROBABILITY and hypothesis.state.is_finite():
+            yield from _centreline(hypothesis.state, size)
+
+
+def _band(state: CableState, sigma: FloatArray, colour: str, size: tuple[int, int]) -> Layer:
+    """Return where the centreline lies within two standard deviations of distance and angle."""
+    spread = np.minimum(np.nan_to_num(sigma[:2], nan=LARGEST_SIGMA), LARGEST_SIGMA)
+    reach = float(np.hypot(*size)) / 2
+    along = np.linspace(-reach, reach, BAND_POINTS)
+    half = np.minimum(2 * np.hypot(spread[0], along * spread[1]), 2 * reach)
+    normal = np.array([np.cos(state.angle), np.sin(state.angle)])
+    upward = np.array([-np.sin(state.angle), np.cos(state.angle)])
+    centre = state.distance * normal + along[:, None] * upward
+    rim = np.concatenate((centre - half[:, None] * normal, (centre + half[:, None] * normal)[::-1]))
+    points = _to_page(rim, size)
+    return {"kind": "area", "name": "band", "colour": colour, "opacity": 0.22, "points": points}

@@ -1,0 +1,424 @@
+"""A recording that is tracked in this process, at any pace, forwards and back."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, suppress
+
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.initialisation import StatePrior
+from cable_tracker.cable.parameters import (
+    PARAMETER_TABLE,
+    ParameterSpec,
+    ParameterValue,
+    TrackerParameters,
+)
+from cable_tracker.errors import CableTrackerError, FrameError, RecordingError
+from cable_tracker.evaluation.track_recording import initial_state_for, start_from
+from cable_tracker.gui.recording_request import RecordingRequest
+from cable_tracker.gui.session import Listener, Snapshot
+from cable_tracker.gui.task_thread import TaskThread
+from cable_tracker.gui.tracker_memory import TrackerMemory
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.estimates import REFUSED
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.sequences.messages import cloud_of
+from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+
+WARMING_UP = "WARMING UP"
+DISABLED = "DISABLED"
+
+NANOSECONDS = 1e9
+LONGEST_PAUSE = 1.0
+"""A longer one between two frames of a recording is shortened to this [s]."""
+
+LARGEST_DELAY = 0.1
+"""Who is behind by more does not hurry to make up for it [s]."""
+
+BLANK = np.zeros((240, 320), np.uint8)
+"""Shown where no frame could be decoded yet."""
+
+
+class RecordingSession:
+    """Tracks a recording in a thread of its own; a `Player`.
+
+    Frames that follow each other are tracked as `cable-tracker track` does, with the same result.
+    Going back to a frame that was tracked before under the same parameters gives the same belief
+    again, bit for bit; at a frame that was not, the tracker starts anew.
+
+    Parameters
+    ----------
+    request : RecordingRequest
+        The recording.
+    parameters : TrackerParameters
+        Those to begin with.
+
+    Raises
+    ------
+    RecordingError
+        The recording is missing, empty, damaged before its first frame, or of no known kind.
+    ParameterError
+        There is no start as the request wants it, or the response table cannot be read.
+    """
+
+    def __init__(self, request: RecordingRequest, parameters: TrackerParameters) -> None:
+        self.name = str(request.path)
+        self.table: Sequence[ParameterSpec] = PARAMETER_TABLE
+        self.request = request
+        self._resources = ExitStack()
+        with ExitStack() as stack:
+            source = stack.enter_context(request.open())
+            self._frames = FrameAccess(source)
+            self._start = initial_state_for(source, request.init)
+            self._tracker = make_tracker(parameters)
+            try:
+                self._frames.frame(0)
+            except IndexError as error:
+                raise RecordingError(f"{source.path}: holds no frames; record it again") from error
+            self.note = source.note
+            self._resources = stack.pop_all()
+        self._parameters = parameters
+        self._memory = TrackerMemory()
+        self._position = -1
+        self._grey: Image = BLANK
+        self._number = 0
+        self._latest: Snapshot | None = None
+        self._trouble = ""
+        self._is_enabled = True
+        self._is_playing = False
+        self._speed = 1.0
+        self._due = 0.0
+        self._target: int | None = None
+        self._lock = threading.Lock()
+        self._listeners: list[Listener] = []
+        self._thread = TaskThread(
+            "recording", begin=self._begin, next_time=self._next_time, work=self._work
+        )
+        self._thread.start()
+
+    # What can be asked at any time
+
+    @property
+    def latest(self) -> Snapshot | None:
+        """The newest snapshot."""
+        return self._latest
+
+    @property
+    def trouble(self) -> str:
+        """What keeps frames from coming; empty if nothing."""
+        return self._trouble
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether the tracker takes frames."""
+        return self._is_enabled
+
+    @property
+    def frame_count(self) -> int | None:
+        """Number of frames; None while it is unknown."""
+        return self._frames.count
+
+    @property
+    def is_playing(self) -> bool:
+        """Whether frames follow each other."""
+        return self._is_playing
+
+    @property
+    def speed(self) -> float:
+        """How fast it plays, as a multiple of the recording's own pace."""
+        return self._speed
+
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        """Return the values in force, by name."""
+        return self._parameters.as_mapping()
+
+    def listen(self, listener: Listener) -> Callable[[], None]:
+        """Tell a listener of every snapshot from now on; returns the function that ends it."""
+        with self._lock:
+            self._listeners.append(listener)
+
+        def end() -> None:
+            with self._lock, suppress(ValueError):
+                self._listeners.remove(listener)
+
+        return end
+
+    # Commands
+
+    def play(self) -> None:
+        """Let frames follow each other; from the start again if it stands at the end."""
+        count = self._frames.count
+        with self._lock:
+            if self._target is None and count is not None and self._position >= count - 1:
+                self._target = 0
+            self._due = 0.0
+            self._is_playing = True
+        self._thread.wake()
+
+    def pause(self) -> None:
+        """Stand still."""
+        self._is_playing = False
+        self._thread.wake()
+
+    def step(self, count: int = 1) -> None:
+        """Pause, and go some frames forwards, or backwards if negative."""
+        with self._lock:
+            self._is_playing = False
+            start = self._target if self._target is not None else self._position
+            self._target = self._within(start + count)
+        self._thread.wake()
+
+    def seek(self, frame: int) -> None:
+        """Go to a frame, or to the last one if there are not so many."""
+        with self._lock:
+            self._target = self._within(frame)
+        self._thread.wake()
+
+    def set_speed(self, speed: float) -> None:
+        """Play faster or more slowly; infinity plays as fast as the tracker can."""
+        if speed > 0.0:
+            self._speed = speed
+        self._thread.wake()
+
+    def change(self, values: Mapping[str, object]) -> None:
+        """Change parameters, all of them or none; they count from the next frame on.
+
+        Raises
+        ------
+        ParameterError
+            A value is refused; nothing has changed.
+        """
+        self._thread.call(lambda: self._change(values))
+
+    def initialise(self, prior: StatePrior) -> None:
+        """Start from a belief that the user gives: the next frame, or this one if it stands still.
+
+        Raises
+        ------
+        FrameError
+            The state is not finite, or a sigma is negative.
+        """
+        self._thread.call(lambda: self._initialise(prior))
+
+    def reset(self) -> None:
+        """Forget everything, from the next frame on, or from this one if it stands still."""
+        self._thread.call(self._reset)
+
+    def enable(self, wanted: bool) -> None:
+        """Let the tracker take frames, or not. Switching on starts anew, as on the node."""
+        self._thread.call(lambda: self._enable(wanted))
+
+    def close(self) -> None:
+        """End the thread and close the recording."""
+        self._thread.close()
+        self._resources.close()
+
+    def _within(self, frame: int) -> int:
+        count = self._frames.count
+        return max(0, frame if count is None else min(frame, count - 1))
+
+    # In the session's thread
+
+    def _begin(self) -> None:
+        """Show the first frame at once: the first time on a machine, compiling takes a while."""
+        frame = self._frames.frame(0)
+        with suppress(FrameError):
+            self._grey = _eight_bits(decode_grey(frame.image))
+        self._publish(self._snapshot(frame, WARMING_UP))
+        warm_up(self._parameters)
+        self._go_to(0)
+
+    def _next_time(self) -> float | None:
+        if self._target is not None:
+            return 0.0
+        return self._due if self._is_playing else None
+
+    def _work(self) -> None:
+        with self._lock:
+            target, self._target = self._target, None
+        if target is not None:
+            self._go_to(target)
+        else:
+            self._play_on()
+
+    def _play_on(self) -> None:
+        if self._has_next():
+            begin = max(self._due, time.monotonic() - LARGEST_DELAY)
+            self._go_to(self._position + 1)
+            self._due = begin + self._pause_before_next() / self._speed
+
+    def _has_next(self) -> bool:
+        """Tell whether there is another frame; if not, stand still."""
+        try:
+            self._frames.frame(self._position + 1)
+        except IndexError:
+            self._is_playing = False
+            return False
+        except RecordingError as error:
+            self._stop(error)
+            return False
+        return True
+
+    def _pause_before_next(self) -> float:
+        """Return the time from this frame to the next in the recording [s]; 0 at its end."""
+        now = self._frames.frame(self._position)
+        if not self._has_next():
+            return 0.0
+        pause = (self._frames.frame(self._position + 1).stamp - now.stamp) / NANOSECONDS
+        return min(max(0.0, pause), LONGEST_PAUSE)
+
+    def _stop(self, error: CableTrackerError) -> None:
+        self._trouble = str(error)
+        self._is_playing = False
+
+    def _go_to(self, target: int) -> None:
+        """Track a frame, and first whatever is needed to believe there what was believed."""
+        if target == self._position:
+            return
+        try:
+            self._frames.frame(target)
+            first = self._position + 1
+            if target != first or not self._is_enabled:
+                first = self._recall(target)
+            for number in range(first, target + 1):
+                if self._thread.is_closing or (self._target is not None and number < target):
+                    # Somebody wants to be elsewhere by now.
+                    self._memory.interrupt()
+                    self._position = number - 1
+                    return
+                self._track(self._frames.frame(number), is_shown=number == target)
+        except IndexError:
+            last = (self._frames.count or 0) - 1
+            if 0 <= last < target:
+                self._go_to(last)
+            return
+        except RecordingError as error:
+            self._stop(error)
+            return
+        self._trouble = ""
+
+    def _recall(self, target: int) -> int:
+        """Take the tracker from before a frame; returns the frame that it needs next."""
+        if not self._is_enabled:
+            return target
+        remembered = self._memory.recall(target)
+        if remembered is not None:
+            self._tracker, first = remembered
+            return first
+        self._memory.interrupt()
+        self._tracker.reset()
+        if target == 0:
+            start_from(self._tracker, self._start)
+        return target
+
+    def _track(self, frame: Frame, *, is_shown: bool = True) -> None:
+        self._position = frame.index
+        try:
+            grey = decode_grey(frame.image)
+            self._grey = _eight_bits(grey)
+            if not self._is_enabled:
+                self._publish(self._snapshot(frame, DISABLED))
+                return
+            self._memory.note(frame.index, self._tracker)
+            begin = time.perf_counter()
+            estimate = self._tracker.process(grey, frame.stamp)
+            ms = (time.perf_counter() - begin) * 1e3
+        except FrameError as error:
+            if is_shown:
+                self._publish(self._snapshot(frame, REFUSED, str(error)))
+            return
+        if is_shown:
+            self._publish(self._tracked(frame, estimate, ms))
+
+    def _snapshot(self, frame: Frame, status: str, reason: str = "") -> Snapshot:
+        self._number += 1
+        return Snapshot(
+            number=self._number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            grey=self._grey,
+            status=status,
+            reason=reason,
+            truth=frame.truth,
+        )
+
+    def _tracked(self, frame: Frame, estimate: CableEstimate, ms: float) -> Snapshot:
+        self._number += 1
+        is_claimed = estimate.status is TrackingStatus.TRACKING
+        particles = self._tracker.particles
+        return Snapshot(
+            number=self._number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            grey=self._grey,
+            status=estimate.status.value,
+            reason=estimate.event,
+            state=estimate.state if is_claimed else None,
+            sigma=estimate.standard_deviations() if is_claimed else None,
+            cloud=cloud_of(particles) if particles is not None else None,
+            hypotheses=estimate.hypotheses,
+            presence=estimate.presence,
+            evidence=estimate.evidence if math.isfinite(estimate.evidence) else None,
+            n_eff=estimate.effective_sample_size,
+            ms=ms,
+            truth=frame.truth,
+        )
+
+    def _publish(self, snapshot: Snapshot) -> None:
+        self._latest = snapshot
+        with self._lock:
+            listeners = tuple(self._listeners)
+        for listener in listeners:
+            listener(snapshot)
+
+    def _change(self, values: Mapping[str, object]) -> None:
+        parameters = self._parameters.replaced(values)
+        if parameters == self._parameters:
+            return
+        self._tracker.configure(parameters, make_proposer(parameters))
+        self._parameters = parameters
+        self._memory.forget()
+
+    def _initialise(self, prior: StatePrior) -> None:
+        if self._is_playing or not self._is_enabled:
+            self._tracker.initialise(prior)
+            self._memory.forget_from(self._position + 1)
+            return
+        # Refused here if at all, before anything is forgotten.
+        self._tracker.initialise(prior)
+        self._tracker.reset()
+        self._tracker.initialise(prior)
+        self._track_again()
+
+    def _reset(self) -> None:
+        self._tracker.reset()
+        if self._is_playing or not self._is_enabled:
+            self._memory.forget_from(self._position + 1)
+        else:
+            self._track_again()
+
+    def _enable(self, wanted: bool) -> None:
+        if wanted and not self._is_enabled:
+            self._tracker.reset()
+        self._is_enabled = wanted
+        self._memory.forget_from(self._position + 1)
+        if not self._is_playing:
+            self._track_again()
+
+    def _track_again(self) -> None:
+        """Track the frame that is shown once more, with a tracker that knows nothing of it."""
+        self._memory.forget_from(self._position)
+        self._track(self._frames.frame(self._position))
+
+
+def _eight_bits(image: Image) -> Image:
+    if image.dtype == np.uint8:
+        return image
+    return np.clip(np.rint(image), 0, 255).astype(np.uint8)
