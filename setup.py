@@ -31,7 +31,7 @@ setup(
         PACKAGE: ["py.typed"],
         f"{PACKAGE}.cable": ["*.json"],
         f"{PACKAGE}.evaluation": ["templates/*.j2"],
-        f"{PACKAGE}.gui": ["*.js", "browser/*.js"],
+        f"{PACKAGE}.gui": ["*.css", "*.js", "browser/*.js"],
     },
     python_requires=">=3.11",
     install_requires=[

@@ -16,6 +16,7 @@ from cable_tracker.commands.dds_profile import dds_profile
 from cable_tracker.commands.estimate_noise import estimate_noise
 from cable_tracker.commands.evaluate import evaluate
 from cable_tracker.commands.experiment import experiment
+from cable_tracker.commands.gui import gui
 from cable_tracker.commands.learn import learn
 from cable_tracker.commands.loop import loop
 from cable_tracker.commands.parameters import parameters
@@ -55,6 +56,7 @@ def root(
 
 
 app.command()(track)
+app.command()(gui)
 app.command()(convert)
 app.command(name="simulate")(simulate_command)
 app.command()(loop)

@@ -38,11 +38,32 @@ def read_parameter_file(path: Path) -> dict[str, object]:
         The file cannot be read or has another form.
     """
     try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise _unreadable(str(path), error) from error
+    return parse_parameters(text, str(path))
+
+
+def parse_parameters(text: str, path: str) -> dict[str, object]:
+    """Read the text of a parameter file; see `read_parameter_file`.
+
+    Parameters
+    ----------
+    text : str
+        What is in the file.
+    path : str
+        What it is called in messages.
+
+    Raises
+    ------
+    ParameterError
+        The text has another form.
+    """
+    try:
         # A SafeLoader with one more way of writing numbers.
-        content = yaml.load(path.read_text(encoding="utf-8"), _ParameterLoader)
-    except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
-        reason = " ".join(str(error).split())
-        raise ParameterError(f"{path}: cannot be read as YAML ({reason})") from error
+        content = yaml.load(text, _ParameterLoader)
+    except (ValueError, RecursionError, yaml.YAMLError) as error:
+        raise _unreadable(path, error) from error
     if not isinstance(content, dict):
         raise ParameterError(f"{path}: holds no parameters by name; see config/default.yaml")
     sections = [
@@ -58,6 +79,11 @@ def read_parameter_file(path: Path) -> dict[str, object]:
             raise ParameterError(f"{path}: {ROS_KEY} is no mapping; see config/default.yaml")
         values.update({str(name): value for name, value in section.items()})
     return values
+
+
+def _unreadable(path: str, error: Exception) -> ParameterError:
+    reason = " ".join(str(error).split())
+    return ParameterError(f"{path}: cannot be read as YAML ({reason})")
 
 
 def _is_for_tracker(node: str) -> bool:

@@ -96,9 +96,7 @@ class PictureFeed:
 
     def _has_to_act(self) -> bool:
         is_due = self._is_fresh or self._has_newcomer
-        return self._closing or (
-            is_due and self._snapshot is not None and self.channel.is_wanted
-        )
+        return self._closing or (is_due and self._snapshot is not None and self.channel.is_wanted)
 
     def _rate(self) -> float | None:
         oldest = time.monotonic() - RATE_TIME

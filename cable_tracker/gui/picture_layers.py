@@ -124,9 +124,7 @@ def _segment(angle: float, offset: float, size: tuple[int, int]) -> Iterable[Flo
         yield np.array(segment)
 
 
-def _hypotheses(
-    hypotheses: Sequence[Hypothesis], size: tuple[int, int]
-) -> Iterable[FloatArray]:
+def _hypotheses(hypotheses: Sequence[Hypothesis], size: tuple[int, int]) -> Iterable[FloatArray]:
     for hypothesis in hypotheses:
         if hypothesis.probability >= LEAST_PROBABILITY and hypothesis.state.is_finite():
             yield from _centreline(hypothesis.state, size)

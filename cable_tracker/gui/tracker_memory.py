@@ -119,9 +119,7 @@ class TrackerMemory:
         self._drop_empty()
 
     def _drop_empty(self) -> None:
-        self._stretches = [
-            stretch for stretch in self._stretches if stretch.first <= stretch.last
-        ]
+        self._stretches = [stretch for stretch in self._stretches if stretch.first <= stretch.last]
         self._let_go()
 
     def _let_go(self) -> None:

@@ -3,7 +3,8 @@
 // A packet describes a picture (packet.py):
 //   number       which picture it is
 //   size         [width, height] of the frame; the JPEG may be smaller
-//   layers       [{kind: "lines", colour, width, dash?, opacity?, points: [x1, y1, x2, y2, ...]},
+//   layers       each may have a name, by which it can be hidden:
+//                [{kind: "lines", colour, width, dash?, opacity?, points: [x1, y1, x2, y2, ...]},
 //                 {kind: "area", colour, opacity, points: [x, y, ...]}]
 //   parts        picture: the JPEG;
 //                particles: rows of x1, y1, x2, y2, opacity
@@ -30,6 +31,8 @@ export class FrameView {
     this.zoom = 1;
     this.centre = null;
     this.closed = false;
+    /** Names of layers that are not drawn; "picture" and "particles" too. */
+    this.hidden = new Set();
     this.resizing = new ResizeObserver(() => this.redraw());
     this.resizing.observe(canvas);
     this.connect(channel);
@@ -140,12 +143,14 @@ export class FrameView {
     context.setTransform(scale, 0, 0, scale, width / 2 - x * scale, height / 2 - y * scale);
     // Lines are as wide on the screen at any zoom.
     this.pixel = ratio / scale;
-    if (this.bitmap) {
+    if (this.bitmap && !this.hidden.has("picture")) {
       context.imageSmoothingEnabled = scale < 3;
       context.drawImage(this.bitmap, 0, 0, ...description.size);
     }
-    if (description.parts.particles) this.paintParticles(description);
-    for (const layer of description.layers ?? []) this.paintLayer(layer);
+    if (description.parts.particles && !this.hidden.has("particles")) this.paintParticles(description);
+    for (const layer of description.layers ?? []) {
+      if (!this.hidden.has(layer.name)) this.paintLayer(layer);
+    }
     this.hooks.draw?.(context, this);
   }
 

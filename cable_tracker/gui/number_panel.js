@@ -1,0 +1,68 @@
+// The estimate and the state of the filter in numbers.
+import { subscribe } from "cable-tracker-browser";
+
+const RATE_TIME = 2000;
+
+function digits(value, count, sign = false) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  const text = value.toFixed(count);
+  const plain = Number(text) === 0 ? text.replace("-", "") : text;
+  return (sign && Number(plain) > 0 ? "+" : "") + plain.replace("-", "−");
+}
+
+export default {
+  template: `
+  <section class="ct-panel ct-numbers" aria-label="Numbers">
+    <table>
+      <thead><tr><th scope="col">state</th><th scope="col">estimate</th><th scope="col">σ</th><th scope="col">truth</th><th></th></tr></thead>
+      <tbody>
+        <tr v-for="(row, index) in rows" :key="index" :data-test="'state-' + index">
+          <th scope="row">{{ names[index] }}</th>
+          <td class="ct-value">{{ row[0] }}</td><td>{{ row[1] }}</td><td>{{ row[2] }}</td>
+          <td class="ct-unit">{{ units[index] }}</td>
+        </tr>
+      </tbody>
+    </table>
+    <dl>
+      <div v-for="item in items" :key="item[0]"><dt>{{ item[0] }}</dt><dd :data-test="item[2]">{{ item[1] }}</dd></div>
+    </dl>
+  </section>`,
+  props: { channel: String, names: Array, units: Array, count: Number },
+  data: () => ({ rows: [], items: [] }),
+  mounted() {
+    this.drawn = [];
+    this.rows = this.names.map(() => ["–", "–", "–"]);
+    this.end = subscribe(this.channel, (description) => this.show(description));
+  },
+  beforeUnmount() {
+    this.end();
+  },
+  methods: {
+    show(description) {
+      const { state, sigma, truth } = description;
+      this.rows = this.names.map((_, index) => [
+        digits(state?.[index], 2, true),
+        digits(sigma?.[index], 2),
+        index < 4 ? digits(truth?.[index], 2, true) : "–",
+      ]);
+      const of = this.count ? ` / ${this.count - 1}` : "";
+      this.items = [
+        ["frame", description.frame === null ? "live" : `${description.frame}${of}`, "frame"],
+        ["time", `${digits(description.time % 100000, 2)} s`, "time"],
+        ["presence", description.presence === null ? "–" : `${digits(100 * description.presence, 1)} %`, "presence"],
+        ["evidence", digits(description.evidence, 2, true), "evidence"],
+        ["N_eff / N", `${digits(description.n_eff, 0)} / ${description.particle_count}`, "particles"],
+        ["hypotheses", String(description.hypotheses), "hypotheses"],
+        ["tracker", `${digits(description.ms, 1)} ms`, "ms"],
+        ["tracked / drawn", `${digits(description.fps, 1)} / ${digits(this.rate(), 1)} fps`, "fps"],
+      ];
+    },
+    /** Pictures per second that this browser draws. */
+    rate() {
+      const now = performance.now();
+      this.drawn.push(now);
+      this.drawn = this.drawn.filter((time) => now - time < RATE_TIME);
+      return this.drawn.length < 3 ? null : (1000 * (this.drawn.length - 1)) / (now - this.drawn[0]);
+    },
+  },
+};

@@ -1,0 +1,95 @@
+"""The parameters in groups, as the window shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cable_tracker.cable.parameters import ParameterSpec
+
+GROUPS: tuple[tuple[str, tuple[str, ...]], ...] = (
+    (
+        "Filter",
+        (
+            "particle_count", "seed", "filter", "observation", "response_sampling", "kernels",
+            "resampling", "resampling_threshold", "limit_handling", "ancestor_count",
+        ),
+    ),
+    (
+        "Movement",
+        (
+            "distance_variance", "angle_variance", "width_variance", "skew_variance",
+            "distance_rate_variance", "angle_rate_variance", "width_rate_variance",
+            "skew_rate_variance", "rate_damping", "diffusion_degrees_of_freedom",
+        ),
+    ),
+    (
+        "Observation",
+        (
+            "working_width", "sample_spacing", "filter_sigma", "filter_taps", "epsilon",
+            "response_table", "tempering", "missing_cost", "polarity_memory",
+            "border_displacement",
+        ),
+    ),
+    ("Limits of a particle", ("distance_limit", "width_minimum", "width_maximum", "skew_limit")),
+    (
+        "Random start",
+        (
+            "initial_distance_range", "initial_angle_range", "initial_width_minimum",
+            "initial_width_maximum", "initial_skew_minimum", "initial_skew_maximum",
+            "initial_distance_rate_range", "initial_angle_rate_range",
+        ),
+    ),
+    (
+        "Search and refinement",
+        (
+            "detector", "detector_share", "search_share", "refinement_rounds", "refinement_share",
+        ),
+    ),
+    (
+        "Presence",
+        (
+            "evidence_of_bottom", "evidence_limit", "evidence_repeated", "appearance_rate",
+            "disappearance_rate", "leaving_rate", "leaving_margin", "memory_time", "width_spread",
+            "width_time",
+        ),
+    ),
+    (
+        "Claiming a cable",
+        (
+            "presence_to_track", "presence_to_lose", "evidence_to_track", "evidence_to_lose",
+            "confirmation_time", "loss_time", "converged_distance", "converged_angle",
+            "search_time", "maximum_gap",
+        ),
+    ),
+)  # fmt: skip
+
+OTHERS = "Node"
+"""Title of the group of those that only a node has."""
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterGroup:
+    """Parameters that are shown together.
+
+    Attributes
+    ----------
+    title : str
+        What they are about.
+    rows : tuple of ParameterSpec
+        The parameters.
+    """
+
+    title: str
+    rows: tuple[ParameterSpec, ...]
+
+
+def grouped(table: Sequence[ParameterSpec]) -> tuple[ParameterGroup, ...]:
+    """Put the parameters of a table into groups; each is in one of them."""
+    by_name = {spec.name: spec for spec in table}
+    groups = [
+        ParameterGroup(title, tuple(by_name.pop(name) for name in names if name in by_name))
+        for title, names in GROUPS
+    ]
+    groups.append(ParameterGroup(OTHERS, tuple(by_name.values())))
+    return tuple(group for group in groups if group.rows)

@@ -1,0 +1,134 @@
+"""What can be commanded with buttons and keys."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from cable_tracker.gui.session import Player
+
+SPEEDS = {
+    "0.1": 0.1,
+    "0.25": 0.25,
+    "0.5": 0.5,
+    "1": 1.0,
+    "2": 2.0,
+    "4": 4.0,
+    "10": 10.0,
+    "max": math.inf,
+}
+"""Speeds by the words of the page."""
+
+LEAP = 10
+"""Frames of a long step."""
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """Something that a key does.
+
+    Attributes
+    ----------
+    name : str
+        How the page calls it.
+    keys : tuple of str
+        Keys, as browsers name them.
+    shown : str
+        The keys, for people.
+    words : str
+        What it does.
+    needs_player : bool
+        Whether it makes sense on recordings alone.
+    """
+
+    name: str
+    keys: tuple[str, ...]
+    shown: str
+    words: str
+    needs_player: bool = False
+
+
+COMMANDS = (
+    Command("toggle", (" ", "k"), "space, k", "play or pause", True),
+    Command("forward", ("ArrowRight",), "→", "one frame on", True),
+    Command("back", ("ArrowLeft",), "←", "one frame back", True),
+    Command("leap", ("Shift+ArrowRight",), "Shift →", f"{LEAP} frames on", True),
+    Command("leap_back", ("Shift+ArrowLeft",), "Shift ←", f"{LEAP} frames back", True),
+    Command("first", ("Home",), "Home", "first frame", True),
+    Command("last", ("End",), "End", "last frame", True),
+    Command("faster", ("+", "="), "+", "play faster", True),
+    Command("slower", ("-", "_"), "−", "play more slowly", True),
+    Command("reset", ("r",), "r", "forget everything: search anew"),
+    Command("enable", ("e",), "e", "switch the tracker off or on"),
+    Command("start", ("i",), "i", "type where the cable is"),
+    Command("whole", ("0",), "0", "show the whole picture"),
+    Command("search", ("/",), "/", "search a parameter"),
+    Command("save", ("s",), "s", "save the parameters"),
+    Command("open", ("o",), "o", "open a recording", True),
+    Command("help", ("?", "h"), "?, h", "show these keys"),
+)
+
+POINTER_HELP = (
+    ("click on the picture", "put the cable there, along the present direction"),
+    ("drag on the picture", "draw the centreline; the wheel changes the width, Esc cancels"),
+    ("wheel on the picture", "zoom"),
+    ("Shift and drag", "move the zoomed picture"),
+    ("Enter in a field", "set the parameter; Esc takes back what was typed"),
+)
+
+
+def commands_for(*, is_player: bool) -> tuple[Command, ...]:
+    """Return those that make sense."""
+    return tuple(command for command in COMMANDS if is_player or not command.needs_player)
+
+
+def speed_words(speed: float) -> str:
+    """Return the words of the speed that is nearest."""
+    return min(SPEEDS, key=lambda words: 0.0 if SPEEDS[words] == speed else _apart(words, speed))
+
+
+def _apart(words: str, speed: float) -> float:
+    if math.isinf(SPEEDS[words]) or math.isinf(speed):
+        return math.inf
+    return abs(math.log(SPEEDS[words] / speed))
+
+
+def command_player(player: Player, name: str, value: object = None) -> bool:
+    """Do what a key or a button of the transport bar says.
+
+    Returns
+    -------
+    bool
+        Whether the name is known.
+    """
+    steps = {"forward": 1, "back": -1, "leap": LEAP, "leap_back": -LEAP}
+    if name in steps:
+        player.step(steps[name])
+    elif name in ("play", "pause", "toggle"):
+        wants_play = name == "play" or (name == "toggle" and not player.is_playing)
+        (player.play if wants_play else player.pause)()
+    elif name in ("first", "last", "seek"):
+        _seek(player, name, value)
+    elif name in ("faster", "slower", "speed"):
+        _change_speed(player, name, value)
+    else:
+        return False
+    return True
+
+
+def _seek(player: Player, name: str, value: object) -> None:
+    if name == "first":
+        player.seek(0)
+    elif name == "last" and player.frame_count:
+        player.seek(player.frame_count - 1)
+    elif isinstance(value, int) and value >= 0:
+        player.seek(value)
+
+
+def _change_speed(player: Player, name: str, value: object) -> None:
+    words = list(SPEEDS)
+    if name == "speed":
+        player.set_speed(SPEEDS.get(str(value), player.speed))
+        return
+    place = words.index(speed_words(player.speed)) + (1 if name == "faster" else -1)
+    player.set_speed(SPEEDS[words[min(max(place, 0), len(words) - 1)]])

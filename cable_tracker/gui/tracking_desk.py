@@ -1,0 +1,136 @@
+"""What all browsers that look at one server share: the session and its pictures."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from cable_tracker.cable.geometry import wrap_state
+from cable_tracker.cable.initialisation import StatePrior
+from cable_tracker.cable.parameters import ParameterValue, TrackerParameters
+from cable_tracker.cable.state import STATE_SIZE, CableState
+from cable_tracker.errors import GuiError
+from cable_tracker.gui.parameter_sheet import filter_values, references
+from cable_tracker.gui.picture_feed import PictureFeed
+from cable_tracker.gui.recording_request import RecordingRequest
+from cable_tracker.gui.recording_session import RecordingSession
+from cable_tracker.gui.session import Player, Session
+
+Point = tuple[float, float]
+
+
+class TrackingDesk:
+    """Holds the session that is watched; another recording can take its place.
+
+    Parameters
+    ----------
+    session : Session or None
+        What is watched to begin with.
+    request : RecordingRequest
+        How recordings are opened from the page; its path is replaced.
+    parameters : TrackerParameters
+        For the first recording that is opened from the page.
+
+    Attributes
+    ----------
+    feed : PictureFeed
+        Pictures for all browsers.
+    references : dict
+        Presets and files that were read, values by name.
+    version : int
+        Changes with the session.
+    """
+
+    def __init__(
+        self,
+        session: Session | None,
+        request: RecordingRequest | None = None,
+        parameters: TrackerParameters | None = None,
+    ) -> None:
+        self.session = session
+        self.request = request if request is not None else RecordingRequest(Path())
+        self.references: dict[str, Mapping[str, ParameterValue]] = dict(references())
+        self.version = 0
+        self.feed = PictureFeed()
+        self.feed.watch(session)
+        self._parameters = parameters if parameters is not None else TrackerParameters()
+        self._lock = threading.Lock()
+
+    @property
+    def player(self) -> Player | None:
+        """The session if it is on a recording."""
+        return self.session if isinstance(self.session, Player) else None
+
+    def need_session(self) -> Session:
+        """Return the session.
+
+        Raises
+        ------
+        GuiError
+            There is none yet.
+        """
+        if self.session is None:
+            raise GuiError("no recording is open; open one first")
+        return self.session
+
+    def watch(self, session: Session) -> None:
+        """Watch a session instead of what is watched now."""
+        before, self.session = self.session, session
+        self.feed.watch(session)
+        self.version += 1
+        if before is not None:
+            before.close()
+
+    def open(self, request: RecordingRequest) -> None:
+        """Watch a recording instead of what is watched now, with the same parameters.
+
+        Raises
+        ------
+        CableTrackerError
+            It cannot be opened; all stays as it is.
+        """
+        with self._lock:
+            if self.session is not None:
+                self._parameters = filter_values(self.session.parameters())
+            self.watch(RecordingSession(request, self._parameters))
+            self.request = request
+
+    def close(self) -> None:
+        """End everything."""
+        self.feed.close()
+        if self.session is not None:
+            self.session.close()
+
+
+def drawn_state(start: Point, end: Point, width: float, size: tuple[int, int]) -> CableState:
+    """Return the cable along a line that was drawn on a picture.
+
+    Parameters
+    ----------
+    start, end : (float, float)
+        Points of its centreline, from the upper left corner, y down [px].
+    width : float
+        Its width [px].
+    size : (int, int)
+        Width and height of the picture [px].
+    """
+    x, y = start[0] - size[0] / 2, size[1] / 2 - start[1]
+    along_x, along_y = end[0] - start[0], start[1] - end[1]
+    angle = np.arctan2(-along_x, along_y)
+    values = np.zeros(STATE_SIZE)
+    values[:3] = x * np.cos(angle) + y * np.sin(angle), angle, width
+    return CableState.from_array(wrap_state(values))
+
+
+def start_at(session: Session, state: CableState) -> None:
+    """Start from where the user says the cable is.
+
+    Raises
+    ------
+    FrameError
+        The state is not finite.
+    """
+    session.initialise(StatePrior.around(state))

@@ -1,0 +1,231 @@
+"""The dialogs of the tracking window."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from nicegui import run, ui
+
+from cable_tracker.cable.initial_state_text import RANDOM
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import CableTrackerError
+from cable_tracker.gui.parameter_sheet import write_parameter_file
+from cable_tracker.gui.recording_request import RecordingRequest
+from cable_tracker.gui.tracking_commands import POINTER_HELP, Command
+
+FILE_NAME = "tracker.yaml"
+
+
+class FormDialog:
+    """A dialog with fields, a button that does something with them, and a place for refusals.
+
+    Parameters
+    ----------
+    title : str
+        Its heading.
+    action : str
+        Words of the button.
+    """
+
+    def __init__(self, title: str, action: str) -> None:
+        self.dialog = ui.dialog().props(f'aria-label="{title}"')
+        with self.dialog, ui.card().classes("w-96"):
+            ui.label(title).classes("text-lg")
+            self.build()
+            self._refusal = ui.label().classes("text-orange-4").props('role="alert"')
+            self._refusal.mark("dialog-refusal").props("data-test=dialog-refusal")
+            with ui.row().classes("w-full justify-end"):
+                self.build_buttons()
+                ui.button("cancel", on_click=self.dialog.close).props("flat")
+                ui.button(action, on_click=self.submit).props("data-test=dialog-ok")
+
+    def build(self) -> None:
+        """Put the fields into it."""
+
+    def build_buttons(self) -> None:
+        """Put further buttons beside the usual ones."""
+
+    def open(self) -> None:
+        """Show it, with nothing refused."""
+        self.refuse("")
+        self.dialog.open()
+
+    def refuse(self, words: str) -> None:
+        """Say why it cannot be done."""
+        self._refusal.set_text(words)
+
+    async def submit(self) -> None:
+        """Do it, and close if it could be done."""
+        try:
+            await self.do()
+        except CableTrackerError as error:
+            self.refuse(str(error))
+            return
+        self.dialog.close()
+
+    async def do(self) -> None:
+        """Do it.
+
+        Raises
+        ------
+        CableTrackerError
+            It cannot be done.
+        """
+        raise NotImplementedError
+
+
+class OpenDialog(FormDialog):
+    """Asks for a recording on the machine of the server.
+
+    Parameters
+    ----------
+    template : callable
+        Returns the last request, whose other options stay.
+    opening : callable
+        Opens a request.
+    """
+
+    def __init__(
+        self,
+        template: Callable[[], RecordingRequest],
+        opening: Callable[[RecordingRequest], Awaitable[None]],
+    ) -> None:
+        self._template = template
+        self._opening = opening
+        super().__init__("Open a recording", "open")
+
+    def build(self) -> None:
+        """Put the fields into it."""
+        self._path = _field("path on the server: bag, video, folder or sequence file", "open-path")
+        self._path.on("keydown.enter", self.submit)
+        self._init = _field("start: random, truth, a detector, or d,alpha,w,beta", "open-init")
+        self._topic = _field("image topic of a bag that has several", "open-topic")
+        self._truth = _field("sequence file with labels", "open-truth")
+
+    def open(self) -> None:
+        """Show it with the last request."""
+        request = self._template()
+        self._path.value = str(request.path) if request.path != Path() else ""
+        self._init.value = request.init
+        self._topic.value = request.topic or ""
+        self._truth.value = str(request.truth or "")
+        super().open()
+
+    async def do(self) -> None:
+        """Open it."""
+        request = replace(
+            self._template(),
+            path=Path(self._path.value.strip()).expanduser(),
+            init=self._init.value.strip() or RANDOM,
+            topic=self._topic.value.strip() or None,
+            truth=Path(self._truth.value.strip()) if self._truth.value.strip() else None,
+        )
+        await self._opening(request)
+
+
+class SaveDialog(FormDialog):
+    """Saves parameters on the server or where the browser is.
+
+    Parameters
+    ----------
+    text : callable
+        Returns what is to be saved.
+    """
+
+    def __init__(self, text: Callable[[], str]) -> None:
+        self._text = text
+        self._warned_of = ""
+        super().__init__("Save the parameters as YAML for the node", "save on the server")
+
+    def build(self) -> None:
+        """Put the field into it."""
+        self._path = _field("path on the server", "save-path")
+        self._path.value = FILE_NAME
+        self._path.on("keydown.enter", self.submit)
+
+    def build_buttons(self) -> None:
+        """Offer the file to the browser."""
+        ui.button("download", on_click=self._download).props("flat data-test=download")
+
+    def open(self) -> None:
+        """Show it."""
+        self._warned_of = ""
+        super().open()
+
+    async def do(self) -> None:
+        """Write the file; one that is there already only the second time."""
+        given = self._path.value.strip()
+        overwrite, self._warned_of = given == self._warned_of, given
+        path = Path(given).expanduser()
+        await run.io_bound(write_parameter_file, path, self._text(), overwrite=overwrite)
+        ui.notify(f"saved: {path.resolve()}")
+
+    def _download(self) -> None:
+        ui.download.content(self._text(), FILE_NAME, "application/yaml")
+        self.dialog.close()
+
+
+class StartDialog(FormDialog):
+    """Asks in numbers where the cable is.
+
+    Parameters
+    ----------
+    start : callable
+        Starts there.
+    """
+
+    LABELS = (
+        ("d px, right of the centre", 0.0),
+        ("alpha deg, from vertical, counter-clockwise", 0.0),
+        ("w px", 40.0),
+        ("beta deg", 0.0),
+    )
+
+    def __init__(self, start: Callable[[CableState], Awaitable[None]]) -> None:
+        self._start = start
+        super().__init__("Start where the cable is", "start")
+
+    def build(self) -> None:
+        """Put the fields into it."""
+        self._numbers = [
+            ui.number(label, value=value).classes("w-full").props("dense")
+            for label, value in self.LABELS
+        ]
+
+    async def do(self) -> None:
+        """Start there."""
+        d, alpha, w, beta = (number.value or 0.0 for number in self._numbers)
+        await self._start(CableState(d, math.radians(alpha), w, math.radians(beta)))
+
+
+class HelpDialog:
+    """Lists the keys.
+
+    Parameters
+    ----------
+    commands : sequence of Command
+        Those that work.
+    """
+
+    def __init__(self, commands: Sequence[Command]) -> None:
+        self.dialog = ui.dialog().props('aria-label="Keys"')
+        with self.dialog, ui.card().style("max-width: 640px"):
+            ui.label("Keys").classes("text-lg")
+            lines = [(command.shown, command.words) for command in commands]
+            rows = "".join(
+                f"<tr><td><kbd>{keys}</kbd></td><td>{words}</td></tr>"
+                for keys, words in (*lines, *POINTER_HELP)
+            )
+            ui.html(f'<table class="ct-keys">{rows}</table>', sanitize=False)
+            ui.button("close", on_click=self.dialog.close).props("flat")
+
+    def open(self) -> None:
+        """Show it."""
+        self.dialog.open()
+
+
+def _field(label: str, test: str) -> ui.input:
+    return ui.input(label).classes("w-full").props(f"dense data-test={test}")

@@ -1,0 +1,164 @@
+"""The parts of the tracking window that are drawn in the browser."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from typing import Any
+
+from nicegui.element import Element
+
+from cable_tracker.cable.state import StateColumn
+from cable_tracker.gui.frame_channel import FrameChannel
+from cable_tracker.gui.picture_layers import css
+from cable_tracker.gui.tracking_history import STATUSES
+from cable_tracker.visualisation import palette
+
+BROWSER = {"cable-tracker-browser": "browser"}
+
+NAMES = ("d", "α", "w", "β", "v_d", "v_α", "v_w", "v_β")
+UNITS = ("px", "deg", "px", "deg", "px/s", "deg/s", "px/s", "deg/s")
+
+assert len(NAMES) == len(UNITS) == len(StateColumn)
+
+LAYERS = (
+    ("particles", "particles", palette.PARTICLES, 1.0),
+    ("estimate", "borders", palette.ESTIMATE, 1.0),
+    ("centreline", "centreline", palette.ESTIMATE, 0.7),
+    ("band", "2σ band", palette.ESTIMATE, 0.35),
+    ("hypotheses", "others", palette.HYPOTHESES, 1.0),
+    ("truth", "truth", palette.TRUTH, 1.0),
+    ("picture", "picture", palette.GREY, 1.0),
+)
+"""Name, words and colour of what is drawn on the picture."""
+
+COLOURS = {
+    "particles": css(palette.PARTICLES),
+    "estimate": css(palette.ESTIMATE),
+    "truth": css(palette.TRUTH),
+    "initialising": css(palette.AMBER),
+}
+
+
+class _ChannelElement(Element):
+    """Shows a part of each packet of a channel.
+
+    Parameters
+    ----------
+    channel : FrameChannel
+        Where the packets come from. Only the picture fetches them; the others get them from it.
+    props : mapping
+        What else the browser's half wants to know.
+    """
+
+    def __init__(self, channel: FrameChannel, props: Mapping[str, object]) -> None:
+        super().__init__()
+        self._props["channel"] = channel.name
+        self._props.update(props)
+
+
+class _Changing(Element):
+    """An element whose properties change, but are sent only where they do."""
+
+    def show(self, **props: Any) -> None:  # noqa: ANN401
+        """Change properties."""
+        if any(name not in self._props or self._props[name] != props[name] for name in props):
+            self._props.update(props)
+            self.update()
+
+
+class PlainButton(Element):
+    """A button of HTML; those of the library are too large for a panel of instruments.
+
+    Parameters
+    ----------
+    words : str
+        What stands on it.
+    action : callable
+        What it does.
+    title : str
+        What it does, in words.
+    """
+
+    def __init__(self, words: str, action: Callable[[], Awaitable[None]], title: str) -> None:
+        super().__init__("button")
+        self.props(f'type=button title="{title}"')
+        self.on("click", lambda _event: action())
+        self._text = words
+
+    def say(self, words: str) -> None:
+        """Write something else on it."""
+        if words != self._text:
+            self._text = words
+            self.update()
+
+
+class TrackingPicture(_ChannelElement, component="tracking_picture.js", esm=BROWSER):
+    """The picture, and where the user draws a cable: event `draw`."""
+
+    def __init__(self, channel: FrameChannel) -> None:
+        layers = [
+            {"name": name, "title": title, "colour": css(colour), "opacity": opacity}
+            for name, title, colour, opacity in LAYERS
+        ]
+        super().__init__(channel, {"layers": layers})
+
+
+class ParticlePlots(_ChannelElement, component="particle_plots.js", esm=BROWSER):
+    """One small plot for each component of the state."""
+
+    def __init__(self, channel: FrameChannel) -> None:
+        super().__init__(channel, {"names": NAMES, "units": UNITS, "colours": COLOURS})
+
+
+class NumberPanel(_ChannelElement, _Changing, component="number_panel.js", esm=BROWSER):
+    """Estimate and filter in numbers."""
+
+    def __init__(self, channel: FrameChannel) -> None:
+        super().__init__(channel, {"names": NAMES, "units": UNITS, "count": 0})
+
+
+class HistoryPlot(_ChannelElement, component="history_plot.js", esm=BROWSER):
+    """The last half minute."""
+
+    def __init__(self, channel: FrameChannel) -> None:
+        statuses = [css(palette.status_colour(status)) for status in STATUSES]
+        super().__init__(channel, {"colours": COLOURS, "statuses": statuses})
+
+
+class TransportBar(_ChannelElement, _Changing, component="transport_bar.js", esm=BROWSER):
+    """Play, pause, step, seek and speed: event `command`."""
+
+    def __init__(self, channel: FrameChannel, speeds: Sequence[str]) -> None:
+        super().__init__(
+            channel, {"playing": False, "speed": "1", "speeds": list(speeds), "count": 0}
+        )
+
+
+class Shortcuts(Element, component="shortcuts.js"):
+    """Keys: event `command`.
+
+    Parameters
+    ----------
+    keys : mapping
+        Names of the actions by key, as browsers name keys.
+    """
+
+    def __init__(self, keys: Mapping[str, str]) -> None:
+        super().__init__()
+        self._props["keys"] = dict(keys)
+
+
+class ParameterPanel(_Changing, component="parameter_panel.js"):
+    """All parameters: events `change`, `refer`, `apply`, `load`, `save`, `understood`."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._props.update(
+            groups=[],
+            values={},
+            references=[],
+            reference="",
+            referenceValues={},
+            refusals={},
+            fileTrouble="",
+        )
