@@ -3,8 +3,9 @@ import { Axis, fit, subscribe, ticks } from "cable-tracker-browser";
 
 const SECONDS = 30;
 const LONGEST_GAP = 0.6;
-const LEFT = 52;
+const LEFT = 60;
 const BOTTOM = 15;
+const MOST = 0.98;
 const COLUMN = {
   time: 0, d: 1, alpha: 2, dSigma: 3, alphaSigma: 4, presence: 5, status: 6, nEff: 7, ms: 8, trueD: 9, trueAlpha: 10,
 };
@@ -94,15 +95,10 @@ export default {
     paintLane(context, title, name, top, height, colour, sigma, truth) {
       const axis = this.axes[name];
       const [column, spread, real] = [COLUMN[name], COLUMN[sigma], COLUMN[truth]];
-      let [low, high] = [Infinity, -Infinity];
-      for (const row of this.rows) {
-        for (const value of [row[column], real && row[real]]) {
-          if (value === undefined || !Number.isFinite(value)) continue;
-          low = Math.min(low, value);
-          high = Math.max(high, value);
-        }
-      }
-      axis.include(low, high);
+      const seen = this.rows.flatMap((row) => [row[column], row[real]]).filter((value) => Number.isFinite(value)).sort((a, b) => a - b);
+      // A single slow frame must not flatten all others.
+      const last = name === "ms" ? Math.floor((seen.length - 1) * MOST) : seen.length - 1;
+      axis.include(seen[0], seen[last]);
       const upper = top + 3;
       const inner = height - 6;
       const y = (value) => upper + (1 - Math.min(1, Math.max(0, axis.at(value)))) * inner;
@@ -121,7 +117,7 @@ export default {
       context.fillStyle = "#dbe4ea";
       context.textBaseline = "middle";
       context.fillText(title, LEFT - 4, top + height / 2);
-      if (height < 30 || !span) return;
+      if (height < 36 || !span) return;
       context.fillStyle = "#93a5b1";
       context.textBaseline = "top";
       context.fillText(ticks(axis.high, span), LEFT - 4, top - 1);

@@ -51,10 +51,12 @@ export default {
         ["time", `${digits(description.time % 100000, 2)} s`, "time"],
         ["presence", description.presence === null ? "–" : `${digits(100 * description.presence, 1)} %`, "presence"],
         ["evidence", digits(description.evidence, 2, true), "evidence"],
-        ["N_eff / N", `${digits(description.n_eff, 0)} / ${description.particle_count}`, "particles"],
+        ["N_eff", digits(description.n_eff, 0), "n-eff"],
+        ["particles N", String(description.particle_count), "particles"],
+        ["per frame", `${digits(description.ms, 1)} ms`, "ms"],
         ["hypotheses", String(description.hypotheses), "hypotheses"],
-        ["tracker", `${digits(description.ms, 1)} ms`, "ms"],
-        ["tracked / drawn", `${digits(description.fps, 1)} / ${digits(this.rate(), 1)} fps`, "fps"],
+        ["tracked", `${digits(description.fps, 1)} fps`, "tracked-fps"],
+        ["drawn", `${digits(this.rate(), 1)} fps`, "drawn-fps"],
       ];
     },
     /** Pictures per second that this browser draws. */

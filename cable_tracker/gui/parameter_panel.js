@@ -21,7 +21,7 @@ export default {
       <button type="button" class="ct-button" data-test="save" @click="$emit('save')">save …</button>
     </div>
     <div class="ct-tools">
-      <input type="search" class="ct-search" v-model="sought" placeholder="search name or meaning ( / )" aria-label="Search parameters"
+      <input type="search" class="ct-search" v-model="sought" placeholder="search ( / )" aria-label="Search parameters"
         data-test="search" @keydown.escape="sought = ''; $event.target.blur()" />
       <label><input type="checkbox" v-model="onlyDiffering" data-test="only-differing" /> only differing</label>
     </div>

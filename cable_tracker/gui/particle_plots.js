@@ -3,7 +3,7 @@ import { Axis, fit, subscribe, ticks } from "cable-tracker-browser";
 
 const COLUMNS = 2;
 const LEAST_SPANS = [20, 4, 20, 4, 40, 10, 40, 10];
-const OUTLIERS = 0.02;
+const SIGMAS = 2;
 
 export default {
   template: `
@@ -74,11 +74,22 @@ export default {
       this.paintWords(context, column, axis, { left, top, width, base });
     },
     makeRoom(axis, picked, marks) {
-      const sorted = picked.slice().sort();
-      const skipped = Math.floor(sorted.length * OUTLIERS);
-      const values = marks.filter((value) => value !== null && value !== undefined);
-      if (sorted.length) values.push(sorted[skipped], sorted[sorted.length - 1 - skipped]);
-      if (values.length) axis.include(Math.min(...values), Math.max(...values));
+      const { columns, values } = this.description.parts.cloud;
+      // By weight: those that search elsewhere weigh little, and must not make the plot wide.
+      let [total, mean, square] = [0, 0, 0];
+      for (let row = 0; row < picked.length; row++) {
+        const weight = values[row * columns + columns - 1];
+        total += weight;
+        mean += weight * picked[row];
+        square += weight * picked[row] ** 2;
+      }
+      const shown = marks.filter((value) => value !== null && value !== undefined);
+      if (total > 0) {
+        mean /= total;
+        const spread = SIGMAS * Math.sqrt(Math.max(0, square / total - mean ** 2));
+        shown.push(mean - spread, mean + spread);
+      }
+      if (shown.length) axis.include(Math.min(...shown), Math.max(...shown));
     },
     paintWeights(context, picked, at, [left, right], base, height) {
       const { columns, values } = this.description.parts.cloud;

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
+from collections.abc import Callable
 
 from cable_tracker.gui.frame_channel import FrameChannel
 from cable_tracker.gui.picture_packet import make_packet
@@ -16,6 +17,10 @@ WHOLE_EVERY = 50
 
 RATE_TIME = 2.0
 """Time over which frames per second are counted [s]."""
+
+
+def _nothing() -> None:
+    """Listen to nobody."""
 
 
 class PictureFeed:
@@ -39,7 +44,7 @@ class PictureFeed:
         self._has_newcomer = False
         self._closing = False
         self._count = 0
-        self._end_listening = lambda: None
+        self._end_listening: Callable[[], None] = _nothing
         self._thread = threading.Thread(target=self._run, name="pictures", daemon=True)
         self._thread.start()
 
@@ -51,7 +56,7 @@ class PictureFeed:
             self._arrivals.clear()
             self._snapshot = None
         if session is None:
-            self._end_listening = lambda: None
+            self._end_listening = _nothing
             return
         self._end_listening = session.listen(self._take)
         if session.latest is not None:

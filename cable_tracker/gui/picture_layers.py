@@ -81,7 +81,7 @@ def particle_lines(cloud: FloatArray, size: tuple[int, int]) -> FloatArray:
     cos, sin = np.cos(angles), np.sin(angles)
     x, y = width / 2 + distances * cos, height / 2 - distances * sin
     # Few particles are drawn clearly, many faintly.
-    share = min(1.0, 6.0 / np.sqrt(max(1, len(cloud))))
+    share = min(1.0, 2.5 / np.sqrt(max(1, len(cloud))))
     opacity = np.sqrt(cloud[:, -1]) * share
     return np.column_stack(
         (x - reach * sin, y - reach * cos, x + reach * sin, y + reach * cos, opacity)

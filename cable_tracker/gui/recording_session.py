@@ -156,7 +156,8 @@ class RecordingSession:
         """Let frames follow each other; from the start again if it stands at the end."""
         count = self._frames.count
         with self._lock:
-            if self._target is None and count is not None and self._position >= count - 1:
+            place = self._target if self._target is not None else self._position
+            if count is not None and place >= count - 1:
                 self._target = 0
             self._due = 0.0
             self._is_playing = True
@@ -285,7 +286,7 @@ class RecordingSession:
         try:
             self._frames.frame(target)
             first = self._position + 1
-            if target != first or not self._is_enabled:
+            if target != first or target == 0 or not self._is_enabled:
                 first = self._recall(target)
             for number in range(first, target + 1):
                 if self._thread.is_closing or (self._target is not None and number < target):

@@ -12,7 +12,7 @@ export default {
     <div class="ct-stage">
       <canvas ref="canvas" tabindex="0" role="img" :aria-label="words"></canvas>
       <div class="ct-status" :style="{ borderColor: statusColour, color: statusColour }" data-test="status">
-        {{ status }}<span v-if="presence !== null"> {{ presence }} %</span>
+        {{ presence === null ? status : status + "  " + presence + " %" }}
       </div>
       <div v-if="reason" class="ct-reason" data-test="reason">{{ reason }}</div>
       <div v-if="!connected" class="ct-cut" role="alert" data-test="cut">

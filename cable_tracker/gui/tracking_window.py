@@ -29,7 +29,13 @@ from cable_tracker.gui.tracking_commands import (
     speed_words,
 )
 from cable_tracker.gui.tracking_desk import TrackingDesk, drawn_state, start_at
-from cable_tracker.gui.tracking_dialogs import HelpDialog, OpenDialog, SaveDialog, StartDialog
+from cable_tracker.gui.tracking_dialogs import (
+    FormDialog,
+    HelpDialog,
+    OpenDialog,
+    SaveDialog,
+    StartDialog,
+)
 from cable_tracker.gui.tracking_elements import (
     HistoryPlot,
     NumberPanel,
@@ -184,11 +190,14 @@ class TrackingPage:
         if session is None:
             return
         try:
-            self._values = await run.io_bound(session.parameters)
+            values = await run.io_bound(session.parameters)
         except CableTrackerError:
             # The session itself says what is wrong with it, beside the title.
             return
-        self._show_parameters()
+        # The server is about to end.
+        if values is not None:
+            self._values = values
+            self._show_parameters()
 
     def _show_parameters(self, **props: Any) -> None:  # noqa: ANN401
         if self._parameters is None:
@@ -210,7 +219,7 @@ class TrackingPage:
 
     async def _do(self, name: str, value: object = None) -> None:
         desk = self._desk
-        dialogs = {
+        dialogs: Mapping[str, FormDialog | HelpDialog] = {
             "open": self._open_dialog,
             "save": self._save_dialog,
             "start": self._start_dialog,

@@ -14,6 +14,10 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.simulation.scenario import SimulationSettings, simulate
+
+DIVE_LENGTH = 60
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
 START_TIMEOUT = 120.0
 """Seconds until a command must have printed its address, on a busy machine, compiling included."""
@@ -127,3 +131,14 @@ def run_command(tmp_path):
     yield start
     for command in running:
         command.stop()
+
+
+@pytest.fixture(scope="session")
+def dive(tmp_path_factory):
+    """Return a sequence file of sixty frames of a clear dive, 160x120, with truth."""
+    folder = tmp_path_factory.mktemp("recordings") / "dive"
+    settings = SimulationSettings(
+        frame_count=DIVE_LENGTH, image_size=(160, 120), clutter=0.1, seed=3
+    )
+    write_sequence(folder, simulate(settings))
+    return next(folder.glob("*.txt"))

@@ -21,17 +21,20 @@ export class Axis {
 
   /** Make room for values from low to high. It widens at once and narrows after a while. */
   include(low, high) {
+    if (this.zero) [low, high] = [0, Math.max(0, high)];
     if (!Number.isFinite(low) || !Number.isFinite(high)) return;
-    if (this.zero) low = 0;
     const needed = Math.max(high - low, this.least / 2);
     const fits = low >= this.low && high <= this.high;
     this.narrow = fits && needed < (this.high - this.low) / 5 ? this.narrow + 1 : 0;
     if (fits && this.narrow < FRAMES_TO_SHRINK) return;
     this.narrow = 0;
-    const span = Math.max(this.least, roundUp(needed * (this.zero ? 1.1 : 2)));
-    const quarter = span / 4;
-    this.low = this.zero ? 0 : Math.round((low + high) / 2 / quarter) * quarter - span / 2;
-    this.high = this.low + span;
+    let span = Math.max(this.least, roundUp(needed * 1.1));
+    do {
+      const quarter = span / 4;
+      this.low = this.zero ? 0 : Math.round((low + high) / 2 / quarter) * quarter - span / 2;
+      this.high = this.low + span;
+      span = roundUp(span * 1.01);
+    } while (low < this.low || high > this.high);
   }
 
   /** Where a value lies, 0 to 1. */

@@ -12,7 +12,7 @@
 
 import { unpack } from "./packet.js";
 
-const OPACITY_STEPS = 8;
+const OPACITY_STEPS = 16;
 const RETRY_MS = 1000;
 const LARGEST_ZOOM = 16;
 
@@ -147,10 +147,16 @@ export class FrameView {
       context.imageSmoothingEnabled = scale < 3;
       context.drawImage(this.bitmap, 0, 0, ...description.size);
     }
+    // Lines go on for ever; what lies beside the picture is not of it.
+    context.save();
+    context.beginPath();
+    context.rect(0, 0, ...description.size);
+    context.clip();
     if (description.parts.particles && !this.hidden.has("particles")) this.paintParticles(description);
     for (const layer of description.layers ?? []) {
       if (!this.hidden.has(layer.name)) this.paintLayer(layer);
     }
+    context.restore();
     this.hooks.draw?.(context, this);
   }
 

@@ -1,0 +1,303 @@
+import math
+import threading
+
+import cv2
+import numpy as np
+import pytest
+
+from cable_tracker.cable.initialisation import StatePrior
+from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import FrameError, GuiError, ParameterError, RecordingError
+from cable_tracker.evaluation.result_folder import ESTIMATES, ResultFolder
+from cable_tracker.evaluation.track_recording import (
+    initial_state_for,
+    start_from,
+    track_recording,
+)
+from cable_tracker.gui.recording_request import RecordingRequest
+from cable_tracker.gui.recording_session import WARMING_UP, RecordingSession
+from cable_tracker.gui.session import Player
+from cable_tracker.sequences.estimates import read_estimates
+from cable_tracker.trackers import make_tracker
+
+TIMEOUT = 60.0
+LAST = 59
+PARAMETERS = TrackerParameters(particle_count=120, seed=4)
+
+
+class Watched:
+    """A session with everything that it has said."""
+
+    def __init__(self, request, parameters=PARAMETERS):
+        self.session = RecordingSession(request, parameters)
+        self.seen = []
+        self._changed = threading.Condition()
+        self.session.listen(self._take)
+
+    def _take(self, snapshot):
+        with self._changed:
+            self.seen.append(snapshot)
+            self._changed.notify_all()
+
+    def wait(self, is_reached):
+        """Wait until something is so of what was said last, and return that."""
+        with self._changed:
+            assert self._changed.wait_for(lambda: self._fits(is_reached), TIMEOUT), self.latest
+        return self.latest
+
+    def _fits(self, is_reached):
+        return self.latest is not None and is_reached(self.latest)
+
+    @property
+    def latest(self):
+        return self.session.latest
+
+    def at(self, frame):
+        """Wait until a frame has been tracked."""
+        return self.wait(lambda now: now.frame == frame and now.status != WARMING_UP)
+
+    def go_to(self, frame):
+        self.session.seek(frame)
+        return self.at(frame)
+
+    def play_to_the_end(self):
+        """Play as fast as can be, and return what was said about each frame."""
+        self.at(self.latest.frame if self.latest else 0)
+        self.session.set_speed(math.inf)
+        self.session.play()
+        self.at(self.session.frame_count - 1)
+        return {snapshot.frame: snapshot for snapshot in self.seen}
+
+
+@pytest.fixture
+def watch(dive):
+    opened = []
+
+    def start(path=dive, init="truth", parameters=PARAMETERS, **options):
+        opened.append(Watched(RecordingRequest(path, init=init, **options), parameters))
+        return opened[-1]
+
+    yield start
+    for watched in opened:
+        watched.session.close()
+
+
+def same_belief(one, other):
+    return one.state == other.state and np.array_equal(one.cloud, other.cloud)
+
+
+def test_it_is_a_player(watch):
+    assert isinstance(watch().session, Player)
+
+
+def test_the_first_frame_is_shown_and_tracked_without_being_asked(watch):
+    first = watch().at(0)
+    assert first.cloud.shape == (120, 9)
+    assert first.truth is not None
+
+
+def test_the_result_is_that_of_the_command_track(watch, dive, tmp_path):
+    with RecordingRequest(dive).open() as source:
+        tracker = make_tracker(PARAMETERS)
+        start_from(tracker, initial_state_for(source, "truth"))
+        with ResultFolder(tmp_path / "out", timing=False) as results:
+            track_recording(source, tracker, results)
+    rows = read_estimates(tmp_path / "out" / ESTIMATES)
+    played = watch().play_to_the_end()
+    assert [row.state for row in rows[1:]] == [played[row.frame].state for row in rows[1:]]
+    assert [row.n_eff for row in rows[1:]] == [played[row.frame].n_eff for row in rows[1:]]
+    assert any(row.state is not None for row in rows)
+
+
+def test_going_back_gives_the_same_belief_again(watch):
+    watched = watch()
+    played = watched.play_to_the_end()
+    for frame in (30, 26, 24, 50, LAST):
+        assert same_belief(watched.go_to(frame), played[frame])
+
+
+def test_stepping_back_and_on_comes_to_the_same_belief(watch):
+    watched = watch()
+    played = watched.play_to_the_end()
+    watched.go_to(40)
+    watched.session.step(-1)
+    assert same_belief(watched.at(39), played[39])
+    watched.session.step(3)
+    assert same_belief(watched.at(42), played[42])
+    assert not watched.session.is_playing
+
+
+def test_at_a_frame_that_was_never_reached_the_tracker_starts_anew(watch):
+    watched = watch()
+    watched.at(0)
+    jumped = watched.go_to(40)
+    fresh = make_tracker(PARAMETERS)
+    fresh.process(jumped.grey, jumped.stamp)
+    assert np.array_equal(jumped.cloud[:, :8], fresh.particles.states)
+
+
+def test_at_the_first_frame_it_starts_as_it_was_told(watch):
+    watched = watch()
+    first = watched.at(0)
+    watched.go_to(40)
+    watched.session.change({"particle_count": 119})
+    watched.session.change({"particle_count": 120})
+    assert same_belief(watched.go_to(0), first)
+
+
+def test_it_stops_at_the_end_and_plays_from_the_start_again(watch):
+    watched = watch()
+    watched.play_to_the_end()
+    watched.session.seek(1000)
+    before = watched.at(LAST)
+    watched.session.play()
+    watched.wait(lambda now: now.frame == LAST and now.number > before.number)
+    assert [snapshot.frame for snapshot in watched.seen][-LAST - 1 :] == list(range(LAST + 1))
+
+
+def test_a_parameter_counts_from_the_next_frame_on(watch):
+    watched = watch()
+    watched.at(0)
+    watched.session.change({"particle_count": 77})
+    assert watched.session.parameters()["particle_count"] == 77
+    watched.session.step()
+    assert len(watched.at(1).cloud) == 77
+
+
+def test_a_refused_value_changes_nothing_at_all(watch):
+    session = watch().session
+    before = dict(session.parameters())
+    with pytest.raises(ParameterError, match="outside"):
+        session.change({"seed": 9, "particle_count": 0})
+    with pytest.raises(ParameterError, match="must not exceed"):
+        session.change({"width_minimum": 170.0})
+    with pytest.raises(ParameterError, match="unknown"):
+        session.change({"colour": 1})
+    with pytest.raises(ParameterError):
+        session.change({"response_table": "/no/such/file.json"})
+    assert session.parameters() == before
+
+
+def test_under_other_parameters_an_earlier_frame_is_a_jump(watch):
+    watched = watch()
+    played = watched.play_to_the_end()
+    watched.session.change({"particle_count": 121})
+    assert len(watched.go_to(30).cloud) == 121
+    assert len(played[30].cloud) == 120
+
+
+def test_where_it_stands_still_a_drawn_cable_is_tried_at_once(watch):
+    watched = watch(init="random")
+    watched.at(0)
+    truth = watched.go_to(20).truth
+    watched.session.initialise(StatePrior.around(truth))
+    now = watched.wait(lambda now: now.status == "TRACKING")
+    assert now.frame == 20
+    assert abs(now.state.distance - truth.distance) < 5.0
+
+
+def test_what_the_user_drew_belongs_to_the_belief_that_comes_back(watch):
+    watched = watch(init="random")
+    watched.at(0)
+    watched.session.initialise(StatePrior.around(watched.go_to(20).truth))
+    played = watched.play_to_the_end()
+    assert same_belief(watched.go_to(22), played[22])
+
+
+def test_a_state_that_is_no_number_is_refused(watch):
+    watched = watch()
+    before = watched.at(0)
+    with pytest.raises(FrameError):
+        watched.session.initialise(StatePrior.around(CableState(math.nan, 0.0, 10.0)))
+    assert watched.latest is before
+
+
+def test_reset_forgets_the_belief_of_this_frame(watch):
+    watched = watch()
+    before = watched.play_to_the_end()[LAST]
+    watched.session.reset()
+    assert not same_belief(watched.wait(lambda now: now.number > before.number), before)
+
+
+def test_switched_off_frames_pass_and_nothing_is_believed(watch):
+    watched = watch()
+    watched.at(0)
+    watched.session.enable(False)
+    watched.session.step()
+    passed = watched.wait(lambda now: now.frame == 1)
+    assert passed.status == "DISABLED"
+    assert passed.cloud is None
+    watched.session.enable(True)
+    assert watched.wait(lambda now: now.cloud is not None).frame == 1
+
+
+def test_without_listeners_it_goes_on(watch):
+    watched = watch()
+    end = watched.session.listen(watched.seen.append)
+    end()
+    end()
+    watched.play_to_the_end()
+    numbers = [snapshot.number for snapshot in watched.seen]
+    assert len(numbers) == len(set(numbers))
+
+
+def test_a_damaged_recording_is_told_and_the_frames_before_stay(watch, tmp_path, dive):
+    damaged = tmp_path / "damaged"
+    damaged.mkdir()
+    for picture in sorted(dive.parent.glob("*.png"))[:6]:
+        (damaged / picture.name).write_bytes(picture.read_bytes())
+    sorted(damaged.glob("*.png"))[4].write_bytes(b"no picture")
+    watched = watch(damaged, init="random")
+    watched.at(0)
+    watched.session.play()
+    watched.at(3)
+    watched.session.seek(2)
+    watched.at(2)
+    watched.session.play()
+    watched.at(3)
+    watched.session.reset()
+    assert "frame 4 (frame_000004.png) cannot be decoded" in watched.session.trouble
+    assert not watched.session.is_playing
+
+
+def test_a_frame_that_cannot_be_used_is_refused_and_the_next_is_tracked(watch, tmp_path, dive):
+    folder = tmp_path / "one_bad"
+    folder.mkdir()
+    for picture in sorted(dive.parent.glob("*.png"))[:6]:
+        (folder / picture.name).write_bytes(picture.read_bytes())
+    sorted(folder.glob("*.png"))[2].write_bytes(b"no picture")
+    played = watch(folder, init="random", skip_bad_frames=True).play_to_the_end()
+    assert played[2].status == "REFUSED"
+    assert played[2].reason
+    assert len(played[3].cloud) == 120
+
+
+def test_deep_grey_levels_are_shown_in_eight_bits(watch, tmp_path):
+    folder = tmp_path / "deep"
+    folder.mkdir()
+    for number in range(2):
+        deep = np.full((48, 64), 40000, np.uint16)
+        assert cv2.imwrite(str(folder / f"{number}.png"), deep)
+    assert watch(folder, init="random").at(0).grey.dtype == np.uint8
+
+
+@pytest.mark.parametrize("name", ["missing", "empty"])
+def test_what_cannot_be_opened_is_said(tmp_path, name):
+    if name == "empty":
+        (tmp_path / name).mkdir()
+    with pytest.raises(RecordingError, match=name):
+        RecordingSession(RecordingRequest(tmp_path / name), PARAMETERS)
+
+
+def test_a_start_that_cannot_be_is_said(dive):
+    with pytest.raises(ParameterError):
+        RecordingSession(RecordingRequest(dive, init="nonsense"), PARAMETERS)
+
+
+def test_a_closed_session_takes_no_commands(watch):
+    watched = watch()
+    watched.at(0)
+    watched.session.close()
+    with pytest.raises(GuiError, match="closed"):
+        watched.session.reset()
