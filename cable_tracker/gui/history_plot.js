@@ -1,6 +1,7 @@
 // The last half minute: d and alpha with their bands, status and presence, N_eff, time per frame.
-import { Axis, fit, subscribe, ticks } from "cable-tracker-browser";
+import { Axis, fit, subscribe, throttled, ticks } from "cable-tracker-browser";
 
+const INTERVAL = 150;
 const SECONDS = 30;
 const LONGEST_GAP = 0.6;
 const LEFT = 60;
@@ -19,15 +20,17 @@ export default {
   mounted() {
     this.rows = [];
     this.axes = { d: new Axis(20), alpha: new Axis(4), nEff: new Axis(10, { zero: true }), ms: new Axis(1, { zero: true }) };
+    this.ask = throttled(() => this.paint(), INTERVAL);
     this.end = subscribe(this.channel, (description) => {
       this.merge(description);
-      this.paint();
+      this.ask();
     });
     this.resizing = new ResizeObserver(() => this.paint());
     this.resizing.observe(this.$refs.canvas);
   },
   beforeUnmount() {
     this.end();
+    this.ask.end();
     this.resizing.disconnect();
   },
   methods: {

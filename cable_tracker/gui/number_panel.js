@@ -1,6 +1,7 @@
 // The estimate and the state of the filter in numbers.
-import { subscribe } from "cable-tracker-browser";
+import { subscribe, throttled } from "cable-tracker-browser";
 
+const INTERVAL = 100;
 const RATE_TIME = 2000;
 
 function digits(value, count, sign = false) {
@@ -32,10 +33,16 @@ export default {
   mounted() {
     this.drawn = [];
     this.rows = this.names.map(() => ["–", "–", "–"]);
-    this.end = subscribe(this.channel, (description) => this.show(description));
+    this.ask = throttled(() => this.show(this.description), INTERVAL);
+    this.end = subscribe(this.channel, (description) => {
+      this.description = description;
+      this.drawn.push(performance.now());
+      this.ask();
+    });
   },
   beforeUnmount() {
     this.end();
+    this.ask.end();
   },
   methods: {
     show(description) {
@@ -62,7 +69,6 @@ export default {
     /** Pictures per second that this browser draws. */
     rate() {
       const now = performance.now();
-      this.drawn.push(now);
       this.drawn = this.drawn.filter((time) => now - time < RATE_TIME);
       return this.drawn.length < 3 ? null : (1000 * (this.drawn.length - 1)) / (now - this.drawn[0]);
     },

@@ -1,6 +1,8 @@
 // One small plot for each component of the state: a line for each particle, as high as its weight.
-import { Axis, fit, subscribe, ticks } from "cable-tracker-browser";
+import { Axis, fit, subscribe, throttled, ticks } from "cable-tracker-browser";
 
+// No eye follows plots any faster, and the picture needs the time.
+const INTERVAL = 75;
 const COLUMNS = 2;
 const LEAST_SPANS = [20, 4, 20, 4, 40, 10, 40, 10];
 const SIGMAS = 2;
@@ -16,15 +18,17 @@ export default {
   props: { channel: String, names: Array, units: Array, colours: Object },
   mounted() {
     this.axes = LEAST_SPANS.map((least) => new Axis(least));
+    this.ask = throttled(() => this.paint(), INTERVAL);
     this.end = subscribe(this.channel, (description) => {
       this.description = description;
-      this.paint();
+      this.ask();
     });
     this.resizing = new ResizeObserver(() => this.paint());
     this.resizing.observe(this.$refs.canvas);
   },
   beforeUnmount() {
     this.end();
+    this.ask.end();
     this.resizing.disconnect();
   },
   methods: {

@@ -72,6 +72,13 @@ def visit(chromium):
     return lambda url, **options: visiting(chromium, url, **options)
 
 
+def environment():
+    """Return the environment of a command. NiceGUI is not to know that it is tested."""
+    own = {"PYTHONUNBUFFERED": "1", "PYTHONPATH": str(Path(__file__).parents[2])}
+    inherited = {name: text for name, text in os.environ.items() if "PYTEST" not in name}
+    return inherited | own
+
+
 class Running:
     """A command that serves a page.
 
@@ -88,8 +95,7 @@ class Running:
             cwd=folder,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
-            env=os.environ
-            | {"PYTHONUNBUFFERED": "1", "PYTHONPATH": str(Path(__file__).parents[2])},
+            env=environment(),
         )
         self.url = self.wait_for(rb"(http://\S+)").group(1).decode()
 
@@ -102,6 +108,7 @@ class Running:
             chunk = os.read(self.process.stdout.fileno(), 65536) if ready else b""
             if not chunk:
                 self.process.kill()
+                self.process.communicate()
                 raise AssertionError(f"{pattern!r} is not in:\n{self.output.decode()}")
             self.output += chunk
         return found
@@ -119,18 +126,32 @@ class Running:
         return self.process.returncode
 
 
-@pytest.fixture
-def run_command(tmp_path):
-    """Return a function that starts `cable-tracker ...` and gives it when it serves."""
+@contextmanager
+def running_commands(folder):
+    """Give a function that starts `cable-tracker ...`, and end in the end what it has started."""
     running = []
 
     def start(*arguments):
-        running.append(Running([*arguments, "--port", "0"], tmp_path))
+        running.append(Running([*arguments, "--port", "0"], folder))
         return running[-1]
 
     yield start
     for command in running:
         command.stop()
+
+
+@pytest.fixture
+def run_command(tmp_path):
+    """Return a function that starts `cable-tracker ...` and gives it when it serves."""
+    with running_commands(tmp_path) as start:
+        yield start
+
+
+@pytest.fixture(scope="module")
+def run_shared_command(tmp_path_factory):
+    """Return the same for a command that all tests of a module share."""
+    with running_commands(tmp_path_factory.mktemp("shared")) as start:
+        yield start
 
 
 @pytest.fixture(scope="session")

@@ -3,4 +3,4 @@ export { unpack } from "./packet.js";
 export { FrameView } from "./frame_view.js";
 export { publish, subscribe } from "./feed.js";
 export { Axis } from "./axis.js";
-export { fit, FONT, ticks } from "./plot.js";
+export { fit, ticks, throttled } from "./plot.js";

@@ -17,6 +17,24 @@ export function fit(canvas) {
   return [context, width, height];
 }
 
+/** Return a function that calls another one at most once in so many ms, and always after the last time it was asked to. */
+export function throttled(action, interval) {
+  let [last, waiting] = [-Infinity, null];
+  const run = () => {
+    waiting = null;
+    last = performance.now();
+    action();
+  };
+  const ask = () => {
+    if (waiting !== null) return;
+    const left = last + interval - performance.now();
+    if (left <= 0) run();
+    else waiting = setTimeout(run, left);
+  };
+  ask.end = () => clearTimeout(waiting);
+  return ask;
+}
+
 /** A number at an axis, with as many digits as its span asks for. */
 export function ticks(value, span) {
   const digits = span >= 20 ? 0 : span >= 2 ? 1 : 2;
