@@ -238,6 +238,7 @@ def test_saved_parameters_are_the_file_that_the_node_reads(window, dive, tmp_pat
     window.press("s")
     with window.page.expect_download() as download:
         window.at("download").click()
+    window.page.get_by_role("dialog").wait_for(state="hidden")
     saved = Path(download.value.path()).read_text(encoding="utf-8")
     wanted = TrackerParameters(tempering=0.07)
     assert saved == format_parameter_file(wanted, f"Tuned on {dive}.")
