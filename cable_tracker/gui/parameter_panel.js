@@ -16,7 +16,7 @@ export default {
         :title="'Set all parameters as in ' + reference">load</button>
       <span class="ct-count" data-test="differing">{{ differing.length ? differing.length + ' differ' : 'all as there' }}</span>
       <span class="ct-right"></span>
-      <button type="button" class="ct-button" data-test="load-file" @click="$refs.file.click()">file …</button>
+      <button type="button" class="ct-button" data-test="load-file" @click="$refs.file.click()">load file …</button>
       <input ref="file" type="file" accept=".yaml,.yml" hidden data-test="file" @change="read($event)" />
       <button type="button" class="ct-button" data-test="save" @click="$emit('save')">save …</button>
     </div>

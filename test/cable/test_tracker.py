@@ -554,3 +554,17 @@ def test_with_its_detector_the_same_frames_and_seed_give_the_same_bits(dive):
         return tracker.particles.states.tobytes(), tracker.particles.log_weights.tobytes()
 
     assert record() == record()
+
+
+@pytest.mark.parametrize("name", ["default", "thesis"])
+def test_a_copy_goes_on_as_the_tracker_would_and_apart_from_it(name):
+    rng = np.random.default_rng(3)
+    pictures = rng.integers(0, 255, (12, 60, 80), dtype=np.uint8)
+    stamped = [(picture, START + k * FRAME, None) for k, picture in enumerate(pictures)]
+    tracker = make_tracker(preset(name).replaced({"particle_count": 40}))
+    run(tracker, stamped[:6])
+    twin = tracker.copy()
+    states = [estimate.state for estimate in run(tracker, stamped[6:])]
+    assert [estimate.state for estimate in run(twin, stamped[6:])] == states
+    twin.reset()
+    assert tracker.particles is not None

@@ -1,0 +1,68 @@
+import pytest
+
+from cable_tracker.cable.parameters import PARAMETER_TABLE, PARAMETERS_BY_NAME, TrackerParameters
+from cable_tracker.errors import GuiError, OutputError, ParameterError
+from cable_tracker.gui.parameter_groups import OTHERS, grouped
+from cable_tracker.gui.parameter_sheet import (
+    parameter_text,
+    parameters_from_text,
+    value_from_field,
+    values_for_page,
+    write_parameter_file,
+)
+
+
+def test_every_parameter_of_the_filter_is_in_one_named_group():
+    groups = grouped(PARAMETER_TABLE)
+    names = [spec.name for group in groups for spec in group.rows]
+    assert sorted(names) == sorted(PARAMETERS_BY_NAME)
+    assert OTHERS not in {group.title for group in groups}
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "value"),
+    [
+        ("particle_count", " 300 ", 300),
+        ("tempering", "0,05", 0.05),
+        ("tempering", "5e-2", 0.05),
+        ("tempering", "much", "much"),
+        ("filter", "bootstrap", "bootstrap"),
+        ("response_table", "a,b", "a,b"),
+    ],
+)
+def test_what_stands_in_a_field_is_read_as_a_person_means_it(name, text, value):
+    assert value_from_field(PARAMETERS_BY_NAME[name], text) == value
+
+
+def test_a_whole_number_is_shown_as_one():
+    assert values_for_page({"a": 2.0, "b": 0.5, "c": True}) == {"a": 2, "b": 0.5, "c": True}
+
+
+def test_what_is_saved_is_read_as_the_same():
+    changed = TrackerParameters(tempering=0.07, filter="bootstrap", response_table="a b")
+    text = parameter_text(changed.as_mapping(), "dive")
+    assert parameters_from_text(text, "file") == changed
+
+
+def test_a_file_may_name_its_preset_and_what_only_the_node_knows():
+    read = parameters_from_text("preset: thesis\nseed: 3\nimage_transport: raw\n", "file")
+    assert read.filter == "bootstrap"
+    assert read.seed == 3
+
+
+@pytest.mark.parametrize("text", ["a: [", "colour: 1", "seed: -1", "just words", None])
+def test_what_is_no_parameter_file_is_refused_by_its_name(text):
+    with pytest.raises(ParameterError, match=r"my\.yaml"):
+        parameters_from_text(text, "my.yaml")
+
+
+def test_a_file_is_replaced_only_when_that_is_wanted(tmp_path):
+    path = tmp_path / "tracker.yaml"
+    write_parameter_file(path, "one", overwrite=False)
+    with pytest.raises(GuiError, match="exists already"):
+        write_parameter_file(path, "two", overwrite=False)
+    assert path.read_text() == "one"
+    write_parameter_file(path, "two", overwrite=True)
+    assert path.read_text() == "two"
+    with pytest.raises(OutputError, match="cannot be written"):
+        write_parameter_file(tmp_path / "none" / "tracker.yaml", "", overwrite=False)
