@@ -23,7 +23,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
 
 CHROMIUM = "/usr/bin/chromium"
@@ -178,6 +177,8 @@ def take_picture(browser: Browser, url: str, path: Path) -> None:
         page.wait_for_timeout(500)
         page.screenshot(path=str(path))
     # A palette makes the file three times smaller, and is not seen.
+    from PIL import Image  # noqa: PLC0415 - comes with matplotlib, for this alone
+
     with Image.open(path) as picture:
         picture.convert("RGB").quantize(256).save(path, optimize=True)
 

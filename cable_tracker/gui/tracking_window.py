@@ -132,7 +132,7 @@ class TrackingPage:
         session = self._desk.session
         with ui.element("header").classes("ct-head"):
             name = session.name if session is not None else "cable tracker"
-            ui.label(Path(name).name or name).classes("text-weight-bold").props(
+            ui.label(name if is_live else Path(name).name).classes("text-weight-bold").props(
                 'role="heading" aria-level="1" data-test="title"'
             ).tooltip(name)
             self._trouble = ui.label().classes("ct-trouble")
