@@ -32,6 +32,7 @@ setup(
         f"{PACKAGE}.cable": ["*.json"],
         f"{PACKAGE}.evaluation": ["templates/*.j2"],
         f"{PACKAGE}.gui": ["*.css", "*.js", "browser/*.js"],
+        f"{PACKAGE}.gui.labelling": ["*.js", "*.css"],
     },
     python_requires=">=3.11",
     install_requires=[

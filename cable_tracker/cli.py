@@ -17,6 +17,7 @@ from cable_tracker.commands.estimate_noise import estimate_noise
 from cable_tracker.commands.evaluate import evaluate
 from cable_tracker.commands.experiment import experiment
 from cable_tracker.commands.gui import gui
+from cable_tracker.commands.label import label
 from cable_tracker.commands.learn import learn
 from cable_tracker.commands.loop import loop
 from cable_tracker.commands.parameters import parameters
@@ -60,6 +61,7 @@ app.command()(gui)
 app.command()(convert)
 app.command(name="simulate")(simulate_command)
 app.command()(loop)
+app.command()(label)
 app.command()(evaluate)
 app.command()(experiment)
 app.command()(bench)

@@ -71,6 +71,11 @@ def _parse_name(text: str) -> tuple[str, int | None]:
     return text, None
 
 
+def parse_place(text: str) -> Label:
+    """Return an empty label for the name of a picture, or of a video with the frame's number."""
+    return Label(CableState(0.0, 0.0, 0.0), *_parse_name(text))
+
+
 def _check_name(name: str, allow_outside: bool = False) -> None:
     path = PurePosixPath(name)
     outside = path.is_absolute() or ".." in path.parts
@@ -127,6 +132,14 @@ def read_labels(path: Path, *, allow_outside: bool = False) -> list[Label]:
         The file is missing or no text, holds no label, or a line is malformed or names a file
         outside its folder; the message names the line.
     """
+    labels = read_any_labels(path, allow_outside=allow_outside)
+    if not labels:
+        raise RecordingError(f"{path}: holds no labels; expected: d alpha w beta # filename")
+    return labels
+
+
+def read_any_labels(path: Path, *, allow_outside: bool = False) -> list[Label]:
+    """Read a sequence file that may hold no label at all; otherwise as `read_labels`."""
     labels = []
     for number, line in enumerate(_read_lines(path), start=1):
         text = line.strip()
@@ -139,8 +152,6 @@ def read_labels(path: Path, *, allow_outside: bool = False) -> list[Label]:
                 f"{path}: line {number} is malformed ({one_line(error)}); expected: d alpha w beta"
                 " # filename"
             ) from error
-    if not labels:
-        raise RecordingError(f"{path}: holds no labels; expected: d alpha w beta # filename")
     return labels
 
 
@@ -154,19 +165,28 @@ def write_labels(path: Path, labels: Iterable[Label]) -> None:
     """
     try:
         with path.open("w", encoding="utf-8", newline="\n") as file:
-            file.write(_HEADER)
-            for label in labels:
-                file.write(_format_label(label))
+            file.write(format_labels(labels))
     except (OSError, ValueError) as error:
         raise OutputError(f"{path}: cannot be written ({one_line(error)})") from error
 
 
-def _format_label(label: Label) -> str:
+def format_labels(labels: Iterable[Label], *, allow_outside: bool = False) -> str:
+    """Return the text of a sequence file.
+
+    Raises
+    ------
+    ValueError
+        A name would not be read back as it is.
+    """
+    return _HEADER + "".join(_format_label(label, allow_outside) for label in labels)
+
+
+def _format_label(label: Label, allow_outside: bool) -> str:
     state, name = label.state, str(label)
     read_back = _parse_name(name.strip())
     if read_back != (label.filename, label.frame) or not name or not name.isprintable():
         raise ValueError(f"{name!r} is no usable file name")
-    _check_name(label.filename)
+    _check_name(label.filename, allow_outside)
     numbers = " ".join(repr(v) for v in (state.distance, state.angle, state.width, state.skew))
     return f"{numbers} # {name}\n"
 
@@ -261,6 +281,11 @@ class SequenceFileSource(FrameSource):
         if first.frame is not None:
             with opened_video(self._files[first.filename]) as capture:
                 self.nominal_rate = frame_rate(capture)
+
+    @property
+    def entries(self) -> tuple[Label, ...]:
+        """What the file lists: entry i is frame i."""
+        return tuple(self._entries)
 
     def frame_name(self, index: int) -> str:
         """Return how to call a frame in a message."""

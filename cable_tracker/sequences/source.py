@@ -147,6 +147,12 @@ def _picture_labels(source: ImageFolderSource, labels: list[Label]) -> dict[int,
     return {number: label for number, label in named if number is not None}
 
 
+def _entry_labels(source: SequenceFileSource, labels: list[Label]) -> dict[int, Label]:
+    numbers = {str(entry): index for index, entry in enumerate(source.entries)}
+    named = ((numbers.get(str(label)), label) for label in labels)
+    return {number: label for number, label in named if number is not None}
+
+
 def _labels_by_frame(
     source: FrameSource, truth: Path, allow_outside: bool
 ) -> dict[int, CableState]:
@@ -154,6 +160,8 @@ def _labels_by_frame(
     found: dict[int, Label] = {}
     if isinstance(source, ImageFolderSource):
         found = _picture_labels(source, labels)
+    elif isinstance(source, SequenceFileSource):
+        found = _entry_labels(source, labels)
     if not found:
         found = _numbered_labels(source, _labels_of(source, labels, truth), truth)
     return {number: label.state for number, label in found.items()}

@@ -4,3 +4,8 @@ export { FrameView } from "./frame_view.js";
 export { publish, subscribe } from "./feed.js";
 export { Axis } from "./axis.js";
 export { fit, ticks, throttled } from "./plot.js";
+export * as labelGeometry from "./label_geometry.js";
+export { drawCable, fromCanvas, toCanvas, visibleRectangle } from "./label_drawing.js";
+export { LabelGestures } from "./label_gestures.js";
+export { KEYS, meaningOf } from "./label_keys.js";
+export { LabelTimeline } from "./label_timeline.js";

@@ -1,0 +1,84 @@
+"""`cable-tracker label`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cable_tracker.commands.options import (
+    OutsideOption,
+    RateOption,
+    SkipOption,
+    SourceArgument,
+    TopicOption,
+    open_recording,
+)
+from cable_tracker.commands.serving import (
+    DEFAULT_PORT,
+    HostOption,
+    PortOption,
+    announce,
+    need_gui,
+)
+from cable_tracker.commands.terminal import console, counted, messages, progress_bar
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.source import Source
+
+
+def label(  # noqa: PLR0917
+    source: SourceArgument,
+    labels: Annotated[
+        Path | None,
+        typer.Option(
+            help="File for the labels, in the format that --truth reads. It need not exist."
+            "  [default: SOURCE.txt]"
+        ),
+    ] = None,
+    topic: TopicOption = None,
+    rate: RateOption = 25.0,
+    skip_bad_frames: SkipOption = False,
+    allow_outside: OutsideOption = False,
+    host: HostOption = "127.0.0.1",
+    port: PortOption = DEFAULT_PORT,
+) -> None:
+    """Label a recording by hand, in a browser: where the cable is in each frame, or that it is not.
+
+    The tracker proposes, you correct. Nothing is written to the label file before you save.
+    """
+    window = need_gui("labelling.window")
+    workspaces = need_gui("labelling.workspace")
+    server = need_gui("server")
+    with open_recording(source, topic, rate, None, skip_bad_frames, allow_outside) as recording:
+        _count_frames(recording)
+        path = labels if labels is not None else workspaces.default_label_file(recording.path)
+        workspace = workspaces.Workspace(recording, path, allow_outside=allow_outside)
+        listening = server.listen_on(host, port)
+
+        def started() -> None:
+            console.print(f"labels: {workspace.path}", soft_wrap=True)
+            announce(listening.url, listening.ssh_line(), listening.token is None)
+
+        window.LabelServer(workspace).run(listening, started)
+        if workspace.is_changed:
+            messages.print(
+                f"note: the labels are not saved; `cable-tracker label {source}` offers them again",
+                soft_wrap=True,
+            )
+
+
+def _count_frames(recording: Source) -> None:
+    """Learn how many frames there are where the recording does not say."""
+    if recording.frame_count is not None:
+        return
+    count = 0
+    with progress_bar("counting frames", None) as progress:
+        try:
+            for _ in counted(recording.frames(), progress):
+                count += 1
+        except RecordingError as error:
+            if not count:
+                raise
+            messages.print(f"note: {error}", soft_wrap=True)
+    recording.frame_count = count

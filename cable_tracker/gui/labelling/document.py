@@ -1,0 +1,218 @@
+"""The labels of a recording while they are being edited."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TypeAlias
+
+from cable_tracker.errors import ParameterError
+from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels, filled_gap, gap_at, gaps
+
+Changes: TypeAlias = Mapping[int, FrameLabel | None]
+"""New labels by the number of the frame; None takes the label away."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """What undo takes back.
+
+    Attributes
+    ----------
+    frame : int
+        Where the user was.
+    before, after : mapping
+        Labels of the changed frames.
+    """
+
+    frame: int
+    before: Changes
+    after: Changes
+
+
+class LabelDocument:
+    """Labels by frame, with a memory of all edits. Knows no file and no window.
+
+    Interpolated labels follow their key frames: a key frame that is moved, set or taken away
+    changes the interpolated labels beside it too, in the same step.
+
+    Parameters
+    ----------
+    labels : Labels
+        What to start with.
+    stamps : mapping
+        Times of frames [ns], as far as they are known.
+    """
+
+    def __init__(
+        self, labels: Labels | None = None, stamps: Mapping[int, int] | None = None
+    ) -> None:
+        self._labels: dict[int, FrameLabel] = dict(labels or {})
+        self.stamps: dict[int, int] = dict(stamps or {})
+        self._undone: list[_Step] = []
+        self._done: list[_Step] = []
+
+    @property
+    def labels(self) -> Labels:
+        """The labels as they are now."""
+        return MappingProxyType(self._labels)
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is an edit to take back."""
+        return bool(self._done)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is an edit to do again."""
+        return bool(self._undone)
+
+    def change(self, frame: int, changes: Changes, *, merges: bool = False) -> Changes:
+        """Change labels, as one step.
+
+        Parameters
+        ----------
+        frame : int
+            Where the user is; undo leads back here.
+        changes : Changes
+            New labels.
+        merges : bool
+            Whether this goes on with the step before, for instance while a key is held down. Undo
+            takes both back at once.
+
+        Returns
+        -------
+        Changes
+            All that is different now, with the interpolated labels beside.
+        """
+        step = self._apply(frame, changes)
+        if not step.after:
+            return step.after
+        last = self._done[-1] if self._done else None
+        if (
+            merges
+            and last is not None
+            and last.frame == frame
+            and set(step.after) == set(last.after)
+        ):
+            self._done[-1] = _Step(frame, last.before, step.after)
+        else:
+            self._done.append(step)
+        self._undone.clear()
+        return step.after
+
+    def set(self, frame: int, label: FrameLabel, *, merges: bool = False) -> Changes:
+        """Label a frame; see `change`."""
+        return self.change(frame, {frame: label}, merges=merges)
+
+    def clear(self, frame: int) -> Changes:
+        """Take the label of a frame away; see `change`."""
+        return self.change(frame, {frame: None})
+
+    def copy_to_next(self, frame: int) -> Changes:
+        """Give the next frame the label of this one; by hand, as the user wants it so.
+
+        Raises
+        ------
+        ParameterError
+            The frame has no label.
+        """
+        label = self._labels.get(frame)
+        if label is None:
+            raise ParameterError(f"frame {frame} has no label to copy")
+        return self.change(frame, {frame + 1: FrameLabel(label.state)})
+
+    def gaps_to_fill(self, frame: int | None) -> list[Gap]:
+        """Return the gap at a frame, or all gaps.
+
+        Raises
+        ------
+        ParameterError
+            There is none.
+        """
+        if frame is None:
+            found = gaps(self._labels)
+        else:
+            gap = gap_at(self._labels, frame)
+            found = [gap] if gap is not None else []
+        if not found:
+            raise ParameterError(
+                "nothing to interpolate here; label a frame before and one after, with a cable in"
+                " both"
+            )
+        return found
+
+    def interpolate(self, frame: int, wanted: list[Gap]) -> Changes:
+        """Fill gaps between key frames; see `change`."""
+        changes: dict[int, FrameLabel | None] = {}
+        for gap in wanted:
+            changes.update(filled_gap(self._labels, gap, self.stamps))
+        return self.change(frame, changes)
+
+    def replace(self, labels: Labels, frame: int = 0) -> Changes:
+        """Put other labels in the place of all; see `change`."""
+        step = self._write(frame, {**dict.fromkeys(self._labels), **labels})
+        if step.after:
+            self._done.append(step)
+            self._undone.clear()
+        return step.after
+
+    def undo(self) -> tuple[int, Changes] | None:
+        """Take the last step back.
+
+        Returns
+        -------
+        int, Changes
+            Where the user was, and what is different now; None if there is no step.
+        """
+        if not self._done:
+            return None
+        step = self._done.pop()
+        self._undone.append(step)
+        self._write(step.frame, step.before)
+        return step.frame, step.before
+
+    def redo(self) -> tuple[int, Changes] | None:
+        """Do again what was taken back; see `undo`."""
+        if not self._undone:
+            return None
+        step = self._undone.pop()
+        self._done.append(step)
+        self._write(step.frame, step.after)
+        return step.frame, step.after
+
+    def _apply(self, frame: int, changes: Changes) -> _Step:
+        """Write changes, and let the interpolated labels beside follow."""
+        first = self._write(frame, changes)
+        followers: dict[int, FrameLabel | None] = {}
+        for gap in gaps(self._labels):
+            touches = any(gap.before <= changed <= gap.after for changed in changes)
+            if touches and any(self._is_interpolated(between) for between in gap.frames):
+                filled = filled_gap(self._labels, gap, self.stamps)
+                followers.update(
+                    (between, label)
+                    for between, label in filled.items()
+                    if self._is_interpolated(between) and between not in changes
+                )
+        second = self._write(frame, followers)
+        before = {**second.before, **first.before}
+        return _Step(frame, before, {changed: self._labels.get(changed) for changed in before})
+
+    def _write(self, frame: int, changes: Changes) -> _Step:
+        before: dict[int, FrameLabel | None] = {}
+        after: dict[int, FrameLabel | None] = {}
+        for changed, label in changes.items():
+            old = self._labels.get(changed)
+            if old == label:
+                continue
+            before[changed], after[changed] = old, label
+            if label is None:
+                del self._labels[changed]
+            else:
+                self._labels[changed] = label
+        return _Step(frame, before, after)
+
+    def _is_interpolated(self, frame: int) -> bool:
+        label = self._labels.get(frame)
+        return label is not None and not label.is_key

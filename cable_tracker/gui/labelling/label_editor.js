@@ -1,0 +1,486 @@
+// The window in which labels are drawn. It keeps a copy of all labels, so that drawing waits for
+// nobody; the server has the labels that count, and tells every browser of every change.
+import {
+  FrameView,
+  KEYS,
+  LabelGestures,
+  LabelTimeline,
+  drawCable,
+  fromCanvas,
+  labelGeometry as geometry,
+  meaningOf,
+  toCanvas,
+  visibleRectangle,
+} from "cable-tracker-browser";
+
+const DEGREE = Math.PI / 180;
+const ZOOM_STEP = 1.25;
+const FIELDS = [
+  { symbol: "d", unit: "px", scale: 1, digits: 2, step: 1, words: "d, distance of the centreline from the image centre" },
+  { symbol: "α", unit: "deg", scale: DEGREE, digits: 2, step: 0.5, words: "alpha, angle of the centreline from vertical" },
+  { symbol: "w", unit: "px", scale: 1, digits: 2, step: 1, words: "w, width between the borders" },
+  { symbol: "β", unit: "deg", scale: DEGREE, digits: 2, step: 0.5, words: "beta, skew, positive if the borders converge upwards" },
+];
+const WORDS = {
+  none: "not labelled",
+  waiting: "the tracker is looking …",
+  proposal: "proposal, not accepted",
+  hand: "drawn by hand",
+  proposed: "accepted proposal",
+  interpolated: "interpolated, not looked at",
+  no_cable: "no cable in view",
+};
+
+export default {
+  template: `
+<div class="label-editor">
+  <header>
+    <strong class="file" :title="status.path">{{ status.name }}</strong>
+    <span class="saved" :class="{ unsaved: status.changed }" data-test="saved">{{ status.changed ? "● not saved" : "saved" }}</span>
+    <span class="spacer"></span>
+    <button @click="press($event, 'open')" title="Ctrl O">Open…</button>
+    <button @click="press($event, 'save')" title="Ctrl S">Save</button>
+    <button @click="press($event, 'save_as')" title="Ctrl Shift S">Save as…</button>
+    <span class="gap"></span>
+    <button @click="press($event, 'undo')" :disabled="!status.can_undo" title="Ctrl Z">Undo</button>
+    <button @click="press($event, 'redo')" :disabled="!status.can_redo" title="Ctrl Y">Redo</button>
+    <span class="gap"></span>
+    <button @click="press($event, 'help')" title="H">Keys <kbd>H</kbd></button>
+  </header>
+  <main>
+    <div class="picture">
+      <canvas ref="canvas" class="frame-canvas" tabindex="0" role="img" :aria-label="spoken"></canvas>
+      <p class="badge" v-if="flag === 'no_cable'">NO CABLE</p>
+      <p class="hint" v-if="hint">{{ hint }}</p>
+      <p class="hint trouble" v-if="trouble">{{ trouble }}</p>
+    </div>
+    <aside>
+      <section class="what">
+        <h2>frame <b data-test="frame">{{ frame }}</b> of {{ lastFrame }}</h2>
+        <p>{{ seconds }}</p>
+        <p class="kind" :class="flag" data-test="kind"><i></i>{{ words }}</p>
+        <p class="how">{{ how }}</p>
+      </section>
+      <section class="fields" aria-label="numbers of the label">
+        <label v-for="(field, i) in fields" :key="field.symbol" :title="field.words">
+          <span>{{ field.symbol }}</span>
+          <input type="number" :step="field.step" :value="values[i]" :disabled="!shown" :aria-label="field.words + ', ' + field.unit"
+            :data-test="field.symbol" @change="type(i, $event)" @keydown.enter.stop="enter($event)" />
+          <small>{{ field.unit }}</small>
+        </label>
+      </section>
+      <section class="actions">
+        <button class="main" @click="press($event, 'accept')"><span>Accept, next</span><kbd>Enter</kbd></button>
+        <button @click="press($event, 'propose')"><span>Propose</span><kbd>P</kbd></button>
+        <button @click="press($event, 'copy')"><span>Copy to next</span><kbd>C</kbd></button>
+        <button @click="press($event, 'interpolate')"><span>Interpolate</span><kbd>I</kbd></button>
+        <button @click="press($event, 'none')"><span>No cable</span><kbd>N</kbd></button>
+        <button @click="press($event, 'clear')"><span>Clear</span><kbd>Del</kbd></button>
+        <label class="check"><input type="checkbox" v-model="automatic" @change="automaticChanged" /> propose by itself</label>
+      </section>
+      <section class="counts" aria-label="progress">
+        <p v-for="kind in ['hand', 'proposed', 'interpolated', 'no_cable', 'none']" :key="kind" class="kind" :class="kind">
+          <i></i>{{ wordsOf(kind) }}<b>{{ counts[kind] }}</b>
+        </p>
+      </section>
+    </aside>
+  </main>
+  <p class="message" :class="message.kind" role="status" aria-live="polite" data-test="message">{{ message.text }}</p>
+  <footer>
+    <button @click="press($event, 'previous')" aria-label="frame before" title="PageUp">◀</button>
+    <canvas ref="timeline" class="timeline" tabindex="0" role="slider" aria-label="frame" aria-valuemin="0"
+      :aria-valuemax="lastFrame" :aria-valuenow="frame" @keydown="slide"></canvas>
+    <button @click="press($event, 'next')" aria-label="next frame" title="PageDown">▶</button>
+  </footer>
+  <dialog ref="help" class="help" @click="closeHelp($event)">
+    <h2>Keys</h2>
+    <div class="groups">
+      <section v-for="group in groups" :key="group">
+        <h3>{{ group }}</h3>
+        <dl><template v-for="row in keysOf(group)" :key="row.keys"><dt>{{ row.keys }}</dt><dd>{{ row.words }}</dd></template></dl>
+      </section>
+      <section>
+        <h3>Mouse, pen, fingers</h3>
+        <dl>
+          <dt>drag on the cable</dt><dd>move it</dd>
+          <dt>○</dt><dd>turn</dd>
+          <dt>◇</dt><dd>move one border (Shift: both)</dd>
+          <dt>△</dt><dd>skew</dd>
+          <dt>drag where no label is</dt><dd>draw the centreline</dd>
+          <dt>drag beside the cable</dt><dd>move the zoomed picture</dd>
+          <dt>wheel, two fingers</dt><dd>zoom</dd>
+        </dl>
+      </section>
+    </div>
+    <form method="dialog"><button autofocus>Close</button></form>
+  </dialog>
+</div>`,
+  props: { channel: String, recording: String, colours: Object },
+  data: () => ({
+    frame: 0,
+    stamp: null,
+    trouble: "",
+    count: 1,
+    shown: null,
+    flag: "none",
+    how: "",
+    automatic: true,
+    message: { text: "", kind: "" },
+    status: { path: "", name: "", changed: false, can_undo: false, can_redo: false },
+    counts: { hand: 0, proposed: 0, interpolated: 0, no_cable: 0, none: 0 },
+    fields: FIELDS,
+  }),
+  computed: {
+    lastFrame() {
+      return this.count - 1;
+    },
+    seconds() {
+      return this.stamp === null ? "" : `${this.stamp} s`;
+    },
+    words() {
+      return WORDS[this.flag];
+    },
+    values() {
+      return FIELDS.map(({ scale, digits }, i) => (this.shown ? String(+(this.shown[i] / scale).toFixed(digits)) : ""));
+    },
+    spoken() {
+      const numbers = FIELDS.map(({ symbol, unit }, i) => `${symbol} ${this.values[i]} ${unit}`).join(", ");
+      return `frame ${this.frame}, ${this.words}${this.shown ? `, ${numbers}` : ""}`;
+    },
+    hint() {
+      if (this.flag !== "none" || this.trouble) return "";
+      return "Drag along the cable to draw it  ·  P proposes  ·  N: there is no cable";
+    },
+    groups() {
+      return [...new Set(KEYS.map(({ group }) => group))];
+    },
+  },
+  created() {
+    // Not watched by Vue: it would cost time at every stroke.
+    this.labels = new Map();
+    this.outstanding = new Map();
+    this.serial = 0;
+    this.wanted = 0;
+    this.hasPicture = false;
+    this.proposal = null;
+    this.asked = null;
+    this.drag = null;
+    this.places = `cable_tracker.label ${this.recording}`;
+  },
+  mounted() {
+    this.automatic = sessionStorage.getItem(`${this.places} automatic`) !== "no";
+    this.view = new FrameView(this.$refs.canvas, this.channel, {
+      draw: (context, view) => this.draw(context, view),
+      received: (description) => this.received(description),
+    });
+    this.gestures = new LabelGestures(this.view, {
+      find: (point, reach) => this.find(this.inImage(point), reach),
+      begin: (found, point) => this.beginDrag(found, this.inImage(point)),
+      move: (point, both) => this.moveDrag(this.inImage(point), both),
+      end: () => this.endDrag(),
+      cancel: () => this.cancelDrag(),
+    });
+    this.timeline = new LabelTimeline(this.$refs.timeline, this.colours, (frame) => this.go(frame));
+    this.onKey = (event) => this.keyDown(event);
+    window.addEventListener("keydown", this.onKey);
+    this.$el.editor = this;
+    this.wanted = Number(sessionStorage.getItem(this.places) ?? 0);
+    this.$refs.canvas.focus();
+    this.$emit("ready", { frame: this.wanted });
+  },
+  beforeUnmount() {
+    window.removeEventListener("keydown", this.onKey);
+    this.timeline.close();
+    this.view.close();
+  },
+  methods: {
+    // ---------------------------------------------------------------- what the server says
+    /** All labels, and how things stand. */
+    load({ labels, ...news }) {
+      this.labels = new Map();
+      this.outstanding.clear();
+      this.update({ labels, serial: this.serial, ...news });
+    },
+    /** Changed labels as [frame, flag, state]; without a flag a label is gone. */
+    update({ labels, serial, count, ...status }) {
+      for (const [frame, flag, state] of labels) {
+        // A change of this browser's own that is still on its way is newer than this.
+        if ((this.outstanding.get(frame) ?? 0) > serial) continue;
+        if (flag) this.labels.set(frame, { flag, state });
+        else this.labels.delete(frame);
+        if (frame === this.frame && flag && !this.outstanding.has(frame)) this.proposal = null;
+      }
+      for (const [frame, last] of this.outstanding) if (last <= serial) this.outstanding.delete(frame);
+      this.count = count;
+      this.status = { ...this.status, ...status };
+      this.showLabel();
+      if (this.flag === "none") this.proposeByItself();
+    },
+    /** Another frame, as the server wants it. */
+    goTo(frame) {
+      this.go(frame);
+    },
+    proposed({ frame, state, words }) {
+      const isWanted = this.asked === frame && frame === this.frame;
+      if (this.asked === frame) this.asked = null;
+      if (!isWanted || this.drag) return;
+      this.proposal = state ? { state, words } : null;
+      if (!state) this.say({ text: words, kind: "warning" });
+      this.showLabel();
+    },
+    say(message) {
+      this.message = message;
+    },
+    received(description) {
+      this.hasPicture = true;
+      this.cancelDrag();
+      const isOther = description.frame !== this.frame;
+      this.frame = description.frame;
+      this.stamp = description.stamp;
+      this.trouble = description.trouble;
+      sessionStorage.setItem(this.places, String(this.frame));
+      if (isOther) {
+        this.proposal = null;
+        this.asked = null;
+        this.dismissed = false;
+        this.message = { text: "", kind: "" };
+      }
+      this.showLabel();
+      this.proposeByItself();
+    },
+    // ---------------------------------------------------------------- what is shown
+    /** Bring numbers, colours and the picture up to date with the label of this frame. */
+    showLabel() {
+      const label = this.labels.get(this.frame);
+      const without = this.asked === this.frame ? "waiting" : "none";
+      this.flag = this.proposal ? "proposal" : label?.flag ?? without;
+      this.shown = this.drag?.state ?? this.proposal?.state ?? label?.state ?? null;
+      this.how = this.proposal?.words ?? "";
+      if (!this.drag) this.showCounts();
+      this.view.redraw();
+    },
+    showCounts() {
+      const counts = { hand: 0, proposed: 0, interpolated: 0, no_cable: 0 };
+      for (const { flag } of this.labels.values()) counts[flag] += 1;
+      this.counts = { ...counts, none: Math.max(0, this.count - this.labels.size) };
+      this.timeline.show({ labels: this.labels, count: this.count, frame: this.frame });
+    },
+    wordsOf: (kind) => WORDS[kind],
+    keysOf: (group) => KEYS.filter((row) => row.group === group),
+    draw(context, view) {
+      if (!this.shown) return;
+      const colour = this.colours[this.drag ? "hand" : this.flag] ?? this.colours.hand;
+      const dash = this.flag === "proposal" && !this.drag ? [9, 6] : [];
+      const width = this.flag === "interpolated" && !this.drag ? 1.5 : 2;
+      drawCable(context, view, this.shown, { colour, width, dash }, this.drag?.handle);
+    },
+    inImage(point) {
+      return fromCanvas(point, this.view.description.size);
+    },
+    // ---------------------------------------------------------------- edits
+    get() {
+      return this.labels.get(this.frame);
+    },
+    /** Label this frame here and now, and tell the server. */
+    commit(label, merges = false) {
+      if (label) this.labels.set(this.frame, label);
+      else this.labels.delete(this.frame);
+      this.proposal = null;
+      this.asked = null;
+      this.message = { text: "", kind: "" };
+      this.serial += 1;
+      this.outstanding.set(this.frame, this.serial);
+      this.$emit("commit", { serial: this.serial, frame: this.frame, label, merges });
+      this.showLabel();
+    },
+    commitState(state, merges = false) {
+      this.commit({ flag: "hand", state }, merges);
+    },
+    /** What an edit starts from: this label, the proposal, the last label before, or the middle. */
+    startState() {
+      return this.shown ?? this.stateBefore() ?? [0, 0, this.usualWidth(), 0];
+    },
+    stateBefore() {
+      const frames = [...this.labels.keys()].filter((frame) => frame < this.frame && this.labels.get(frame).state);
+      return frames.length ? this.labels.get(Math.max(...frames)).state : null;
+    },
+    usualWidth() {
+      return this.stateBefore()?.[2] ?? Math.round(this.view.description.size[0] / 8);
+    },
+    middleOf(state) {
+      return geometry.handlesOf(state, visibleRectangle(this.view)).along;
+    },
+    find(point, reach) {
+      if (!this.shown) return this.get() || this.trouble ? null : { kind: "draw" };
+      const { along, points } = geometry.handlesOf(this.shown, visibleRectangle(this.view));
+      const away = ({ at }) => Math.hypot(at[0] - point[0], at[1] - point[1]);
+      const nearest = points.reduce((a, b) => (away(b) < away(a) ? b : a));
+      if (away(nearest) <= reach) return { ...nearest, along };
+      return geometry.isOn(this.shown, point, reach / 3) ? { kind: "move", along } : null;
+    },
+    beginDrag(handle, from) {
+      this.drag = { handle, from, start: this.shown, state: this.shown };
+    },
+    moveDrag(to, both) {
+      const { handle, from, start } = this.drag;
+      this.drag.state =
+        handle.kind === "draw"
+          ? geometry.cableThrough(from, to, this.usualWidth())
+          : geometry.dragged(start, handle, handle.along, from, to, both);
+      this.shown = this.drag.state;
+      this.view.redraw();
+    },
+    endDrag() {
+      const { state, start } = this.drag;
+      this.drag = null;
+      if (state && state !== start) this.commitState(state);
+      else this.showLabel();
+    },
+    cancelDrag() {
+      if (!this.drag) return;
+      this.drag = null;
+      this.showLabel();
+    },
+    type(i, event) {
+      const value = Number(event.target.value) * FIELDS[i].scale;
+      if (!this.shown || event.target.value === "" || !Number.isFinite(value)) {
+        event.target.value = this.values[i];
+        return;
+      }
+      const state = [...this.shown];
+      state[i] = value;
+      this.commitState(geometry.limitState(state));
+      this.$nextTick(() => (event.target.value = this.values[i]));
+    },
+    enter(event) {
+      event.target.blur();
+      this.$refs.canvas.focus();
+    },
+    // ---------------------------------------------------------------- commands
+    go(frame) {
+      this.wanted = Math.min(this.lastFrame, Math.max(0, frame));
+      this.timeline.show({ frame: this.wanted });
+      this.$emit("go", { frame: this.wanted });
+    },
+    press(event, name) {
+      this.command({ does: name, key: "", large: event.shiftKey });
+      // Keys belong to the picture again; who came here by the keyboard stays.
+      if (event.detail && name !== "help") this.$refs.canvas.focus();
+    },
+    keyDown(event) {
+      if (event.defaultPrevented || this.$refs.help.open || document.querySelector(".q-dialog")) return;
+      const { target } = event;
+      const types = target.matches?.("input[type=number], textarea, input[type=text]");
+      const presses = target.matches?.("button, input") && ["Enter", " "].includes(event.key);
+      const meaning = meaningOf(event);
+      if (!meaning || presses || (types && !event.ctrlKey && !event.metaKey && !event.key.startsWith("Page"))) return;
+      event.preventDefault();
+      this.command({ ...meaning, isRepeated: event.repeat });
+    },
+    slide(event) {
+      const steps = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 };
+      if (!(event.key in steps) || event.altKey) return;
+      event.preventDefault();
+      this.go(this.wanted + steps[event.key] * (event.shiftKey ? 10 : 1));
+    },
+    command({ does, key, large, isRepeated = false }) {
+      const step = large ? 10 : 1;
+      const local = {
+        accept: () => isRepeated || this.accept(),
+        next: () => this.go(this.wanted + step),
+        previous: () => this.go(this.wanted - step),
+        end: () => this.go(key === "Home" ? 0 : this.lastFrame),
+        key: () => this.goToKey(key === "j" ? -1 : 1),
+        unlabelled: () => this.goToUnlabelled(),
+        move: () => this.move(key, step, isRepeated),
+        turn: () => this.step({ turn: (key === "q" ? 1 : -1) * step * 0.5 * DEGREE }, isRepeated),
+        skew: () => this.step({ skew: (key === "d" ? 1 : -1) * step * 0.5 * DEGREE }, isRepeated),
+        none: () => this.commit({ flag: "no_cable", state: null }),
+        clear: () => this.get() && this.commit(null),
+        dismiss: () => this.dismiss(),
+        propose: () => this.propose(),
+        zoom: () => this.zoom(key),
+        pan: () => this.pan(key),
+        help: () => this.$refs.help.showModal(),
+      }[does];
+      if (!this.hasPicture) return;
+      if (local) local();
+      else this.$emit("command", { name: does, frame: this.frame, everywhere: large });
+    },
+    step(change, isRepeated) {
+      const state = this.startState();
+      if (!this.shown) this.commitState(state);
+      else this.commitState(geometry.stepped(state, change, this.middleOf(state)), isRepeated);
+    },
+    /** Arrows across the cable move it, along it make it wider. */
+    move(key, step, isRepeated) {
+      const [, alpha] = this.startState();
+      const isUpright = Math.abs(alpha) <= Math.PI / 4;
+      const sign = key === "ArrowRight" || key === "ArrowUp" ? 1 : -1;
+      const isAcross = isUpright === (key === "ArrowLeft" || key === "ArrowRight");
+      const towards = isUpright ? 1 : Math.sign(Math.sin(alpha));
+      this.step(isAcross ? { across: sign * step * towards } : { wider: sign * step }, isRepeated);
+    },
+    /** Take what is drawn for the label of this frame, and go on. What was not shown is not taken. */
+    accept() {
+      const label = this.get();
+      if (this.wanted !== this.frame) return;
+      if (!label && !this.proposal) {
+        const text = this.flag === "waiting" ? "the proposal is on its way" : "nothing is drawn here yet";
+        this.say({ text, kind: "warning" });
+        return;
+      }
+      if (this.proposal) this.commit({ flag: "proposed", state: this.proposal.state });
+      else if (label.flag === "interpolated") this.commitState(label.state);
+      this.go(this.frame + 1);
+    },
+    dismiss() {
+      this.cancelDrag();
+      this.proposal = null;
+      this.dismissed = true;
+      this.showLabel();
+    },
+    propose() {
+      this.asked = this.frame;
+      this.$emit("command", { name: "propose", frame: this.frame, everywhere: false });
+      this.showLabel();
+    },
+    proposeByItself() {
+      const wants = this.automatic && !this.dismissed && !this.trouble && !this.drag;
+      const isFree = !this.get() && !this.proposal && this.asked !== this.frame;
+      if (wants && isFree && this.hasPicture) this.propose();
+    },
+    automaticChanged() {
+      sessionStorage.setItem(`${this.places} automatic`, this.automatic ? "yes" : "no");
+      this.dismissed = false;
+      this.proposeByItself();
+    },
+    goToKey(direction) {
+      const keys = [...this.labels].filter(([, { flag }]) => flag !== "interpolated").map(([frame]) => frame);
+      const beyond = keys.filter((frame) => (frame - this.wanted) * direction > 0);
+      if (beyond.length) this.go(direction > 0 ? Math.min(...beyond) : Math.max(...beyond));
+    },
+    goToUnlabelled() {
+      for (let i = 1; i <= this.count; i++) {
+        const frame = (this.wanted + i) % this.count;
+        if (!this.labels.has(frame)) return this.go(frame);
+      }
+      return this.say({ text: "every frame has a label", kind: "" });
+    },
+    zoom(key) {
+      if (key === "0") return this.view.resetZoom();
+      const centre = this.shown && geometry.handlesOf(this.shown, visibleRectangle(this.view)).points[0].at;
+      const about = centre ? toCanvas(centre, this.view.description.size) : this.view.middle;
+      return this.view.zoomAbout(about, key === "-" ? 1 / ZOOM_STEP : ZOOM_STEP);
+    },
+    pan(key) {
+      const [x, y] = this.view.middle;
+      const step = 60 / this.view.scale;
+      const ways = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+      this.view.moveTo([x + ways[key][0] * step, y + ways[key][1] * step]);
+    },
+    closeHelp(event) {
+      if (event.target === this.$refs.help) this.$refs.help.close();
+    },
+  },
+};

@@ -1,0 +1,92 @@
+"""The part of the page in which labels are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from nicegui import ui
+
+from cable_tracker.gui.frame_canvas import FrameCanvas
+from cable_tracker.gui.frame_channel import FrameChannel
+from cable_tracker.gui.labelling.labels import FrameLabel
+from cable_tracker.visualisation.palette import AMBER, GREEN, RED, SKY, STRAW, Colour
+
+STYLE = Path(__file__).with_name("label_editor.css")
+
+COLOURS: Mapping[str, Colour] = {
+    "hand": GREEN,
+    "proposed": GREEN,
+    "interpolated": STRAW,
+    "no_cable": RED,
+    "proposal": SKY,
+    "warning": AMBER,
+}
+"""Colours of labels by their flags; words and line styles say the same."""
+
+
+def css_colour(colour: Colour) -> str:
+    """Return a colour as a style sheet writes it."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+class LabelEditor(FrameCanvas, component="label_editor.js"):
+    """Picture, numbers, buttons and slider. What a browser says of it comes as events.
+
+    ``ready {frame}``
+        It is there, and wants a frame.
+    ``go {frame}``
+        It wants another one.
+    ``commit {serial, frame, label, merges}``
+        The label of a frame was changed; ``label`` is ``{flag, state}``, or null if it is gone.
+    ``command {name, frame, everywhere}``
+        Anything else, by its name.
+
+    Parameters
+    ----------
+    channel : FrameChannel
+        Where its pictures come from.
+    recording : str
+        What is labelled; the browser remembers by it at which frame it was.
+    """
+
+    def __init__(self, channel: FrameChannel, recording: str) -> None:
+        super().__init__(channel)
+        ui.add_css(STYLE.read_text(encoding="utf-8"))
+        self._props["recording"] = recording
+        self._props["colours"] = {name: css_colour(colour) for name, colour in COLOURS.items()}
+        for name, colour in COLOURS.items():
+            self.style(f"--{name.replace('_', '-')}: {css_colour(colour)}")
+
+    def load(self, news: Mapping[str, object]) -> None:
+        """Show all labels anew."""
+        self.run_method("load", news)
+
+    def update_labels(self, news: Mapping[str, object]) -> None:
+        """Show changed labels, and how things stand."""
+        self.run_method("update", news)
+
+    def go_to(self, frame: int) -> None:
+        """Lead the user to a frame."""
+        self.run_method("goTo", frame)
+
+    def propose(self, frame: int, state: list[float] | None, words: str) -> None:
+        """Show a proposal, or say why there is none."""
+        self.run_method("proposed", {"frame": frame, "state": state, "words": words})
+
+    def say(self, text: str, kind: str = "") -> None:
+        """Say something; `kind` is ``warning``, ``error`` or nothing."""
+        self.run_method("say", {"text": text, "kind": kind})
+
+
+def label_row(frame: int, label: FrameLabel | None) -> list[object]:
+    """Return a label as the browser has it: frame, flag, d, alpha, w, beta [px, rad]."""
+    if label is None:
+        return [frame, None, None]
+    return [frame, label.flag, places(label)]
+
+
+def places(label: FrameLabel) -> list[float] | None:
+    """Return d, alpha, w, beta of a label [px, rad]; None if it says that there is no cable."""
+    state = label.state
+    return state and [state.distance, state.angle, state.width, state.skew]

@@ -1,0 +1,325 @@
+"""The file of labels in the format of the thesis, and the file of flags beside it."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import os
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.gui.labelling.labels import (
+    NO_CABLE,
+    FrameLabel,
+    Labels,
+    Origin,
+    flagged_label,
+)
+from cable_tracker.gui.labelling.names import FrameNames
+from cable_tracker.sequences.frame_source import one_line
+from cable_tracker.sequences.sequence_file import (
+    Label,
+    format_labels,
+    parse_place,
+    read_any_labels,
+)
+
+FLAGS_HEADER = ("frame", "stamp", "flag", "file")
+FLAGS_SUFFIX = ".flags.csv"
+
+NOWHERE = CableState(0.0, 0.0, 0.0)
+"""Stands where a name needs a state and has none."""
+
+
+class OverwriteError(OutputError):
+    """Saving would destroy labels that nobody has seen here; the user must say so."""
+
+
+@dataclass(frozen=True, slots=True)
+class Flag:
+    """A line of the file of flags.
+
+    Attributes
+    ----------
+    frame : int
+        Number of the frame.
+    stamp : int or None
+        Its time [ns]; None if it was not known.
+    word : str
+        ``hand``, ``proposed``, ``interpolated`` or ``no_cable``.
+    place : Label
+        The frame as the label file calls it; its state means nothing.
+    """
+
+    frame: int
+    stamp: int | None
+    word: str
+    place: Label
+
+
+@dataclass(frozen=True, slots=True)
+class FileContent:
+    """What a file of labels and its flags say.
+
+    Attributes
+    ----------
+    labels : Labels
+        Labels of this recording.
+    stamps : mapping
+        Times of its labelled frames [ns], as far as they are known.
+    others : tuple of Label
+        Labels of other recordings, which are kept as they are.
+    other_flags : tuple of Flag
+        Flags of other recordings.
+    """
+
+    labels: Labels = field(default_factory=dict)
+    stamps: Mapping[int, int] = field(default_factory=dict)
+    others: tuple[Label, ...] = ()
+    other_flags: tuple[Flag, ...] = ()
+
+
+def flags_path(path: Path) -> Path:
+    """Return where the flags of a label file lie: ``NAME.flags.csv``."""
+    return path.with_name(path.name + FLAGS_SUFFIX)
+
+
+def read_label_file(path: Path, names: FrameNames, *, allow_outside: bool = False) -> FileContent:
+    """Read a label file, with its flags if it has any.
+
+    Labels without a flag count as drawn by hand.
+
+    Parameters
+    ----------
+    path : Path
+        The label file; the flags lie beside it.
+    names : FrameNames
+        What the frames of the recording are called.
+    allow_outside : bool
+        Whether it may name files outside its folder.
+
+    Raises
+    ------
+    RecordingError
+        A file cannot be read, a line is malformed, or it labels other recordings only; the message
+        names the line.
+    """
+    read = read_any_labels(path, allow_outside=allow_outside)
+    flags = _read_flags(flags_path(path))
+    # Names of both files are looked at together: a recording that was renamed is in both.
+    frames = names.frames([*read, *(flag.place for flag in flags)], path)
+    states, others = {}, []
+    for label, frame in zip(read, frames[: len(read)], strict=True):
+        if frame is None:
+            others.append(label)
+        else:
+            states[frame] = label.state
+    labels = {frame: FrameLabel(state) for frame, state in states.items()}
+    stamps: dict[int, int] = {}
+    other_flags = []
+    for flag, frame in zip(flags, frames[len(read) :], strict=True):
+        if frame is None:
+            other_flags.append(flag)
+            continue
+        # Where the two disagree, as after a label file was edited elsewhere, the label counts.
+        if (frame in states) == (flag.word != NO_CABLE):
+            labels[frame] = flagged_label(states.get(frame), flag.word)
+            if flag.stamp is not None:
+                stamps[frame] = flag.stamp
+    return FileContent(labels, stamps, tuple(others), tuple(other_flags))
+
+
+def _read_flags(path: Path) -> list[Flag]:
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+    except FileNotFoundError:
+        return []
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise RecordingError(f"{path}: cannot be read ({one_line(error)})") from error
+    if not rows or tuple(rows[0]) != FLAGS_HEADER:
+        raise RecordingError(f"{path}: line 1 is not the header {','.join(FLAGS_HEADER)}")
+    flags = []
+    for number, fields in enumerate(rows[1:], start=2):
+        try:
+            flags.append(_parse_flag(fields))
+        except ValueError as error:
+            raise RecordingError(
+                f"{path}: line {number} is malformed ({one_line(error)}); expected:"
+                f" {','.join(FLAGS_HEADER)}"
+            ) from error
+    return flags
+
+
+def _parse_flag(fields: list[str]) -> Flag:
+    if len(fields) != len(FLAGS_HEADER):
+        raise ValueError(f"{len(fields)} fields instead of {len(FLAGS_HEADER)}")
+    frame, stamp, word, name = fields
+    if word != NO_CABLE:
+        Origin(word)
+    return Flag(int(frame), int(stamp) if stamp else None, word, parse_place(name))
+
+
+def format_label_file(
+    content: FileContent, names: FrameNames, folder: Path, *, allow_outside: bool = False
+) -> tuple[str, str]:
+    """Return the texts of a label file in a folder and of its flags.
+
+    Raises
+    ------
+    ValueError
+        A name would not be read back as it is.
+    """
+    labels = [*content.others]
+    rows = [
+        (f.frame, "" if f.stamp is None else f.stamp, f.word, f.place) for f in content.other_flags
+    ]
+    for frame, label in sorted(content.labels.items()):
+        place = Label(label.state or NOWHERE, *names.name(frame, folder))
+        if label.state is not None:
+            labels.append(place)
+        rows.append((frame, content.stamps.get(frame, ""), label.flag, place))
+    flags = io.StringIO()
+    writer = csv.writer(flags, lineterminator="\n")
+    writer.writerow(FLAGS_HEADER)
+    writer.writerows(rows)
+    return format_labels(labels, allow_outside=allow_outside), flags.getvalue()
+
+
+def write_atomically(path: Path, text: str, *, waits: bool = True) -> None:
+    """Write a file under another name and move it into place when it is complete.
+
+    Parameters
+    ----------
+    path : Path
+        Where it is to lie; a link is followed.
+    text : str
+        What it is to hold.
+    waits : bool
+        Whether to wait until it is on the disk, not only in its cache.
+
+    Raises
+    ------
+    OSError
+        It cannot be written; what lay there is as it was.
+    """
+    target = path.resolve()
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            file.write(text)
+            if waits:
+                file.flush()
+                os.fsync(file.fileno())
+        if target.exists():
+            part.chmod(target.stat().st_mode & 0o7777)
+        part.replace(target)
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+
+
+def digest(path: Path) -> str | None:
+    """Return what tells whether a label file or its flags have changed; None if there are none.
+
+    Raises
+    ------
+    RecordingError
+        A file cannot be read.
+    """
+    hasher = hashlib.sha256()
+    found = False
+    for part in (path, flags_path(path)):
+        try:
+            data = part.read_bytes()
+        except FileNotFoundError:
+            data = None
+        except OSError as error:
+            raise RecordingError(f"{part}: cannot be read ({error.strerror})") from error
+        found = found or data is not None
+        hasher.update(b"-" if data is None else b"+%d:" % len(data) + data)
+    return hasher.hexdigest() if found else None
+
+
+class LabelFile:
+    """A label file that is open, and how it was when it was last read or written here.
+
+    Parameters
+    ----------
+    path : Path
+        Where it lies, or will.
+    names : FrameNames
+        What the frames of the recording are called.
+    allow_outside : bool
+        Whether it may name files outside its folder.
+    """
+
+    def __init__(self, path: Path, names: FrameNames, *, allow_outside: bool = False) -> None:
+        self.path = path
+        self._names = names
+        self._allow_outside = allow_outside
+        self._digest: str | None = None
+
+    def read(self) -> FileContent:
+        """Read it; empty if there is none. See `read_label_file`."""
+        self._digest = digest(self.path)
+        if not self.path.exists():
+            self._digest = None
+            return FileContent()
+        return read_label_file(self.path, self._names, allow_outside=self._allow_outside)
+
+    def write(self, content: FileContent, *, overwrite: bool = False) -> None:
+        """Write it, and its flags.
+
+        Parameters
+        ----------
+        content : FileContent
+            What it is to say.
+        overwrite : bool
+            Whether labels that somebody else has written may be lost.
+
+        Raises
+        ------
+        OverwriteError
+            Another file lies there, or it has changed since it was read or written here.
+        OutputError
+            It cannot be written, or a file of another kind lies there; that is as it was.
+        """
+        present = digest(self.path)
+        if present is not None and self._digest is None:
+            self._need_label_file()
+        if not overwrite and present is not None and present != self._digest:
+            raise OverwriteError(
+                f"{self.path} exists already; its labels would be lost"
+                if self._digest is None
+                else f"{self.path} has changed on the disk since it was opened here; the changes"
+                " would be lost"
+            )
+        try:
+            texts = format_label_file(
+                content,
+                self._names,
+                self.path.absolute().parent,
+                allow_outside=self._allow_outside,
+            )
+            # Labels first: a label without its flag is still a label.
+            write_atomically(self.path, texts[0])
+            write_atomically(flags_path(self.path), texts[1])
+        except (OSError, ValueError) as error:
+            raise OutputError(f"{self.path}: cannot be written ({one_line(error)})") from error
+        self._digest = digest(self.path)
+
+    def _need_label_file(self) -> None:
+        """Refuse to replace a recording, a program, or whatever else a slip of the hand names."""
+        try:
+            if self.path.exists():
+                read_any_labels(self.path, allow_outside=True)
+        except RecordingError as error:
+            raise OutputError(
+                f"{self.path}: is no label file and is not replaced; choose another name"
+            ) from error

@@ -1,0 +1,103 @@
+"""Frames as JPEG files for the browser, those that are asked for often kept."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.errors import FrameError
+from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.sequences.jpeg import encode_jpeg
+
+QUALITY = 92
+"""Borders must not be moved by blocks of the JPEG."""
+
+KEPT_BYTES = 64 << 20
+"""Size of the JPEG files that are kept in memory."""
+
+STAND_IN_SIZE = (320, 240)
+"""Of the picture that stands for a frame without one [px]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """One frame for the browser.
+
+    Attributes
+    ----------
+    frame : int
+        Number of the frame.
+    stamp : int
+        Its time [ns].
+    size : (int, int)
+        Width and height [px].
+    jpeg : memoryview
+        The JPEG file.
+    trouble : str
+        Why the picture cannot be shown; empty if it can.
+    """
+
+    frame: int
+    stamp: int
+    size: tuple[int, int]
+    jpeg: memoryview
+    trouble: str = ""
+
+
+class Pictures:
+    """Makes pictures of the frames of a recording; from any thread.
+
+    Parameters
+    ----------
+    access : FrameAccess
+        The recording.
+    kept_bytes : int
+        How many bytes of JPEG files are kept.
+    """
+
+    def __init__(self, access: FrameAccess, kept_bytes: int = KEPT_BYTES) -> None:
+        self._access = access
+        self._kept_bytes = kept_bytes
+        self._kept: OrderedDict[int, Picture] = OrderedDict()
+        self._bytes = 0
+        self._lock = threading.Lock()
+
+    def picture(self, frame: int) -> Picture:
+        """Return the picture of a frame.
+
+        Raises
+        ------
+        IndexError
+            The recording ends before it.
+        RecordingError
+            The recording is damaged before or at it.
+        """
+        with self._lock:
+            kept = self._kept.get(frame)
+            if kept is not None:
+                self._kept.move_to_end(frame)
+                return kept
+        made = self._make(frame)
+        with self._lock:
+            if frame not in self._kept:
+                self._kept[frame] = made
+                self._bytes += len(made.jpeg)
+            while self._bytes > self._kept_bytes and len(self._kept) > 1:
+                _, oldest = self._kept.popitem(last=False)
+                self._bytes -= len(oldest.jpeg)
+        return made
+
+    def _make(self, number: int) -> Picture:
+        frame = self._access.frame(number)
+        trouble = ""
+        try:
+            image = decode_bgr(frame.image)
+        except FrameError as error:
+            trouble = str(error)
+            image = np.full((STAND_IN_SIZE[1], STAND_IN_SIZE[0]), 40, np.uint8)
+        size = (image.shape[1], image.shape[0])
+        return Picture(number, frame.stamp, size, encode_jpeg(image, QUALITY).data, trouble)

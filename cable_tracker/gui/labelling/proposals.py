@@ -1,0 +1,146 @@
+"""Where the tracker, or a detector, believes the cable to be in a frame."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.geometry import unwrap_states
+from cable_tracker.cable.initialisation import StatePrior
+from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.state import CableState
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.errors import FrameError
+from cable_tracker.gui.labelling.labels import Labels
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.trackers import make_tracker
+
+MOST_FRAMES = 250
+"""From a label further back the tracker is not sent; a detector looks at the frame instead."""
+
+DETECTOR = "hough"
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """What is proposed for one frame.
+
+    Attributes
+    ----------
+    frame : int
+        Number of the frame.
+    state : CableState or None
+        Where the cable may be [px, rad]; None if nothing was found.
+    words : str
+        How it was found, or why it was not.
+    """
+
+    frame: int
+    state: CableState | None
+    words: str
+
+
+class Proposer:
+    """Proposes labels. The same labels and frames give the same proposal.
+
+    Parameters
+    ----------
+    read : callable
+        Returns a frame by its number; see `FrameAccess.frame`.
+    parameters : TrackerParameters
+        Of the tracker.
+    """
+
+    def __init__(self, read: Callable[[int], Frame], parameters: TrackerParameters) -> None:
+        self._read = read
+        self._parameters = parameters
+        self._detector = DETECTORS[DETECTOR]()
+
+    def propose(
+        self, frame: int, labels: Labels, stopped: threading.Event | None = None
+    ) -> Proposal:
+        """Propose a label.
+
+        The tracker starts at the last labelled frame before, if a cable is labelled there and it is
+        not too far back. Otherwise a detector looks at this frame alone, and the tracker at the
+        place that it names.
+
+        Parameters
+        ----------
+        frame : int
+            Number of the frame.
+        labels : Labels
+            What is labelled.
+        stopped : Event or None
+            Set from another thread when nobody waits for the answer any more.
+
+        Raises
+        ------
+        IndexError, RecordingError
+            There is no such frame.
+        """
+        start = max((number for number in labels if number < frame), default=None)
+        if start is not None and frame - start <= MOST_FRAMES and labels[start].state is not None:
+            return self._track(start, frame, labels, stopped or threading.Event())
+        return self._detect(frame)
+
+    def _track(self, start: int, frame: int, labels: Labels, stopped: threading.Event) -> Proposal:
+        tracker = make_tracker(self._parameters)
+        tracker.initialise(StatePrior.around(self._moving_state(start, labels)))
+        estimate = None
+        for number in range(start, frame + 1):
+            if stopped.is_set():
+                return Proposal(frame, None, "stopped")
+            try:
+                estimate = _process(tracker, self._read(number))
+            except FrameError as error:
+                estimate = None
+                if number == frame:
+                    return Proposal(frame, None, str(error))
+        if estimate is None or estimate.status is not TrackingStatus.TRACKING:
+            return Proposal(frame, None, f"the tracker has lost the cable since frame {start}")
+        return Proposal(frame, at_rest(estimate.state), f"tracked from frame {start}")
+
+    def _moving_state(self, start: int, labels: Labels) -> CableState:
+        """Return the state of a label, with the rates that the label one frame before implies."""
+        state, before = labels[start].state, labels.get(start - 1)
+        assert state is not None
+        if before is None or before.state is None:
+            return state
+        seconds = (self._read(start).stamp - self._read(start - 1).stamp) / NANOSECONDS
+        if seconds <= 0.0:
+            return state
+        now = state.to_array()
+        then = unwrap_states(before.state.to_array()[None], state.angle)[0]
+        rates = (now - then)[:2] / seconds
+        return replace(state, distance_rate=float(rates[0]), angle_rate=float(rates[1]))
+
+    def _detect(self, frame: int) -> Proposal:
+        picture = self._read(frame)
+        try:
+            grey = decode_grey(picture.image)
+            found = self._detector.detect(grey)
+        except FrameError as error:
+            return Proposal(frame, None, str(error))
+        if not found:
+            return Proposal(frame, None, "no cable was detected")
+        tracker = make_tracker(self._parameters)
+        tracker.initialise(StatePrior.around(found[0].state))
+        estimate = tracker.process(grey, picture.stamp)
+        if estimate.status is not TrackingStatus.TRACKING:
+            return Proposal(frame, at_rest(found[0].state), "detected in this frame, in doubt")
+        return Proposal(frame, at_rest(estimate.state), "detected in this frame")
+
+
+def at_rest(state: CableState) -> CableState:
+    """Return where a cable is, without its rates."""
+    return CableState(state.distance, state.angle, state.width, state.skew)
+
+
+def _process(tracker: CableTracker, frame: Frame) -> CableEstimate:
+    return tracker.process(decode_grey(frame.image), frame.stamp)

@@ -1,0 +1,387 @@
+"""The window in which a recording is labelled."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable, Mapping
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+from nicegui import background_tasks, core, ui
+from nicegui.events import GenericEventArguments
+
+from cable_tracker.errors import CableTrackerError, ParameterError, RecordingError
+from cable_tracker.gui.frame_channel import FrameChannel
+from cable_tracker.gui.labelling.autosave import autosave_path
+from cable_tracker.gui.labelling.document import Changes
+from cable_tracker.gui.labelling.label_editor import LabelEditor, label_row
+from cable_tracker.gui.labelling.label_file import OverwriteError
+from cable_tracker.gui.labelling.labels import FrameLabel, Origin, drawn_state, flagged_label
+from cable_tracker.gui.labelling.pictures import Picture
+from cable_tracker.gui.labelling.workspace import Workspace
+from cable_tracker.gui.packet import jpeg_section, pack
+from cable_tracker.gui.server import Channels, Listening, serve
+from cable_tracker.sequences.estimates import format_stamp
+
+AUTOSAVE_DELAY = 1.0
+"""Seconds between an edit and its being kept safe, at most."""
+
+T = TypeVar("T")
+
+
+@dataclass(eq=False)
+class LabelServer:
+    """What all browsers share.
+
+    Attributes
+    ----------
+    workspace : Workspace
+        The recording and its labels.
+    channels : Channels
+        Ways for pictures.
+    reader, thinker : Executor
+        Threads that read frames, and that find cables in them.
+    """
+
+    workspace: Workspace
+    channels: Channels = field(default_factory=Channels)
+    reader: Executor = field(default_factory=lambda: ThreadPoolExecutor(1, "frames"))
+    thinker: Executor = field(default_factory=lambda: ThreadPoolExecutor(1, "proposals"))
+    _timer: asyncio.TimerHandle | None = None
+
+    def run(self, listening: Listening, started: Callable[[], None]) -> None:
+        """Serve the window until a signal ends it."""
+        stop_listening = self.workspace.listen(self._keep_safe_soon)
+        try:
+            serve(
+                lambda: LabelPage(self).build(),
+                self.channels,
+                listening,
+                f"{self.workspace.source.path.name} - labels",
+                started=started,
+                stopped=self.workspace.stopped.set,
+            )
+        finally:
+            stop_listening()
+            self.workspace.stopped.set()
+            for executor in (self.reader, self.thinker):
+                executor.shutdown(wait=False, cancel_futures=True)
+            self.workspace.autosave()
+
+    def _keep_safe_soon(self, _changes: Changes | None) -> None:
+        if self._timer is None and core.loop is not None:
+            self._timer = core.loop.call_later(AUTOSAVE_DELAY, self._keep_safe)
+
+    def _keep_safe(self) -> None:
+        self._timer = None
+        self.workspace.autosave()
+
+
+class LabelPage:
+    """One browser's page: its own place in the recording, and the labels that all share.
+
+    Parameters
+    ----------
+    server : LabelServer
+        What it shares with the others.
+    """
+
+    def __init__(self, server: LabelServer) -> None:
+        self._server = server
+        self._workspace = server.workspace
+        self._channel = server.channels.add(FrameChannel())
+        self._number = 0
+        self._wanted: int | None = None
+        self._frame = 0
+        self._is_loading = False
+        self._serial = 0
+        self._resume_dialog: ui.dialog | None = None
+
+    def build(self) -> None:
+        """Build the page, and end what belongs to it when the browser is gone."""
+        client = ui.context.client
+        self._editor = LabelEditor(self._channel, str(self._workspace.source.path.resolve()))
+        self._editor.on("ready", self._ready)
+        self._editor.on("go", self._go)
+        self._editor.on("commit", self._commit)
+        self._editor.on("command", self._command)
+        stop_listening = self._workspace.listen(self._changed)
+
+        def close() -> None:
+            stop_listening()
+            self._server.channels.remove(self._channel)
+
+        client.on_delete(close)
+
+    # What the browser wants to see
+
+    def _ready(self, event: GenericEventArguments) -> None:
+        self._load()
+        self._want(int(event.args["frame"]))
+        self._offer_autosaved()
+
+    def _go(self, event: GenericEventArguments) -> None:
+        self._want(int(event.args["frame"]))
+
+    def _want(self, frame: int) -> None:
+        count = self._workspace.count
+        self._wanted = max(0, frame if count is None else min(frame, count - 1))
+        if not self._is_loading:
+            self._is_loading = True
+            background_tasks.create(self._load_pictures())
+
+    async def _load_pictures(self) -> None:
+        """Show the frame that is wanted last; read the one behind it while nobody waits."""
+        try:
+            while self._wanted is not None:
+                frame, self._wanted = self._wanted, None
+                picture = await self._picture(frame)
+                if picture is not None:
+                    step = 1 if frame >= self._frame else -1
+                    self._frame = frame
+                    self._publish(picture)
+                    if self._wanted is None:
+                        await self._picture(frame + step, quietly=True)
+        finally:
+            self._is_loading = False
+
+    async def _picture(self, frame: int, quietly: bool = False) -> Picture | None:
+        if frame < 0:
+            return None
+        before = self._workspace.count
+        try:
+            return await self._in(self._server.reader, self._workspace.picture, frame)
+        except (IndexError, RecordingError) as error:
+            count = self._workspace.count
+            if count != before:
+                self._workspace.tell({})
+            if not quietly:
+                self._editor.say(str(error), "error")
+                self._wanted = self._wanted if self._wanted is not None or not count else count - 1
+            return None
+
+    def _publish(self, picture: Picture) -> None:
+        self._number += 1
+        description = {
+            "number": self._number,
+            "size": picture.size,
+            "frame": picture.frame,
+            "stamp": format_stamp(picture.stamp),
+            "trouble": f"frame {picture.frame} cannot be shown: {picture.trouble}"
+            if picture.trouble
+            else "",
+        }
+        self._channel.publish(pack(description, [jpeg_section(picture.jpeg)]))
+
+    # How things stand
+
+    def _status(self) -> dict[str, object]:
+        workspace = self._workspace
+        return {
+            "serial": self._serial,
+            "count": workspace.count or self._frame + 2,
+            "path": str(workspace.path.absolute()),
+            "name": workspace.path.name,
+            "changed": workspace.is_changed,
+            "can_undo": workspace.document.can_undo,
+            "can_redo": workspace.document.can_redo,
+        }
+
+    def _load(self) -> None:
+        rows = [label_row(*item) for item in self._workspace.document.labels.items()]
+        self._editor.load({"labels": rows, **self._status()})
+
+    def _changed(self, changes: Changes | None) -> None:
+        if changes is None:
+            self._load()
+            self._offer_autosaved()
+            return
+        rows = [label_row(*item) for item in changes.items()]
+        self._editor.update_labels({"labels": rows, **self._status()})
+        if self._workspace.trouble:
+            self._editor.say(self._workspace.trouble, "error")
+
+    # Edits
+
+    def _commit(self, event: GenericEventArguments) -> None:
+        self._serial = int(event.args["serial"])
+        frame = int(event.args["frame"])
+        document = self._workspace.document
+        try:
+            label = _label_of(event.args["label"])
+        except (CableTrackerError, ValueError) as error:
+            self._editor.say(str(error), "error")
+            self._workspace.tell({frame: document.labels.get(frame)})
+            return
+        merges = bool(event.args["merges"])
+        changes = document.change(frame, {frame: label}, merges=merges)
+        self._workspace.tell({frame: label, **changes})
+
+    async def _command(self, event: GenericEventArguments) -> None:
+        frame = int(event.args["frame"])
+        everywhere = bool(event.args["everywhere"])
+        actions: Mapping[str, Callable[[], Awaitable[None]]] = {
+            "undo": self._undo,
+            "redo": self._redo,
+            "copy": lambda: self._copy(frame),
+            "interpolate": lambda: self._interpolate(frame, everywhere),
+            "propose": lambda: self._propose(frame),
+            "save": self._save,
+            "save_as": self._save_as,
+            "open": self._open,
+        }
+        action = actions.get(event.args["name"])
+        if action is None:
+            return
+        try:
+            await action()
+        except CableTrackerError as error:
+            self._editor.say(
+                str(error), "warning" if isinstance(error, ParameterError) else "error"
+            )
+
+    async def _undo(self) -> None:
+        self._after_step(self._workspace.document.undo(), "nothing to undo")
+
+    async def _redo(self) -> None:
+        self._after_step(self._workspace.document.redo(), "nothing to redo")
+
+    def _after_step(self, step: tuple[int, Changes] | None, otherwise: str) -> None:
+        if step is None:
+            self._editor.say(otherwise)
+            return
+        frame, changes = step
+        self._workspace.tell(changes)
+        self._editor.go_to(frame)
+
+    async def _copy(self, frame: int) -> None:
+        count = self._workspace.count
+        if count is not None and frame + 1 >= count:
+            raise ParameterError("this is the last frame")
+        self._workspace.tell(self._workspace.document.copy_to_next(frame))
+        self._editor.go_to(frame + 1)
+
+    async def _interpolate(self, frame: int, everywhere: bool) -> None:
+        document = self._workspace.document
+        wanted = document.gaps_to_fill(None if everywhere else frame)
+        frames = [number for gap in wanted for number in range(gap.before, gap.after + 1)]
+        missing = self._workspace.missing_stamps(frames)
+        stamps = await self._in(self._server.reader, self._workspace.read_stamps, missing)
+        document.stamps.update(stamps)
+        # Somebody else may have edited in the meantime.
+        still = [gap for gap in document.gaps_to_fill(None) if gap in wanted]
+        self._workspace.interpolate(frame, still)
+        count = sum(len(gap.frames) for gap in still)
+        self._editor.say(f"interpolated {count} frame{'s' if count != 1 else ''}")
+
+    async def _propose(self, frame: int) -> None:
+        labels = dict(self._workspace.document.labels)
+        try:
+            found = await self._in(self._server.thinker, self._workspace.propose, frame, labels)
+        except IndexError as error:
+            raise RecordingError(str(error)) from error
+        label = FrameLabel(found.state)
+        self._editor.propose(found.frame, label_row(frame, label)[2], found.words)  # type: ignore[arg-type]
+
+    # Files
+
+    async def _save(self) -> None:
+        await self._save_with(self._workspace.save)
+
+    async def _save_as(self) -> None:
+        given = await self._ask_path("Save the labels as", "Save", self._workspace.path)
+        if given is not None:
+            await self._save_with(
+                lambda overwrite: self._workspace.save_as(given, overwrite=overwrite)
+            )
+
+    async def _save_with(self, save: Callable[..., None]) -> None:
+        missing = self._workspace.missing_stamps(self._workspace.document.labels)
+        stamps = await self._in(self._server.reader, self._workspace.read_stamps, missing)
+        self._workspace.document.stamps.update(stamps)
+        try:
+            save(overwrite=False)
+        except OverwriteError as error:
+            if not await self._confirm(str(error), "Overwrite"):
+                self._editor.say("nothing was saved", "warning")
+                return
+            save(overwrite=True)
+        self._editor.say(f"saved {self._workspace.path}")
+
+    async def _open(self) -> None:
+        given = await self._ask_path("Open a label file", "Open", self._workspace.path)
+        if given is None:
+            return
+        question = "There are labels that are not saved. They stay in the autosave file."
+        if self._workspace.is_changed and not await self._confirm(question, "Open all the same"):
+            return
+        self._workspace.open(given)
+        self._editor.say(f"opened {given}")
+
+    async def _ask_path(self, title: str, action: str, path: Path) -> Path | None:
+        with ui.dialog() as dialog, ui.card().classes("w-[560px] max-w-full"):
+            ui.label(title).classes("text-lg")
+            field = ui.input(
+                "file on the machine that runs cable-tracker", value=str(path.absolute())
+            )
+            field.props("autofocus outlined dense").classes("w-full")
+            field.on("keydown.enter", lambda: dialog.submit(field.value))
+            with ui.row().classes("w-full justify-end"):
+                ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
+                ui.button(action, on_click=lambda: dialog.submit(field.value))
+        given = await dialog
+        dialog.delete()
+        return Path(given).expanduser() if given else None
+
+    async def _confirm(self, question: str, action: str) -> bool:
+        with ui.dialog() as dialog, ui.card().classes("w-[520px] max-w-full"):
+            ui.label(question).classes("break-words")
+            with ui.row().classes("w-full justify-end"):
+                ui.button("Cancel", on_click=lambda: dialog.submit(False)).props("flat autofocus")
+                ui.button(action, on_click=lambda: dialog.submit(True)).props("color=negative")
+        answer = bool(await dialog)
+        dialog.delete()
+        return answer
+
+    def _offer_autosaved(self) -> None:
+        """Ask what is to become of unsaved labels; when one browser has said it, no other asks."""
+        if self._resume_dialog is not None:
+            self._resume_dialog.delete()
+            self._resume_dialog = None
+        autosaved = self._workspace.autosaved
+        if autosaved is None:
+            return
+        path = autosave_path(self._workspace.path)
+        try:
+            when = time.strftime("%Y-%m-%d %H:%M", time.localtime(path.stat().st_mtime))
+        except OSError:
+            when = "an earlier run"
+        with (
+            self._editor.client.content,
+            ui.dialog().props("persistent") as dialog,
+            ui.card().classes("w-[520px] max-w-full"),
+        ):
+            ui.label("Labels that were not saved").classes("text-lg")
+            ui.label(f"{len(autosaved)} labelled frames of {when} were found in {path.name}.")
+            with ui.row().classes("w-full justify-end"):
+                ui.button("Discard them", on_click=self._workspace.discard).props("flat")
+                ui.button("Resume", on_click=self._workspace.resume).props("autofocus")
+        self._resume_dialog = dialog
+        dialog.open()
+
+    async def _in(self, executor: Executor, function: Callable[..., T], *arguments: object) -> T:
+        loop = asyncio.get_running_loop()
+        return await loop.run_in_executor(executor, function, *arguments)
+
+
+def _label_of(said: Mapping[str, object] | None) -> FrameLabel | None:
+    """Return the label that a browser has sent; see `LabelEditor`."""
+    if said is None:
+        return None
+    flag, values = str(said["flag"]), said["state"]
+    if flag == Origin.INTERPOLATED.value:
+        raise ParameterError("only the server interpolates")
+    return flagged_label(drawn_state(values) if isinstance(values, list) else None, flag)

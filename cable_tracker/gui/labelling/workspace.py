@@ -1,0 +1,248 @@
+"""One recording that is being labelled: its frames, its labels and their files.
+
+All browsers share it. Its methods belong to the thread of the server, but for `picture` and
+`propose`, which take a while and may be called from any thread.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TypeAlias
+
+from cable_tracker.cable.presets import preset
+from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.gui.labelling.autosave import autosave_path, read_autosave, write_autosave
+from cable_tracker.gui.labelling.document import Changes, LabelDocument
+from cable_tracker.gui.labelling.label_file import FileContent, LabelFile
+from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels
+from cable_tracker.gui.labelling.names import names_of
+from cable_tracker.gui.labelling.pictures import Picture, Pictures
+from cable_tracker.gui.labelling.proposals import Proposal, Proposer
+from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.sequences.frame_source import one_line
+from cable_tracker.sequences.sequence_file import SequenceFileSource
+from cable_tracker.sequences.source import Source
+
+Listener: TypeAlias = Callable[[Changes | None], None]
+"""Told of changed labels; None: all of them, or their files, may have changed."""
+
+
+def default_label_file(source: Path) -> Path:
+    """Return where the labels of a recording go: ``SOURCE.txt``, here if not beside it.
+
+    The labels of a sequence file go into a file of their own: saving must not change what the
+    recording is made of.
+    """
+    resolved = source.resolve()
+    ending = ".labels.txt" if resolved.suffix in (".txt", ".seq") else ".txt"
+    name = resolved.name + ending
+    beside = resolved.with_name(name)
+    return beside if beside.exists() or os.access(resolved.parent, os.W_OK) else Path(name)
+
+
+class Workspace:
+    """What the window works on.
+
+    Parameters
+    ----------
+    source : Source
+        An open recording.
+    path : Path
+        Its label file, which may not exist yet.
+    allow_outside : bool
+        Whether label files may name files outside their folder.
+
+    Attributes
+    ----------
+    autosaved : Labels or None
+        Unsaved labels of an earlier run, until the user has said what is to become of them.
+    trouble : str
+        Why labels cannot be kept safe at the moment; empty if they can.
+
+    Raises
+    ------
+    RecordingError
+        The label file or the unsaved labels cannot be read.
+    """
+
+    def __init__(self, source: Source, path: Path, *, allow_outside: bool = False) -> None:
+        self.source = source
+        self.access = FrameAccess(source)
+        self._names = names_of(source)
+        self._allow_outside = allow_outside
+        self._pictures = Pictures(self.access)
+        self._proposer = Proposer(self.access.frame, preset("default"))
+        self._listeners: set[Listener] = set()
+        self.stopped = threading.Event()
+        self.trouble = ""
+        self._open(path)
+
+    def _open(self, path: Path) -> None:
+        file = LabelFile(path, self._names, allow_outside=self._allow_outside)
+        content = file.read()
+        if not path.exists() and isinstance(self.source, SequenceFileSource):
+            content = FileContent(
+                {
+                    number: FrameLabel(entry.state)
+                    for number, entry in enumerate(self.source.entries)
+                }
+            )
+        self.autosaved, stamps = self._unsaved(path, content)
+        self._file, self._content = file, content
+        self.document = LabelDocument(content.labels, {**stamps, **content.stamps})
+        self._saved: Labels = dict(content.labels)
+
+    @staticmethod
+    def _unsaved(path: Path, content: FileContent) -> tuple[Labels | None, dict[int, int]]:
+        """Return the autosaved labels and their times, if they are newer and say other things."""
+        kept = autosave_path(path)
+        if not kept.exists():
+            return None, {}
+        if path.exists() and kept.stat().st_mtime_ns < path.stat().st_mtime_ns:
+            return None, {}
+        labels, stamps = read_autosave(kept)
+        return (labels, stamps) if labels != content.labels else (None, {})
+
+    @property
+    def path(self) -> Path:
+        """The label file."""
+        return self._file.path
+
+    @property
+    def count(self) -> int | None:
+        """Number of frames; None while it is unknown."""
+        return self.access.count
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether there are labels that are not saved."""
+        return dict(self.document.labels) != self._saved
+
+    def listen(self, listener: Listener) -> Callable[[], None]:
+        """Tell a listener of every change; returns the function that ends it."""
+        self._listeners.add(listener)
+        return lambda: self._listeners.discard(listener)
+
+    def tell(self, changes: Changes | None) -> None:
+        """Tell all listeners."""
+        for listener in tuple(self._listeners):
+            listener(changes)
+
+    def picture(self, frame: int) -> Picture:
+        """Return the picture of a frame; see `Pictures.picture`."""
+        made = self._pictures.picture(frame)
+        self.document.stamps.setdefault(frame, made.stamp)
+        return made
+
+    def propose(self, frame: int, labels: Labels) -> Proposal:
+        """Propose a label, given copied labels; see `Proposer.propose`."""
+        return self._proposer.propose(frame, labels, self.stopped)
+
+    def read_stamps(self, frames: Iterable[int]) -> dict[int, int]:
+        """Return the times of frames [ns], as far as they can be read; from any thread."""
+        stamps = {}
+        for frame in sorted(frames):
+            if self.stopped.is_set():
+                break
+            try:
+                stamps[frame] = self.access.frame(frame).stamp
+            except (IndexError, RecordingError):
+                break
+        return stamps
+
+    def missing_stamps(self, frames: Iterable[int]) -> list[int]:
+        """Return those frames whose times are not known yet."""
+        return [frame for frame in frames if frame not in self.document.stamps]
+
+    def interpolate(self, frame: int, wanted: list[Gap]) -> None:
+        """Fill gaps between key frames."""
+        self.tell(self.document.interpolate(frame, wanted))
+
+    def save(self, *, overwrite: bool = False) -> None:
+        """Write the labels into their file, and forget the autosaved ones.
+
+        Raises
+        ------
+        OverwriteError
+            Labels of somebody else would be lost.
+        OutputError
+            The file cannot be written.
+        """
+        self._write_to(self._file, overwrite)
+
+    def save_as(self, path: Path, *, overwrite: bool = False) -> None:
+        """Write the labels into another file, which is the label file from now on; see `save`."""
+        old = autosave_path(self.path)
+        if path.resolve() == self.path.resolve():
+            self._write_to(self._file, overwrite)
+            return
+        file = LabelFile(path, self._names, allow_outside=self._allow_outside)
+        self._write_to(file, overwrite)
+        old.unlink(missing_ok=True)
+
+    def _write_to(self, file: LabelFile, overwrite: bool) -> None:
+        labels = dict(self.document.labels)
+        content = FileContent(
+            labels,
+            {
+                frame: self.document.stamps[frame]
+                for frame in labels
+                if frame in self.document.stamps
+            },
+            self._content.others,
+            self._content.other_flags,
+        )
+        file.write(content, overwrite=overwrite)
+        self._file, self._content, self._saved = file, content, labels
+        autosave_path(file.path).unlink(missing_ok=True)
+        self.trouble = ""
+        self.tell({})
+
+    def open(self, path: Path) -> None:
+        """Work on another label file.
+
+        Raises
+        ------
+        RecordingError
+            It is missing or cannot be read. Nothing has changed.
+        """
+        if not path.is_file():
+            raise RecordingError(f"{path}: there is no such file")
+        # What was not saved stays beside its own file, and is offered when that is opened again.
+        self.autosave()
+        self._open(path)
+        self.tell(None)
+
+    def resume(self) -> None:
+        """Take up the unsaved labels of an earlier run."""
+        if self.autosaved is not None:
+            self.document.replace(self.autosaved)
+            self.autosaved = None
+            self.tell(None)
+
+    def discard(self) -> None:
+        """Forget the unsaved labels of an earlier run."""
+        if self.autosaved is not None:
+            self.autosaved = None
+            autosave_path(self.path).unlink(missing_ok=True)
+            self.tell(None)
+
+    def autosave(self) -> None:
+        """Keep the labels safe, as they are now; without a word where nothing is to be kept."""
+        if self.autosaved is not None:
+            return
+        path = autosave_path(self.path)
+        try:
+            if self.is_changed:
+                write_autosave(path, self.document.labels, self.document.stamps)
+            else:
+                path.unlink(missing_ok=True)
+            trouble = ""
+        except (OSError, OutputError) as error:
+            trouble = f"unsaved labels cannot be kept in {path} ({one_line(error)})"
+        if trouble != self.trouble:
+            self.trouble = trouble
+            self.tell({})
