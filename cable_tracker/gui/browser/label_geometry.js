@@ -14,6 +14,7 @@ const dot = ([x1, y1], [x2, y2]) => x1 * x2 + y1 * y2;
 
 /** The same cable with alpha in (-pi/2, pi/2]; turning the normal round turns d and beta too. */
 export function wrapState([d, alpha, w, beta]) {
+  if (alpha > -Math.PI / 2 && alpha <= Math.PI / 2) return [d, alpha, w, beta];
   const wrapped = Math.PI / 2 - modulo(Math.PI / 2 - alpha, Math.PI);
   const turned = modulo(Math.round((alpha - wrapped) / Math.PI), 2) === 1;
   return turned ? [-d, wrapped, w, -beta] : [d, wrapped, w, beta];

@@ -63,7 +63,7 @@ export class LabelTimeline {
     // Seldom kinds last, so that they are seen where many frames share one pixel.
     for (const kind of KINDS) {
       context.fillStyle = colours[kind];
-      const tall = kind === "interpolated" ? 6 : 12;
+      const tall = { interpolated: 5, proposed: 9 }[kind] ?? 13;
       const thick = Math.min(8, Math.max(1.5, step - 1));
       for (const [frame, label] of this.labels) {
         if (label.flag !== kind) continue;

@@ -76,7 +76,7 @@ export default {
         <button @click="press($event, 'interpolate')"><span>Interpolate</span><kbd>I</kbd></button>
         <button @click="press($event, 'none')"><span>No cable</span><kbd>N</kbd></button>
         <button @click="press($event, 'clear')"><span>Clear</span><kbd>Del</kbd></button>
-        <label class="check"><input type="checkbox" v-model="automatic" @change="automaticChanged" /> propose by itself</label>
+        <label class="check"><input type="checkbox" v-model="automatic" @change="automaticChanged" /> propose automatically</label>
       </section>
       <section class="counts" aria-label="progress">
         <p v-for="kind in ['hand', 'proposed', 'interpolated', 'no_cable', 'none']" :key="kind" class="kind" :class="kind">
@@ -97,7 +97,7 @@ export default {
     <div class="groups">
       <section v-for="group in groups" :key="group">
         <h3>{{ group }}</h3>
-        <dl><template v-for="row in keysOf(group)" :key="row.keys"><dt>{{ row.keys }}</dt><dd>{{ row.words }}</dd></template></dl>
+        <dl><template v-for="row in keysOf(group)" :key="row.keys"><dt><kbd v-for="key in row.keys">{{ key }}</kbd></dt><dd>{{ row.words }}</dd></template></dl>
       </section>
       <section>
         <h3>Mouse, pen, fingers</h3>
@@ -135,7 +135,7 @@ export default {
       return this.count - 1;
     },
     seconds() {
-      return this.stamp === null ? "" : `${this.stamp} s`;
+      return this.stamp === null ? "" : `${this.stamp.slice(0, -6)} s`;
     },
     words() {
       return WORDS[this.flag];
@@ -265,7 +265,7 @@ export default {
       this.counts = { ...counts, none: Math.max(0, this.count - this.labels.size) };
       this.timeline.show({ labels: this.labels, count: this.count, frame: this.frame });
     },
-    wordsOf: (kind) => WORDS[kind],
+    wordsOf: (kind) => WORDS[kind].split(",")[0],
     keysOf: (group) => KEYS.filter((row) => row.group === group),
     draw(context, view) {
       if (!this.shown) return;

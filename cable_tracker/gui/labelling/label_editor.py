@@ -89,4 +89,6 @@ def label_row(frame: int, label: FrameLabel | None) -> list[object]:
 def places(label: FrameLabel) -> list[float] | None:
     """Return d, alpha, w, beta of a label [px, rad]; None if it says that there is no cable."""
     state = label.state
-    return state and [state.distance, state.angle, state.width, state.skew]
+    if state is None:
+        return None
+    return [state.distance, state.angle, state.width, state.skew]

@@ -123,6 +123,9 @@ def drawn_state(values: Iterable[object]) -> CableState:
     if abs(distance) > LARGEST_LENGTH:
         raise ParameterError(f"d must be within ±{LARGEST_LENGTH:g} px, not {distance:g}")
     state = CableState(*numbers)
+    # Wrapping rounds; what was typed must stay as it is.
+    if -math.pi / 2 < state.angle <= math.pi / 2:
+        return state
     return CableState.from_array(wrap_states(state.to_array()[np.newaxis])[0])
 
 

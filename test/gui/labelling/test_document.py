@@ -1,0 +1,194 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import ParameterError
+from cable_tracker.gui.labelling.document import LabelDocument
+from cable_tracker.gui.labelling.labels import (
+    WITHOUT_CABLE,
+    FrameLabel,
+    Origin,
+    filled_gap,
+    gaps,
+)
+
+from .strategies import frame_labels, label_maps
+
+frames = st.integers(0, 29)
+hand_labels = frame_labels.filter(lambda label: label.is_key)
+
+
+def key(distance=0.0):
+    return FrameLabel(CableState(distance, 0.1, 40.0))
+
+
+def distances(document):
+    return {frame: label.state.distance for frame, label in sorted(document.labels.items())}
+
+
+@given(label_maps, frames, frame_labels)
+def test_undo_takes_an_edit_back_and_redo_does_it_again(labels, frame, label):
+    document = LabelDocument(labels)
+    document.set(frame, label)
+    edited = dict(document.labels)
+    if document.can_undo:
+        assert document.undo()[0] == frame
+    assert dict(document.labels) == labels
+    if document.can_redo:
+        assert document.redo()[0] == frame
+    assert dict(document.labels) == edited
+
+
+@given(label_maps, frames, frame_labels)
+def test_what_an_edit_returns_is_what_has_changed(labels, frame, label):
+    document = LabelDocument(labels)
+    changes = document.set(frame, label)
+    after = document.labels
+    different = {n for n in {*labels, *after} if labels.get(n) != after.get(n)}
+    assert changes == {n: after.get(n) for n in different}
+
+
+def test_nothing_to_undo_in_a_new_document():
+    document = LabelDocument({0: key()})
+    assert document.undo() is None
+    assert document.redo() is None
+
+
+def test_an_edit_that_changes_nothing_is_no_step():
+    document = LabelDocument({3: key()})
+    assert document.set(3, key()) == {}
+    assert not document.can_undo
+
+
+def test_a_new_edit_forgets_what_was_undone():
+    document = LabelDocument()
+    document.set(0, key(1.0))
+    document.undo()
+    document.set(0, key(2.0))
+    assert not document.can_redo
+
+
+def test_strokes_of_a_held_key_are_one_step():
+    document = LabelDocument({4: key(0.0)})
+    document.set(4, key(1.0))
+    document.set(4, key(2.0), merges=True)
+    document.set(4, key(3.0), merges=True)
+    document.undo()
+    assert distances(document) == {4: 0.0}
+
+
+def test_strokes_on_another_frame_are_another_step():
+    document = LabelDocument({4: key(0.0), 5: key(0.0)})
+    document.set(4, key(1.0))
+    document.set(5, key(2.0), merges=True)
+    document.undo()
+    assert distances(document) == {4: 1.0, 5: 0.0}
+
+
+def test_a_copied_label_is_the_next_frames_own():
+    document = LabelDocument({7: FrameLabel(key(5.0).state, Origin.PROPOSED)})
+    document.copy_to_next(7)
+    assert document.labels[8] == key(5.0)
+
+
+def test_no_cable_is_copied_too():
+    document = LabelDocument({7: WITHOUT_CABLE})
+    document.copy_to_next(7)
+    assert document.labels[8] == WITHOUT_CABLE
+
+
+def test_a_frame_without_label_cannot_be_copied():
+    with pytest.raises(ParameterError, match="frame 7 has no label"):
+        LabelDocument().copy_to_next(7)
+
+
+def test_interpolation_fills_the_gap_at_a_frame():
+    document = LabelDocument({0: key(0.0), 4: key(40.0), 6: key(60.0)})
+    document.interpolate(2, document.gaps_to_fill(2))
+    assert distances(document) == pytest.approx(
+        {0: 0.0, 1: 10.0, 2: 20.0, 3: 30.0, 4: 40.0, 6: 60.0}
+    )
+
+
+def test_interpolation_fills_all_gaps():
+    document = LabelDocument({0: key(0.0), 2: key(20.0), 4: key(40.0)})
+    document.interpolate(0, document.gaps_to_fill(None))
+    assert distances(document) == pytest.approx({0: 0.0, 1: 10.0, 2: 20.0, 3: 30.0, 4: 40.0})
+
+
+def test_where_nothing_can_be_interpolated_it_is_said():
+    with pytest.raises(ParameterError, match="nothing to interpolate"):
+        LabelDocument({0: key(), 5: WITHOUT_CABLE, 9: key()}).gaps_to_fill(3)
+
+
+def test_interpolated_labels_follow_their_key_frame_in_the_same_step():
+    document = LabelDocument({0: key(0.0), 4: key(40.0)})
+    document.interpolate(0, document.gaps_to_fill(0))
+    document.set(4, key(80.0))
+    assert distances(document) == pytest.approx({0: 0.0, 1: 20.0, 2: 40.0, 3: 60.0, 4: 80.0})
+    document.undo()
+    assert distances(document) == pytest.approx({0: 0.0, 1: 10.0, 2: 20.0, 3: 30.0, 4: 40.0})
+
+
+def test_a_corrected_frame_becomes_a_key_frame_of_its_neighbours():
+    document = LabelDocument({0: key(0.0), 4: key(40.0)})
+    document.interpolate(0, document.gaps_to_fill(0))
+    document.set(2, key(100.0))
+    assert distances(document) == pytest.approx({0: 0.0, 1: 50.0, 2: 100.0, 3: 70.0, 4: 40.0})
+
+
+def test_replacing_all_labels_can_be_undone():
+    document = LabelDocument({0: key(1.0), 1: key(2.0)})
+    document.replace({1: key(3.0), 2: key(4.0)})
+    assert distances(document) == {1: 3.0, 2: 4.0}
+    document.undo()
+    assert distances(document) == {0: 1.0, 1: 2.0}
+
+
+class Editing(RuleBasedStateMachine):
+    """Whatever is done, undo goes back through it, and interpolated labels fit their key frames."""
+
+    def __init__(self):
+        super().__init__()
+        self.document = LabelDocument()
+        self.history = [{}]
+
+    def remember(self, changes):
+        if changes:
+            self.history.append(dict(self.document.labels))
+
+    @rule(frame=frames, label=hand_labels)
+    def draw(self, frame, label):
+        self.remember(self.document.set(frame, label))
+
+    @rule(frame=frames)
+    def clear(self, frame):
+        self.remember(self.document.clear(frame))
+
+    @rule()
+    def interpolate_all(self):
+        wanted = gaps(self.document.labels)
+        self.remember(self.document.interpolate(0, wanted))
+
+    @rule()
+    def undo(self):
+        assert (self.document.undo() is None) == (len(self.history) == 1)
+        if len(self.history) > 1:
+            self.history.pop()
+
+    @invariant()
+    def labels_are_those_of_the_history(self):
+        assert dict(self.document.labels) == self.history[-1]
+
+    @invariant()
+    def interpolated_labels_fit_their_key_frames(self):
+        labels = self.document.labels
+        for gap in gaps(labels):
+            filled = filled_gap(labels, gap, {})
+            for frame in gap.frames:
+                assert labels.get(frame) in (None, filled[frame])
+
+
+TestEditing = Editing.TestCase

@@ -1,0 +1,72 @@
+from pathlib import Path
+
+import pytest
+
+from cable_tracker.cable.state import CableState
+from cable_tracker.errors import RecordingError
+from cable_tracker.gui.labelling.names import names_of
+from cable_tracker.sequences.sequence_file import Label
+from cable_tracker.sequences.source import open_source
+
+
+def label(name, frame=None):
+    return Label(CableState(0.0, 0.0, 9.0), name, frame)
+
+
+@pytest.fixture
+def names(request):
+    return names_of(open_source(request.getfixturevalue(request.param)))
+
+
+videos = pytest.mark.parametrize("names", ["video"], indirect=True)
+folders = pytest.mark.parametrize("names", ["folder"], indirect=True)
+sequences = pytest.mark.parametrize("names", ["sequence"], indirect=True)
+
+
+@videos
+def test_a_video_is_named_as_it_lies_from_the_label_file(names, tmp_path):
+    assert names.name(7, tmp_path) == ("dive.avi", 7)
+    assert names.name(7, tmp_path.parent) == (f"{tmp_path.name}/dive.avi", 7)
+
+
+@videos
+def test_a_video_elsewhere_is_named_without_its_folder(names, tmp_path):
+    assert names.name(7, tmp_path / "labels") == ("dive.avi", 7)
+
+
+@folders
+def test_pictures_go_by_their_names(names, tmp_path):
+    assert names.name(7, tmp_path) == ("dive/007.png", None)
+    assert names.name(7, tmp_path / "dive") == ("007.png", None)
+    assert names.name(7, tmp_path / "labels") == ("dive/007.png", None)
+
+
+@sequences
+def test_frames_of_a_sequence_file_keep_their_names(names, tmp_path):
+    assert names.name(2, tmp_path / "labels") == ("dive/002.png", None)
+
+
+@pytest.mark.parametrize("names", ["video", "folder", "sequence"], indirect=True)
+@pytest.mark.parametrize("below", ["", "dive", "labels"])
+def test_names_lead_back_to_their_frames(names, tmp_path, below):
+    named = [label(*names.name(frame, tmp_path / below)) for frame in (2, 0, 1)]
+    assert names.frames(named, tmp_path / "labels.txt") == [2, 0, 1]
+
+
+@videos
+def test_labels_of_other_recordings_are_no_frames(names):
+    labels = [label("dive.avi", 3), label("other.avi", 4), label("dive.avi")]
+    assert names.frames(labels, Path("labels.txt")) == [3, None, None]
+
+
+@videos
+def test_a_single_other_name_is_the_recording_before_it_was_renamed(names):
+    labels = [label("before.avi", 3), label("before.avi", 4)]
+    assert names.frames(labels, Path("labels.txt")) == [3, 4]
+
+
+@pytest.mark.parametrize("names", ["video", "folder", "sequence"], indirect=True)
+def test_a_file_about_other_recordings_only_is_refused(names):
+    labels = [label("a/strange.png"), label("b/stranger.png")]
+    with pytest.raises(RecordingError, match=r"labels\.txt: holds labels, but none for"):
+        names.frames(labels, Path("labels.txt"))

@@ -1,0 +1,37 @@
+import cv2
+import numpy as np
+import pytest
+
+from cable_tracker.gui.labelling.pictures import Pictures
+from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.sequences.source import open_source
+
+from .conftest import COUNT
+
+
+def test_a_picture_shows_its_frame(folder, pictures):
+    picture = Pictures(FrameAccess(open_source(folder))).picture(3)
+    shown = cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert np.abs(shown.astype(int) - pictures[3]).mean() < 3.0
+    assert picture.frame == 3
+
+
+def test_few_are_kept(folder):
+    made = Pictures(FrameAccess(open_source(folder)), kept_bytes=1)
+    first = made.picture(0)
+    assert made.picture(0) is first
+    made.picture(1)
+    assert made.picture(0) is not first
+
+
+def test_a_frame_without_a_picture_says_why(folder):
+    (folder / "001.png").write_bytes(b"no picture")
+    source = open_source(folder, skip_bad_frames=True)
+    picture = Pictures(FrameAccess(source)).picture(1)
+    assert picture.trouble
+    assert picture.jpeg
+
+
+def test_there_is_no_picture_behind_the_end(folder):
+    with pytest.raises(IndexError):
+        Pictures(FrameAccess(open_source(folder))).picture(COUNT)

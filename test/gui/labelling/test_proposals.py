@@ -1,0 +1,67 @@
+import threading
+
+import pytest
+
+from cable_tracker.cable.presets import preset
+from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel
+from cable_tracker.gui.labelling.proposals import MOST_FRAMES, Proposer
+from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.sequences.source import open_source
+
+from .conftest import COUNT, true_state
+
+
+@pytest.fixture
+def proposer(folder):
+    return Proposer(FrameAccess(open_source(folder)).frame, preset("default"))
+
+
+def assert_is_the_cable(state, frame):
+    truth = true_state(frame)
+    assert state.distance == pytest.approx(truth.distance, abs=3.0)
+    assert state.angle == pytest.approx(truth.angle, abs=0.05)
+    assert state.width == pytest.approx(truth.width, abs=6.0)
+
+
+def test_without_labels_a_detector_looks_at_the_frame(proposer):
+    found = proposer.propose(4, {})
+    assert found.words == "detected in this frame"
+    assert_is_the_cable(found.state, 4)
+
+
+def test_the_tracker_starts_at_the_last_label_before(proposer):
+    labels = {0: FrameLabel(true_state(0)), 2: FrameLabel(true_state(2)), 9: WITHOUT_CABLE}
+    found = proposer.propose(6, labels)
+    assert found.words == "tracked from frame 2"
+    assert_is_the_cable(found.state, 6)
+
+
+def test_it_knows_from_two_labels_how_the_cable_moves(proposer):
+    labels = {frame: FrameLabel(true_state(frame)) for frame in range(COUNT - 1)}
+    assert_is_the_cable(proposer.propose(COUNT - 1, labels).state, COUNT - 1)
+
+
+@pytest.mark.parametrize("labels", [{1: WITHOUT_CABLE}, {9: FrameLabel(true_state(9))}])
+def test_where_no_cable_is_labelled_before_a_detector_looks(proposer, labels):
+    assert proposer.propose(3, labels).words == "detected in this frame"
+
+
+def test_a_proposal_is_at_rest(proposer):
+    state = proposer.propose(3, {2: FrameLabel(true_state(2))}).state
+    assert not state.to_array()[4:].any()
+
+
+def test_the_same_labels_give_the_same_proposal(proposer):
+    labels = {0: FrameLabel(true_state(0))}
+    assert proposer.propose(5, labels) == proposer.propose(5, labels)
+
+
+def test_nobody_waits_for_a_proposal_that_was_stopped(proposer):
+    stopped = threading.Event()
+    stopped.set()
+    assert proposer.propose(5, {0: FrameLabel(true_state(0))}, stopped).words == "stopped"
+
+
+def test_the_tracker_is_not_sent_too_far(proposer):
+    with pytest.raises(IndexError):
+        proposer.propose(MOST_FRAMES + 1, {0: FrameLabel(true_state(0))})

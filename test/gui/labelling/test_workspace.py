@@ -1,0 +1,228 @@
+import os
+
+import pytest
+
+from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.gui.labelling.autosave import autosave_path, write_autosave
+from cable_tracker.gui.labelling.label_file import OverwriteError
+from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel
+from cable_tracker.gui.labelling.workspace import Workspace, default_label_file
+from cable_tracker.sequences.source import open_source
+
+from .conftest import true_state
+
+LABEL = FrameLabel(true_state(0))
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "labels.txt"
+
+
+@pytest.fixture
+def start(folder, path):
+    """Return a function that starts to label the pictures."""
+    return lambda: Workspace(open_source(folder), path)
+
+
+@pytest.fixture
+def workspace(start):
+    return start()
+
+
+def edit(workspace, frame=0, label=LABEL):
+    workspace.tell(workspace.document.set(frame, label))
+
+
+def test_labels_go_beside_the_recording(folder, video):
+    assert default_label_file(folder) == folder.with_name("dive.txt")
+    assert default_label_file(video) == video.with_name("dive.avi.txt")
+
+
+def test_the_labels_of_a_sequence_file_get_a_file_of_their_own(sequence):
+    assert default_label_file(sequence) == sequence.with_name("sequence.txt.labels.txt")
+
+
+def test_they_go_here_if_nothing_can_be_written_there(folder, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert str(default_label_file(folder)) == "dive.txt"
+
+
+def test_labels_of_a_sequence_file_are_there_from_the_start(sequence, path):
+    workspace = Workspace(open_source(sequence), path)
+    assert [label.state.distance for label in workspace.document.labels.values()] == [0.5, 1.5, 2.5]
+    assert not workspace.is_changed
+
+
+def test_saved_labels_are_there_again(start, path):
+    first = start()
+    edit(first)
+    assert first.is_changed
+    first.save()
+    assert not first.is_changed
+    assert dict(start().document.labels) == {0: LABEL}
+
+
+def test_nothing_is_written_before_it_is_saved(workspace, path):
+    edit(workspace)
+    assert not path.exists()
+
+
+def test_listeners_hear_of_edits_until_they_leave(workspace):
+    heard = []
+    stop = workspace.listen(heard.append)
+    edit(workspace, 3)
+    stop()
+    edit(workspace, 4)
+    assert heard == [{3: LABEL}]
+
+
+def test_unsaved_labels_are_offered_after_a_crash(start):
+    first = start()
+    edit(first)
+    first.autosave()
+    second = start()
+    assert second.autosaved == {0: LABEL}
+    assert not second.document.labels
+    second.resume()
+    assert dict(second.document.labels) == {0: LABEL}
+    assert second.autosaved is None
+    assert second.is_changed
+
+
+def test_resuming_can_be_undone(start):
+    first = start()
+    edit(first)
+    first.autosave()
+    second = start()
+    second.resume()
+    second.document.undo()
+    assert not second.document.labels
+
+
+def test_unsaved_labels_can_be_discarded(start, path):
+    first = start()
+    edit(first)
+    first.autosave()
+    start().discard()
+    assert not autosave_path(path).exists()
+    assert start().autosaved is None
+
+
+def test_unsaved_labels_are_not_overwritten_before_the_user_has_said_what_to_do(start, path):
+    first = start()
+    edit(first)
+    first.autosave()
+    second = start()
+    edit(second, 5, WITHOUT_CABLE)
+    second.autosave()
+    assert start().autosaved == {0: LABEL}
+
+
+def test_saving_ends_the_need_for_unsaved_labels(start, path):
+    workspace = start()
+    edit(workspace)
+    workspace.autosave()
+    assert autosave_path(path).exists()
+    workspace.save()
+    assert not autosave_path(path).exists()
+
+
+def test_undoing_everything_ends_it_too(workspace, path):
+    edit(workspace)
+    workspace.autosave()
+    workspace.document.undo()
+    workspace.autosave()
+    assert not autosave_path(path).exists()
+
+
+def test_older_unsaved_labels_are_not_offered(start, path):
+    write_autosave(autosave_path(path), {0: WITHOUT_CABLE}, {})
+    os.utime(autosave_path(path), (1, 1))
+    workspace = start()
+    edit(workspace)
+    path.write_text("1 0.1 40 0 # dive/000.png\n")
+    assert start().autosaved is None
+
+
+def test_damaged_unsaved_labels_are_told(start, path):
+    autosave_path(path).write_text("what?\n")
+    with pytest.raises(RecordingError, match=r"labels\.txt\.autosave: line 1"):
+        start()
+
+
+def test_a_full_disk_is_told_and_labelling_goes_on(workspace, monkeypatch):
+    def full(*_arguments, **_options):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("cable_tracker.gui.labelling.workspace.write_autosave", full)
+    edit(workspace)
+    workspace.autosave()
+    assert "No space left" in workspace.trouble
+    monkeypatch.undo()
+    workspace.autosave()
+    assert not workspace.trouble
+
+
+def test_saving_as_moves_to_the_new_file(workspace, path, tmp_path):
+    edit(workspace)
+    workspace.autosave()
+    workspace.save_as(tmp_path / "other.txt")
+    assert workspace.path == tmp_path / "other.txt"
+    assert not path.exists()
+    assert not autosave_path(path).exists()
+    edit(workspace, 1)
+    workspace.save()
+
+
+def test_saving_as_does_not_overwrite_another_file(workspace, tmp_path):
+    other = tmp_path / "other.txt"
+    other.write_text("1 0.1 40 0 # dive/000.png\n")
+    edit(workspace)
+    with pytest.raises(OverwriteError):
+        workspace.save_as(other)
+    assert workspace.path != other
+    workspace.save_as(other, overwrite=True)
+    assert workspace.path == other
+
+
+def test_saving_as_never_replaces_a_picture(workspace, folder):
+    edit(workspace)
+    with pytest.raises(OutputError, match="is no label file"):
+        workspace.save_as(folder / "000.png", overwrite=True)
+
+
+def test_another_label_file_can_be_opened(workspace, tmp_path):
+    other = tmp_path / "other.txt"
+    other.write_text("1 0.1 40 0 # dive/003.png\n")
+    workspace.open(other)
+    assert set(workspace.document.labels) == {3}
+    assert workspace.path == other
+
+
+def test_what_was_not_saved_waits_beside_its_own_file(start, workspace, tmp_path):
+    other = tmp_path / "other.txt"
+    other.write_text("1 0.1 40 0 # dive/003.png\n")
+    edit(workspace)
+    workspace.open(other)
+    assert start().autosaved == {0: LABEL}
+
+
+@pytest.mark.parametrize("lines", [None, "1 2 3 # dive/003.png\n"])
+def test_a_file_that_cannot_be_opened_changes_nothing(workspace, tmp_path, path, lines):
+    other = tmp_path / "other.txt"
+    if lines is not None:
+        other.write_text(lines)
+    edit(workspace)
+    with pytest.raises(RecordingError, match=r"other\.txt"):
+        workspace.open(other)
+    assert workspace.path == path
+    assert dict(workspace.document.labels) == {0: LABEL}
+
+
+def test_pictures_tell_their_times(workspace):
+    picture = workspace.picture(2)
+    assert picture.size == (320, 240)
+    assert workspace.document.stamps == {2: picture.stamp}
+    assert workspace.missing_stamps([1, 2, 3]) == [1, 3]
+    assert workspace.read_stamps([2, 99]) == {2: picture.stamp}
