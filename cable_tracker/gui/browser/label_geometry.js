@@ -151,15 +151,18 @@ export function dragged(start, { kind, side }, along, from, to, both = false) {
     const direction = ([x, y]) => Math.atan2(y - pivot[1], x - pivot[0]);
     return limitState(turned(start, along, alpha + direction(to) - direction(from)));
   }
-  const outwards = side * (acrossOf(start, to) - acrossOf(start, from));
+  // How far the pointer has gone from the border, outwards.
+  const beyond = (point) => side * acrossOf(start, point) - widthAt(start, alongOf(start, point)) / 2;
+  const outwards = beyond(to) - beyond(from);
   if (kind === "widen") {
     const wider = Math.max(SMALLEST_WIDTH, w + (both ? 2 : 1) * outwards);
     const shift = both ? 0 : (side * (wider - w)) / 2;
     return limitState([d + shift, alpha, wider, beta]);
   }
   // Skew: the border follows the pointer and keeps its place at the middle handle.
-  const arm = alongOf(start, from) - along;
-  const half = (widthAt(start, along) / 2 - arm * Math.tan(beta)) + outwards;
+  const arm = alongOf(start, to) - along;
+  if (arm * (alongOf(start, from) - along) <= 0) return start;
+  const half = widthAt(start, alongOf(start, to)) / 2 + outwards;
   return limitState(reskewed(start, along, Math.atan((widthAt(start, along) / 2 - half) / arm)));
 }
 

@@ -21,6 +21,8 @@ const FIELDS = [
   { symbol: "w", unit: "px", scale: 1, digits: 2, step: 1, words: "w, width between the borders" },
   { symbol: "β", unit: "deg", scale: DEGREE, digits: 2, step: 0.5, words: "beta, skew, positive if the borders converge upwards" },
 ];
+/** Commands that need not wait for a picture. */
+const MOVES = new Set(["next", "previous", "end", "key", "unlabelled", "zoom", "pan", "help", "save", "save_as", "open"]);
 const WORDS = {
   none: "not labelled",
   waiting: "the tracker is looking …",
@@ -165,6 +167,7 @@ export default {
     this.proposal = null;
     this.asked = null;
     this.drag = null;
+    this.queue = [];
     this.places = `cable_tracker.label ${this.recording}`;
   },
   mounted() {
@@ -212,7 +215,7 @@ export default {
       }
       for (const [frame, last] of this.outstanding) if (last <= serial) this.outstanding.delete(frame);
       this.count = count;
-      this.status = { ...this.status, ...status };
+      this.status = { ...this.status, ...status, changed: status.changed || this.outstanding.size > 0 };
       this.showLabel();
       if (this.flag === "none") this.proposeByItself();
     },
@@ -246,6 +249,7 @@ export default {
         this.message = { text: "", kind: "" };
       }
       this.showLabel();
+      this.executeQueue();
       this.proposeByItself();
     },
     // ---------------------------------------------------------------- what is shown
@@ -281,20 +285,21 @@ export default {
     get() {
       return this.labels.get(this.frame);
     },
-    /** Label this frame here and now, and tell the server. */
-    commit(label, merges = false) {
-      if (label) this.labels.set(this.frame, label);
-      else this.labels.delete(this.frame);
+    /** Label a frame here and now, and tell the server. */
+    commit(label, { merges = false, frame = this.frame } = {}) {
+      if (label) this.labels.set(frame, label);
+      else this.labels.delete(frame);
       this.proposal = null;
       this.asked = null;
       this.message = { text: "", kind: "" };
+      this.status.changed = true;
       this.serial += 1;
-      this.outstanding.set(this.frame, this.serial);
-      this.$emit("commit", { serial: this.serial, frame: this.frame, label, merges });
+      this.outstanding.set(frame, this.serial);
+      this.$emit("commit", { serial: this.serial, frame, label, merges });
       this.showLabel();
     },
     commitState(state, merges = false) {
-      this.commit({ flag: "hand", state }, merges);
+      this.commit({ flag: "hand", state }, { merges });
     },
     /** What an edit starts from: this label, the proposal, the last label before, or the middle. */
     startState() {
@@ -371,7 +376,7 @@ export default {
       if (event.defaultPrevented || this.$refs.help.open || document.querySelector(".q-dialog")) return;
       const { target } = event;
       const types = target.matches?.("input[type=number], textarea, input[type=text]");
-      const presses = target.matches?.("button, input") && ["Enter", " "].includes(event.key);
+      const presses = target.matches?.("button") && ["Enter", " "].includes(event.key);
       const meaning = meaningOf(event);
       if (!meaning || presses || (types && !event.ctrlKey && !event.metaKey && !event.key.startsWith("Page"))) return;
       event.preventDefault();
@@ -383,7 +388,21 @@ export default {
       event.preventDefault();
       this.go(this.wanted + steps[event.key] * (event.shiftKey ? 10 : 1));
     },
-    command({ does, key, large, isRepeated = false }) {
+    /** Do something now, or when the frame that it is meant for is shown. */
+    command(wanted) {
+      if (!this.hasPicture) return;
+      const isOnItsWay = this.wanted !== this.frame;
+      // What was not seen is not accepted.
+      if (isOnItsWay && wanted.does === "accept" && !this.queue.length) return;
+      if (this.queue.length || (isOnItsWay && !MOVES.has(wanted.does))) this.queue.push(wanted);
+      else this.execute(wanted);
+    },
+    executeQueue() {
+      while (this.queue.length && (this.wanted === this.frame || MOVES.has(this.queue[0].does))) {
+        this.execute(this.queue.shift());
+      }
+    },
+    execute({ does, key, large, isRepeated = false }) {
       const step = large ? 10 : 1;
       const local = {
         accept: () => isRepeated || this.accept(),
@@ -399,11 +418,11 @@ export default {
         clear: () => this.get() && this.commit(null),
         dismiss: () => this.dismiss(),
         propose: () => this.propose(),
+        copy: () => this.copy(),
         zoom: () => this.zoom(key),
         pan: () => this.pan(key),
         help: () => this.$refs.help.showModal(),
       }[does];
-      if (!this.hasPicture) return;
       if (local) local();
       else this.$emit("command", { name: does, frame: this.frame, everywhere: large });
     },
@@ -424,7 +443,6 @@ export default {
     /** Take what is drawn for the label of this frame, and go on. What was not shown is not taken. */
     accept() {
       const label = this.get();
-      if (this.wanted !== this.frame) return;
       if (!label && !this.proposal) {
         const text = this.flag === "waiting" ? "the proposal is on its way" : "nothing is drawn here yet";
         this.say({ text, kind: "warning" });
@@ -433,6 +451,16 @@ export default {
       if (this.proposal) this.commit({ flag: "proposed", state: this.proposal.state });
       else if (label.flag === "interpolated") this.commitState(label.state);
       this.go(this.frame + 1);
+    },
+    copy() {
+      const label = this.get();
+      const next = this.frame + 1;
+      if (!label || next >= this.count) {
+        this.say({ text: label ? "this is the last frame" : "this frame has no label to copy", kind: "warning" });
+        return;
+      }
+      this.commit({ flag: label.state ? "hand" : "no_cable", state: label.state }, { frame: next });
+      this.go(next);
     },
     dismiss() {
       this.cancelDrag();

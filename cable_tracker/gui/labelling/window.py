@@ -226,7 +226,6 @@ class LabelPage:
         actions: Mapping[str, Callable[[], Awaitable[None]]] = {
             "undo": self._undo,
             "redo": self._redo,
-            "copy": lambda: self._copy(frame),
             "interpolate": lambda: self._interpolate(frame, everywhere),
             "propose": lambda: self._propose(frame),
             "save": self._save,
@@ -256,13 +255,6 @@ class LabelPage:
         frame, changes = step
         self._workspace.tell(changes)
         self._editor.go_to(frame)
-
-    async def _copy(self, frame: int) -> None:
-        count = self._workspace.count
-        if count is not None and frame + 1 >= count:
-            raise ParameterError("this is the last frame")
-        self._workspace.tell(self._workspace.document.copy_to_next(frame))
-        self._editor.go_to(frame + 1)
 
     async def _interpolate(self, frame: int, everywhere: bool) -> None:
         document = self._workspace.document

@@ -1,11 +1,7 @@
 """The window in a real browser: what is done there, and what the saved file says then."""
 
 import math
-import os
 import signal
-import socket
-import subprocess
-import sys
 from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
@@ -483,46 +479,3 @@ def test_unsaved_labels_outlive_the_server(run_command, visit, folder, tmp_path)
     assert flags_path(path).read_text().count("no_cable") == 2
     assert not kept.exists()
     assert second.stop() == 0
-
-
-@contextmanager
-def taken_port():
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        yield taken.getsockname()[1]
-
-
-def refused(*arguments, folder):
-    """Return what the command says when it ends at once."""
-    ended = subprocess.run(
-        [sys.executable, "-m", "cable_tracker.cli", "label", *map(str, arguments)],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])},
-        capture_output=True,
-        text=True,
-        timeout=100,
-        check=False,
-    )
-    assert ended.returncode == 2
-    return ended.stderr
-
-
-def test_a_missing_recording_is_one_line(tmp_path):
-    said = refused("nowhere.avi", folder=tmp_path)
-    assert said == "error: nowhere.avi: there is no such file or folder; check the path\n"
-
-
-def test_an_unreadable_label_file_is_one_line(folder, tmp_path):
-    (tmp_path / "dive.txt").write_text("1 0 40 0 # dive/000.png\nwhat?\n")
-    said = refused(folder, folder=tmp_path)
-    assert "dive.txt: line 2 is malformed" in said
-    assert said.count("\n") == 1
-    assert (tmp_path / "dive.txt").read_text() == "1 0 40 0 # dive/000.png\nwhat?\n"
-
-
-def test_a_taken_port_is_one_line(folder, tmp_path):
-    with taken_port() as port:
-        said = refused(folder, "--port", port, folder=tmp_path)
-    assert f"port {port}" in said
-    assert said.count("\n") == 1
