@@ -23,6 +23,13 @@ const FIELDS = [
 ];
 /** Commands that need not wait for a picture. */
 const MOVES = new Set(["next", "previous", "end", "key", "unlabelled", "zoom", "pan", "help", "save", "save_as", "open"]);
+const ADVICE = {
+  proposal: "Enter accepts and goes on  ·  drag the handles or press arrow keys to correct  ·  N: no cable  ·  Esc: no proposal",
+  hand: "Enter: next frame  ·  drag the handles or press arrow keys to correct  ·  C copies to the next frame",
+  proposed: "Enter: next frame  ·  drag the handles or press arrow keys to correct  ·  C copies to the next frame",
+  interpolated: "Enter: it is right, next frame  ·  correct it, and the interpolated frames beside follow",
+  no_cable: "Enter: next frame  ·  Delete takes the mark away  ·  P proposes a cable",
+};
 const WORDS = {
   none: "not labelled",
   waiting: "the tracker is looking …",
@@ -58,7 +65,7 @@ export default {
     </div>
     <aside>
       <section class="what">
-        <h2>frame <b data-test="frame">{{ frame }}</b> of {{ lastFrame }}</h2>
+        <h2>frame <b data-test="frame">{{ frame }}</b> of 0–{{ lastFrame }}</h2>
         <p>{{ seconds }}</p>
         <p class="kind" :class="flag" data-test="kind"><i></i>{{ words }}</p>
         <p class="how">{{ how }}</p>
@@ -87,7 +94,9 @@ export default {
       </section>
     </aside>
   </main>
-  <p class="message" :class="message.kind" role="status" aria-live="polite" data-test="message">{{ message.text }}</p>
+  <p class="message" :class="message.kind" role="status" aria-live="polite" data-test="message">
+    {{ message.text }}<span v-if="!message.text" class="advice">{{ advice }}</span>
+  </p>
   <footer>
     <button @click="press($event, 'previous')" aria-label="frame before" title="PageUp">◀</button>
     <canvas ref="timeline" class="timeline" tabindex="0" role="slider" aria-label="frame" aria-valuemin="0"
@@ -153,6 +162,9 @@ export default {
       if (this.flag !== "none" || this.trouble) return "";
       return "Drag along the cable to draw it  ·  P proposes  ·  N: there is no cable";
     },
+    advice() {
+      return ADVICE[this.flag] ?? "";
+    },
     groups() {
       return [...new Set(KEYS.map(({ group }) => group))];
     },
@@ -202,6 +214,7 @@ export default {
     load({ labels, ...news }) {
       this.labels = new Map();
       this.outstanding.clear();
+      this.proposal = this.asked = null;
       this.update({ labels, serial: this.serial, ...news });
     },
     /** Changed labels as [frame, flag, state]; without a flag a label is gone. */
@@ -211,7 +224,7 @@ export default {
         if ((this.outstanding.get(frame) ?? 0) > serial) continue;
         if (flag) this.labels.set(frame, { flag, state });
         else this.labels.delete(frame);
-        if (frame === this.frame && flag && !this.outstanding.has(frame)) this.proposal = null;
+        if (frame === this.frame && flag && !this.outstanding.has(frame)) this.proposal = this.asked = null;
       }
       for (const [frame, last] of this.outstanding) if (last <= serial) this.outstanding.delete(frame);
       this.count = count;
@@ -243,10 +256,9 @@ export default {
       this.trouble = description.trouble;
       sessionStorage.setItem(this.places, String(this.frame));
       if (isOther) {
-        this.proposal = null;
-        this.asked = null;
+        this.proposal = this.asked = null;
         this.dismissed = false;
-        this.message = { text: "", kind: "" };
+        this.message = { text: description.note, kind: "warning" };
       }
       this.showLabel();
       this.executeQueue();
@@ -289,8 +301,7 @@ export default {
     commit(label, { merges = false, frame = this.frame } = {}) {
       if (label) this.labels.set(frame, label);
       else this.labels.delete(frame);
-      this.proposal = null;
-      this.asked = null;
+      this.proposal = this.asked = null;
       this.message = { text: "", kind: "" };
       this.status.changed = true;
       this.serial += 1;
@@ -464,7 +475,7 @@ export default {
     },
     dismiss() {
       this.cancelDrag();
-      this.proposal = null;
+      this.proposal = this.asked = null;
       this.dismissed = true;
       this.showLabel();
     },

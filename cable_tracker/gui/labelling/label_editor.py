@@ -14,6 +14,9 @@ from cable_tracker.visualisation.palette import AMBER, GREEN, RED, SKY, STRAW, C
 
 STYLE = Path(__file__).with_name("label_editor.css")
 
+PRIMARY = "#2a7fb8"
+"""Of the buttons of dialogs: the blue of proposals, dark enough for white letters."""
+
 COLOURS: Mapping[str, Colour] = {
     "hand": GREEN,
     "proposed": GREEN,
@@ -53,6 +56,7 @@ class LabelEditor(FrameCanvas, component="label_editor.js"):
     def __init__(self, channel: FrameChannel, recording: str) -> None:
         super().__init__(channel)
         ui.add_css(STYLE.read_text(encoding="utf-8"))
+        ui.colors(primary=PRIMARY)
         self._props["recording"] = recording
         self._props["colours"] = {name: css_colour(colour) for name, colour in COLOURS.items()}
         for name, colour in COLOURS.items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -62,7 +61,7 @@ class Proposer:
         self._detector = DETECTORS[DETECTOR]()
 
     def propose(
-        self, frame: int, labels: Labels, stopped: threading.Event | None = None
+        self, frame: int, labels: Labels, stopped: Callable[[], bool] = lambda: False
     ) -> Proposal:
         """Propose a label.
 
@@ -76,25 +75,29 @@ class Proposer:
             Number of the frame.
         labels : Labels
             What is labelled.
-        stopped : Event or None
-            Set from another thread when nobody waits for the answer any more.
+        stopped : callable
+            Tells whether nobody waits for the answer any more.
 
         Raises
         ------
         IndexError, RecordingError
             There is no such frame.
         """
+        if stopped():
+            return Proposal(frame, None, "stopped")
         start = max((number for number in labels if number < frame), default=None)
         if start is not None and frame - start <= MOST_FRAMES and labels[start].state is not None:
-            return self._track(start, frame, labels, stopped or threading.Event())
+            return self._track(start, frame, labels, stopped)
         return self._detect(frame)
 
-    def _track(self, start: int, frame: int, labels: Labels, stopped: threading.Event) -> Proposal:
+    def _track(
+        self, start: int, frame: int, labels: Labels, stopped: Callable[[], bool]
+    ) -> Proposal:
         tracker = make_tracker(self._parameters)
         tracker.initialise(StatePrior.around(self._moving_state(start, labels)))
         estimate = None
         for number in range(start, frame + 1):
-            if stopped.is_set():
+            if stopped():
                 return Proposal(frame, None, "stopped")
             try:
                 estimate = _process(tracker, self._read(number))

@@ -17,7 +17,7 @@ from cable_tracker.errors import CableTrackerError, ParameterError, RecordingErr
 from cable_tracker.gui.frame_channel import FrameChannel
 from cable_tracker.gui.labelling.autosave import autosave_path
 from cable_tracker.gui.labelling.document import Changes
-from cable_tracker.gui.labelling.label_editor import LabelEditor, label_row
+from cable_tracker.gui.labelling.label_editor import LabelEditor, label_row, places
 from cable_tracker.gui.labelling.label_file import OverwriteError
 from cable_tracker.gui.labelling.labels import FrameLabel, Origin, drawn_state, flagged_label
 from cable_tracker.gui.labelling.pictures import Picture
@@ -98,6 +98,7 @@ class LabelPage:
         self._frame = 0
         self._is_loading = False
         self._serial = 0
+        self._asked: int | None = None
         self._resume_dialog: ui.dialog | None = None
 
     def build(self) -> None:
@@ -160,7 +161,8 @@ class LabelPage:
                 self._workspace.tell({})
             if not quietly:
                 self._editor.say(str(error), "error")
-                self._wanted = self._wanted if self._wanted is not None or not count else count - 1
+                if count:
+                    self._editor.go_to(count - 1)
             return None
 
     def _publish(self, picture: Picture) -> None:
@@ -170,11 +172,19 @@ class LabelPage:
             "size": picture.size,
             "frame": picture.frame,
             "stamp": format_stamp(picture.stamp),
-            "trouble": f"frame {picture.frame} cannot be shown: {picture.trouble}"
-            if picture.trouble
-            else "",
+            "trouble": picture.trouble and f"frame {picture.frame}: {picture.trouble}",
+            "note": self._note_on(picture),
         }
         self._channel.publish(pack(description, [jpeg_section(picture.jpeg)]))
+
+    def _note_on(self, picture: Picture) -> str:
+        labels = self._workspace.document.labels
+        if picture.frame not in labels or not self._workspace.is_displaced(picture):
+            return ""
+        return (
+            f"frame {picture.frame} had another time when it was labelled; do these labels belong"
+            " to this recording?"
+        )
 
     # How things stand
 
@@ -211,6 +221,7 @@ class LabelPage:
         frame = int(event.args["frame"])
         document = self._workspace.document
         try:
+            self._workspace.need_frame(frame)
             label = _label_of(event.args["label"])
         except (CableTrackerError, ValueError) as error:
             self._editor.say(str(error), "error")
@@ -270,13 +281,20 @@ class LabelPage:
         self._editor.say(f"interpolated {count} frame{'s' if count != 1 else ''}")
 
     async def _propose(self, frame: int) -> None:
+        self._asked = frame
         labels = dict(self._workspace.document.labels)
         try:
-            found = await self._in(self._server.thinker, self._workspace.propose, frame, labels)
+            found = await self._in(
+                self._server.thinker,
+                self._workspace.propose,
+                frame,
+                labels,
+                lambda: self._asked == frame,
+            )
         except IndexError as error:
             raise RecordingError(str(error)) from error
-        label = FrameLabel(found.state)
-        self._editor.propose(found.frame, label_row(frame, label)[2], found.words)  # type: ignore[arg-type]
+        if self._asked == frame:
+            self._editor.propose(frame, places(FrameLabel(found.state)), found.words)
 
     # Files
 

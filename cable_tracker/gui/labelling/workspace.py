@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from cable_tracker.cable.presets import preset
-from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.gui.labelling.autosave import autosave_path, read_autosave, write_autosave
 from cable_tracker.gui.labelling.document import Changes, LabelDocument
 from cable_tracker.gui.labelling.label_file import FileContent, LabelFile
@@ -23,6 +23,7 @@ from cable_tracker.gui.labelling.pictures import Picture, Pictures
 from cable_tracker.gui.labelling.proposals import Proposal, Proposer
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.frame_source import one_line
+from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.sequence_file import SequenceFileSource
 from cable_tracker.sequences.source import Source
 
@@ -137,9 +138,22 @@ class Workspace:
         self.document.stamps.setdefault(frame, made.stamp)
         return made
 
-    def propose(self, frame: int, labels: Labels) -> Proposal:
+    def is_displaced(self, picture: Picture) -> bool:
+        """Tell whether the frame of a picture was labelled when its number had another time.
+
+        Labels then belong to other frames: the recording was cut, or it is another one. Pictures
+        have no times of their own.
+        """
+        has_times = not isinstance(self.source, (ImageFolderSource, SequenceFileSource))
+        return has_times and self.document.stamps.get(picture.frame) != picture.stamp
+
+    def propose(
+        self, frame: int, labels: Labels, is_awaited: Callable[[], bool] = lambda: True
+    ) -> Proposal:
         """Propose a label, given copied labels; see `Proposer.propose`."""
-        return self._proposer.propose(frame, labels, self.stopped)
+        return self._proposer.propose(
+            frame, labels, lambda: self.stopped.is_set() or not is_awaited()
+        )
 
     def read_stamps(self, frames: Iterable[int]) -> dict[int, int]:
         """Return the times of frames [ns], as far as they can be read; from any thread."""
@@ -155,7 +169,21 @@ class Workspace:
 
     def missing_stamps(self, frames: Iterable[int]) -> list[int]:
         """Return those frames whose times are not known yet."""
-        return [frame for frame in frames if frame not in self.document.stamps]
+        known, count = self.document.stamps, self.count
+        return [
+            frame for frame in frames if frame not in known and (count is None or frame < count)
+        ]
+
+    def need_frame(self, frame: int) -> None:
+        """Refuse to label what is no frame.
+
+        Raises
+        ------
+        ParameterError
+            There is no such frame.
+        """
+        if frame < 0 or (self.count is not None and frame >= self.count):
+            raise ParameterError(f"there is no frame {frame}")
 
     def interpolate(self, frame: int, wanted: list[Gap]) -> None:
         """Fill gaps between key frames."""

@@ -2,7 +2,7 @@
 
 import math
 import signal
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from itertools import count
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from cable_tracker.gui.labelling.label_file import flags_path, read_label_file
 from cable_tracker.gui.labelling.names import names_of
 from cable_tracker.sequences.source import open_source
 
+from ..conftest import visiting
 from .conftest import COUNT, SIZE, true_state
 
 OBLIQUE = (20.0, 0.4, 50.0, 0.06)
@@ -116,19 +117,29 @@ class Editor:
         return [(row["kind"], row.get("side"), tuple(row["at"])) for row in rows]
 
 
+@pytest.fixture(scope="module")
+def page(chromium, window):
+    """A page that most tests share; each of them opens a label file of its own."""
+    with visiting(chromium, window.url) as page:
+        yield page
+
+
 @pytest.fixture
-def edit(window, visit):
+def edit(window, page, visit):
     """Return a context: an editor on a label file of its own, with given lines."""
 
     @contextmanager
     def editing(*lines, **options):
         path = window.home / f"labels_{next(numbers)}.txt"
         path.write_text("# labels\n" + "".join(lines))
-        with visit(window.url, **options) as page:
-            editor = Editor(page)
+        with visit(window.url, **options) if options else nullcontext(page) as own:
+            editor = Editor(own)
+            editor.path = path
             editor.manual()
             editor.open(path)
-            editor.path = path
+            own.locator(".frame-canvas").focus()
+            editor.press("Home", "0")
+            editor.at(0)
             yield editor
 
     return editing

@@ -2,14 +2,14 @@ import os
 
 import pytest
 
-from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.gui.labelling.autosave import autosave_path, write_autosave
 from cable_tracker.gui.labelling.label_file import OverwriteError
 from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel
 from cable_tracker.gui.labelling.workspace import Workspace, default_label_file
 from cable_tracker.sequences.source import open_source
 
-from .conftest import true_state
+from .conftest import COUNT, true_state
 
 LABEL = FrameLabel(true_state(0))
 
@@ -218,6 +218,25 @@ def test_a_file_that_cannot_be_opened_changes_nothing(workspace, tmp_path, path,
         workspace.open(other)
     assert workspace.path == path
     assert dict(workspace.document.labels) == {0: LABEL}
+
+
+def test_labels_of_other_times_are_noticed(video, path):
+    workspace = Workspace(open_source(video), path)
+    picture = workspace.picture(2)
+    assert not workspace.is_displaced(picture)
+    workspace.document.stamps[2] += 1
+    assert workspace.is_displaced(picture)
+
+
+def test_only_frames_are_labelled(workspace):
+    workspace.need_frame(COUNT - 1)
+    for frame in (-1, COUNT):
+        with pytest.raises(ParameterError):
+            workspace.need_frame(frame)
+
+
+def test_times_are_asked_of_frames_only(workspace):
+    assert workspace.missing_stamps([0, COUNT]) == [0]
 
 
 def test_pictures_tell_their_times(workspace):
