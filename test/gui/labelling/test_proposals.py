@@ -1,12 +1,22 @@
+import numpy as np
 import pytest
 
 from cable_tracker.cable.presets import preset
 from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel
-from cable_tracker.gui.labelling.proposals import MOST_FRAMES, Proposer
+from cable_tracker.gui.labelling.proposals import (
+    MOST_FRAMES,
+    MOST_FRAMES_IN_DOUBT,
+    Proposal,
+    Proposer,
+)
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.source import open_source
 
 from .conftest import COUNT, true_state
+
+MUD = np.full((240, 320), 80, np.uint8)
 
 
 @pytest.fixture
@@ -58,6 +68,30 @@ def test_a_proposal_that_nobody_waits_for_is_given_up(proposer):
     answers = iter([False, False, False, True])
     found = proposer.propose(5, {0: FrameLabel(true_state(0))}, lambda: next(answers))
     assert found.words == "stopped"
+
+
+def mud(number):
+    """A frame that shows nothing."""
+    return Frame(number, 40_000_000 * (number + 1), raw_from_array(MUD, "mono8"))
+
+
+def test_shortly_behind_a_label_an_unclaimed_cable_is_proposed_in_doubt():
+    found = Proposer(mud, preset("default")).propose(1, {0: FrameLabel(true_state(0))})
+    assert found.words == "tracked from frame 0, in doubt"
+    assert found.state is not None
+
+
+def test_far_behind_a_label_an_unclaimed_cable_is_lost():
+    labels = {0: FrameLabel(true_state(0))}
+    found = Proposer(mud, preset("default")).propose(MOST_FRAMES_IN_DOUBT + 1, labels)
+    assert found == Proposal(
+        MOST_FRAMES_IN_DOUBT + 1, None, "the tracker has lost the cable since frame 0"
+    )
+
+
+def test_where_nothing_is_seen_nothing_is_proposed():
+    found = Proposer(mud, preset("default")).propose(0, {})
+    assert found == Proposal(0, None, "no cable was detected")
 
 
 def test_the_tracker_is_not_sent_too_far(proposer):
