@@ -20,6 +20,7 @@ export const KEYS = [
   { group: "Labels", keys: ["Esc"], words: "dismiss the proposal", on: ["Escape"], does: "dismiss" },
   { group: "View", keys: ["+", "−", "0"], words: "zoom in, out, whole picture", on: ["+", "=", "-", "0"], does: "zoom" },
   { group: "View", keys: ["Alt ←→↑↓"], words: "move the zoomed picture", on: [], does: "" },
+  { group: "View", keys: ["V"], words: "hide what is drawn, while held down", on: ["v"], does: "hide" },
   { group: "View", keys: ["H", "?"], words: "this help", on: ["h", "?"], does: "help" },
   { group: "File", keys: ["Ctrl Z", "Ctrl Y"], words: "undo, redo", on: [], does: "" },
   { group: "File", keys: ["Ctrl S"], words: "save (Shift: save as)", on: [], does: "" },

@@ -22,7 +22,7 @@ const FIELDS = [
   { symbol: "β", unit: "deg", scale: DEGREE, digits: 2, step: 0.5, words: "beta, skew, positive if the borders converge upwards" },
 ];
 /** Commands that need not wait for a picture. */
-const MOVES = new Set(["next", "previous", "end", "key", "unlabelled", "zoom", "pan", "help", "save", "save_as", "open"]);
+const MOVES = new Set(["next", "previous", "end", "key", "unlabelled", "zoom", "pan", "hide", "help", "save", "save_as", "open"]);
 const ADVICE = {
   proposal: "Enter accepts and goes on  ·  drag the handles or press arrow keys to correct  ·  N: no cable  ·  Esc: no proposal",
   hand: "Enter: next frame  ·  drag the handles or press arrow keys to correct  ·  C copies to the next frame",
@@ -180,6 +180,7 @@ export default {
     this.asked = null;
     this.drag = null;
     this.queue = [];
+    this.isHidden = false;
     this.places = `cable_tracker.label ${this.recording}`;
   },
   mounted() {
@@ -197,7 +198,10 @@ export default {
     });
     this.timeline = new LabelTimeline(this.$refs.timeline, this.colours, (frame) => this.go(frame));
     this.onKey = (event) => this.keyDown(event);
+    this.onKeyUp = () => this.isHidden && this.hide(false);
     window.addEventListener("keydown", this.onKey);
+    window.addEventListener("keyup", this.onKeyUp);
+    window.addEventListener("blur", this.onKeyUp);
     this.$el.editor = this;
     this.wanted = Number(sessionStorage.getItem(this.places) ?? 0);
     this.$refs.canvas.focus();
@@ -205,6 +209,8 @@ export default {
   },
   beforeUnmount() {
     window.removeEventListener("keydown", this.onKey);
+    window.removeEventListener("keyup", this.onKeyUp);
+    window.removeEventListener("blur", this.onKeyUp);
     this.timeline.close();
     this.view.close();
   },
@@ -284,7 +290,7 @@ export default {
     wordsOf: (kind) => WORDS[kind].split(",")[0],
     keysOf: (group) => KEYS.filter((row) => row.group === group),
     draw(context, view) {
-      if (!this.shown) return;
+      if (!this.shown || this.isHidden) return;
       const colour = this.colours[this.drag ? "hand" : this.flag] ?? this.colours.hand;
       const dash = this.flag === "proposal" && !this.drag ? [9, 6] : [];
       const width = this.flag === "interpolated" && !this.drag ? 1.5 : 2;
@@ -430,6 +436,7 @@ export default {
         dismiss: () => this.dismiss(),
         propose: () => this.propose(),
         copy: () => this.copy(),
+        hide: () => this.hide(true),
         zoom: () => this.zoom(key),
         pan: () => this.pan(key),
         help: () => this.$refs.help.showModal(),
@@ -511,6 +518,10 @@ export default {
       const centre = this.shown && geometry.handlesOf(this.shown, visibleRectangle(this.view)).points[0].at;
       const about = centre ? toCanvas(centre, this.view.description.size) : this.view.middle;
       return this.view.zoomAbout(about, key === "-" ? 1 / ZOOM_STEP : ZOOM_STEP);
+    },
+    hide(isHidden) {
+      this.isHidden = isHidden;
+      this.view.redraw();
     },
     pan(key) {
       const [x, y] = this.view.middle;

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import time
 from collections.abc import Awaitable, Callable, Mapping
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -15,7 +14,6 @@ from nicegui.events import GenericEventArguments
 
 from cable_tracker.errors import CableTrackerError, ParameterError, RecordingError
 from cable_tracker.gui.frame_channel import FrameChannel
-from cable_tracker.gui.labelling.autosave import autosave_path
 from cable_tracker.gui.labelling.document import Changes
 from cable_tracker.gui.labelling.label_editor import LabelEditor, label_row, places
 from cable_tracker.gui.labelling.label_file import OverwriteError
@@ -361,21 +359,15 @@ class LabelPage:
         if self._resume_dialog is not None:
             self._resume_dialog.delete()
             self._resume_dialog = None
-        autosaved = self._workspace.autosaved
-        if autosaved is None:
+        if self._workspace.autosaved is None:
             return
-        path = autosave_path(self._workspace.path)
-        try:
-            when = time.strftime("%Y-%m-%d %H:%M", time.localtime(path.stat().st_mtime))
-        except OSError:
-            when = "an earlier run"
         with (
             self._editor.client.content,
             ui.dialog().props("persistent") as dialog,
             ui.card().classes("w-[520px] max-w-full"),
         ):
             ui.label("Labels that were not saved").classes("text-lg")
-            ui.label(f"{len(autosaved)} labelled frames of {when} were found in {path.name}.")
+            ui.label(self._workspace.autosaved_words()).classes("break-words")
             with ui.row().classes("w-full justify-end"):
                 ui.button("Discard them", on_click=self._workspace.discard).props("flat")
                 ui.button("Resume", on_click=self._workspace.resume).props("autofocus")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TypeAlias
@@ -98,14 +99,25 @@ class Workspace:
 
     @staticmethod
     def _unsaved(path: Path, content: FileContent) -> tuple[Labels | None, dict[int, int]]:
-        """Return the autosaved labels and their times, if they are newer and say other things."""
+        """Return the autosaved labels and their times, if they say other things than the file."""
         kept = autosave_path(path)
         if not kept.exists():
             return None, {}
-        if path.exists() and kept.stat().st_mtime_ns < path.stat().st_mtime_ns:
-            return None, {}
         labels, stamps = read_autosave(kept)
         return (labels, stamps) if labels != content.labels else (None, {})
+
+    def autosaved_words(self) -> str:
+        """Return what the user should know of the unsaved labels of an earlier run."""
+        kept = autosave_path(self.path)
+        count = len(self.autosaved or {})
+        try:
+            written = kept.stat().st_mtime
+            is_older = self.path.exists() and written < self.path.stat().st_mtime
+        except OSError:
+            return f"There are {count} labelled frames of an earlier run."
+        when = time.strftime("%Y-%m-%d %H:%M", time.localtime(written))
+        words = f"{count} labelled frames of {when} were found in {kept.name}."
+        return f"{words} They are older than {self.path.name}." if is_older else words
 
     @property
     def path(self) -> Path:

@@ -6,6 +6,8 @@ import pytest
 
 from cable_tracker.cable.geometry import project_borders
 from cable_tracker.cable.state import CableState
+from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.source import open_source
 
 from ..conftest import Running
 
@@ -66,6 +68,14 @@ def video(tmp_path, pictures):
     for picture in pictures:
         writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
     writer.release()
+    return path
+
+
+@pytest.fixture
+def bag(folder):
+    """A ROS 2 bag."""
+    path = folder.parent / "bag"
+    write_bag(path, open_source(folder).frames(), storage="mcap")
     return path
 
 

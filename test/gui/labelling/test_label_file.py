@@ -68,7 +68,7 @@ def test_a_missing_file_holds_no_labels(file):
     assert file.read() == FileContent()
 
 
-@pytest.mark.parametrize("kind", ["video", "folder", "sequence"])
+@pytest.mark.parametrize("kind", ["video", "bag", "folder", "sequence"])
 def test_other_commands_read_the_labels_as_truth(kind, request, tmp_path):
     recording = request.getfixturevalue(kind)
     path = tmp_path / "labels.txt"

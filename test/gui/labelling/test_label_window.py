@@ -235,6 +235,22 @@ def test_zoom_and_pan_do_not_move_the_label(edit):
         assert editor.ask("editor.view.zoom") == 1
 
 
+def test_what_is_drawn_is_hidden_while_a_key_is_down(edit):
+    drawn = """async () => {
+        await new Promise(requestAnimationFrame);
+        const { context, canvas } = document.querySelector(".label-editor").editor.view;
+        const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+        return data.some((green, i) => i % 4 === 1 && green - data[i - 1] > 100);
+    }"""
+    with edit(label_line(OBLIQUE)) as editor:
+        editor.at(0, "hand")
+        assert editor.page.evaluate(drawn)
+        editor.page.keyboard.down("v")
+        assert not editor.page.evaluate(drawn)
+        editor.page.keyboard.up("v")
+        assert editor.page.evaluate(drawn)
+
+
 def test_fingers_drag_and_pinch(edit):
     touch = """([name, id, x, y]) => document.querySelector('.frame-canvas').dispatchEvent(
         new PointerEvent(name, { pointerId: id, pointerType: 'touch', clientX: x, clientY: y,

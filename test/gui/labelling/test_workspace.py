@@ -1,4 +1,5 @@
 import os
+import time
 
 import pytest
 
@@ -136,12 +137,22 @@ def test_undoing_everything_ends_it_too(workspace, path):
     assert not autosave_path(path).exists()
 
 
-def test_older_unsaved_labels_are_not_offered(start, path):
+def test_unsaved_labels_that_are_older_than_the_file_are_said_to_be_so(start, path):
     write_autosave(autosave_path(path), {0: WITHOUT_CABLE}, {})
-    os.utime(autosave_path(path), (1, 1))
-    workspace = start()
-    edit(workspace)
+    assert "older" not in start().autosaved_words()
     path.write_text("1 0.1 40 0 # dive/000.png\n")
+    os.utime(autosave_path(path), (1, 1))
+    assert start().autosaved_words() == (
+        f"1 labelled frames of {time.strftime('%Y-%m-%d %H:%M', time.localtime(1))} were found in"
+        " labels.txt.autosave. They are older than labels.txt."
+    )
+
+
+def test_unsaved_labels_that_say_the_same_are_not_offered(start, path):
+    first = start()
+    edit(first)
+    first.save()
+    write_autosave(autosave_path(path), {0: LABEL}, {})
     assert start().autosaved is None
 
 
