@@ -68,16 +68,19 @@ def read_autosave(path: Path) -> tuple[dict[int, FrameLabel], dict[int, int]]:
             f"{path}: line 1 is not the header {','.join(HEADER)}; remove the file"
         )
     labels, stamps = {}, {}
-    for number, row in enumerate(rows[1:], start=2):
+    for line, row in enumerate(rows[1:], start=2):
         try:
             frame, stamp, flag, *places = row
             state = None if flag == NO_CABLE else _state(places)
-            labels[int(frame)] = flagged_label(state, flag)
+            number = int(frame)
+            if number < 0:
+                raise ValueError(f"there is no frame {frame}")
+            labels[number] = flagged_label(state, flag)
             if stamp:
-                stamps[int(frame)] = int(stamp)
+                stamps[number] = int(stamp)
         except ValueError as error:
             raise RecordingError(
-                f"{path}: line {number} is malformed ({one_line(error)}); correct it, or remove"
+                f"{path}: line {line} is malformed ({one_line(error)}); correct it, or remove"
                 " the file"
             ) from error
     return labels, stamps
@@ -85,4 +88,7 @@ def read_autosave(path: Path) -> tuple[dict[int, FrameLabel], dict[int, int]]:
 
 def _state(places: list[str]) -> CableState:
     distance, angle, width, skew = map(float, places)
-    return CableState(distance, angle, width, skew)
+    state = CableState(distance, angle, width, skew)
+    if not state.is_finite():
+        raise ValueError("a number is not finite")
+    return state

@@ -154,6 +154,22 @@ def test_unreadable_flags_are_told_by_line(file, path, names, row, reason):
         read_back(path, names)
 
 
+flag_pieces = st.sampled_from(
+    ["frame,stamp,flag,file\n", "1,2,hand,dive.avi:1\n", "no_cable", ",", "\n", '"', "9" * 5000]
+)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(flag_pieces | st.text(max_size=5), max_size=12))
+def test_whatever_the_flags_hold_only_one_error_comes_of_it(path, names, parts):
+    path.write_text("1 0.1 40 0 # dive.avi:1\n")
+    flags_path(path).write_bytes("".join(parts).encode("utf-8", "surrogatepass"))
+    try:
+        read_back(path, names)
+    except RecordingError as error:
+        assert "\n" not in str(error)
+
+
 def test_a_file_that_was_opened_may_be_written_again_and_again(path, names):
     LabelFile(path, names).write(FileContent(LABELS, STAMPS))
     file = LabelFile(path, names)
