@@ -73,8 +73,8 @@ export default {
       <section class="fields" aria-label="numbers of the label">
         <label v-for="(field, i) in fields" :key="field.symbol" :title="field.words">
           <span>{{ field.symbol }}</span>
-          <input type="number" :step="field.step" :value="values[i]" :disabled="!shown" :aria-label="field.words + ', ' + field.unit"
-            :data-test="field.symbol" @change="type(i, $event)" @keydown.enter.stop="enter($event)" />
+          <input type="number" :step="field.step" :value="texts[i] ?? values[i]" :disabled="!shown" :aria-label="field.words + ', ' + field.unit"
+            :data-test="field.symbol" @input="texts[i] = $event.target.value" @change="type(i, $event)" @keydown.enter.stop="enter($event)" />
           <small>{{ field.unit }}</small>
         </label>
       </section>
@@ -140,6 +140,8 @@ export default {
     status: { path: "", name: "", changed: false, can_undo: false, can_redo: false },
     counts: { hand: 0, proposed: 0, interpolated: 0, no_cable: 0, none: 0 },
     fields: FIELDS,
+    // What is being typed: news from the server must not take it away.
+    texts: {},
   }),
   computed: {
     lastFrame() {
@@ -264,6 +266,7 @@ export default {
       if (isOther) {
         this.proposal = this.asked = null;
         this.dismissed = false;
+        this.texts = {};
         this.message = { text: description.note, kind: "warning" };
       }
       this.showLabel();
@@ -364,6 +367,7 @@ export default {
       this.showLabel();
     },
     type(i, event) {
+      delete this.texts[i];
       const value = Number(event.target.value) * FIELDS[i].scale;
       if (!this.shown || event.target.value === "" || !Number.isFinite(value)) {
         event.target.value = this.values[i];

@@ -506,3 +506,17 @@ def test_unsaved_labels_outlive_the_server(run_command, visit, folder, tmp_path)
     assert flags_path(path).read_text().count("no_cable") == 2
     assert not kept.exists()
     assert second.stop() == 0
+
+
+def test_what_is_being_typed_stays_while_news_come(edit):
+    with edit(label_line((10.0, 0.0, 60.0, 0.0))) as editor:
+        editor.at(0, "hand")
+        field = editor.page.locator("[data-test='w']")
+        field.fill("4")
+        editor.ask("editor.update({labels: [], serial: editor.serial, count: editor.count + 1})")
+        editor.page.wait_for_function("document.querySelector('[data-test=w]').value === '4'")
+        assert editor.ask("editor.count") > 8
+        assert field.input_value() == "4"
+        field.press("Enter")
+        editor.page.wait_for_function("document.querySelector('[data-test=w]').value === '4'")
+        assert editor.ask("editor.shown[2]") == pytest.approx(4.0)
