@@ -13,7 +13,10 @@ from cable_tracker.cable.motion_aid import MotionAid
 from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.cable.state import PLACES, StateColumn
 from cable_tracker.particle_filter.normal import standard_normals
-from cable_tracker.particle_filter.student_t import student_t_stretches
+from cable_tracker.particle_filter.student_t import standard_student_t, student_t_stretches
+
+DOUBT_STRIDE = 4
+"""One in so many states does not follow odometry."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,7 +193,7 @@ class CableMovement:
 
     def propagate(self, states: FloatArray, dt: float, rng: np.random.Generator) -> FloatArray:
         """Draw the states `dt` seconds later, shape (N, 8), within the limits."""
-        moved = self.drift(states, dt)
+        moved = self.centres(states, dt, rng)
         sigmas = self.diffusion_sigmas(dt)
         moving = np.flatnonzero(sigmas)  # The others need no random numbers.
         noise = standard_normals(rng, len(moving), len(states))
@@ -204,13 +207,40 @@ class CableMovement:
         """Return for how long an undamped rate would have to last; see `effective_time` [s]."""
         return effective_time(self._parameters, dt)
 
-    def drift(self, states: FloatArray, dt: float) -> FloatArray:
-        """Return where the rates alone take the states in `dt` seconds, shape (N, 8).
+    def centres(self, states: FloatArray, dt: float, rng: np.random.Generator) -> FloatArray:
+        """Draw what the diffusion over `dt` seconds is about, shape (N, 8).
 
-        Or where odometry says that they are; see `aid_by`.
+        Without odometry, where the rates take the states. With it, where it says that they are; but
+        one in `DOUBT_STRIDE` goes on by its rates, and astray as usual. So a filter that is beside
+        the cable still finds it, and wrong odometry does not take everything along.
         """
-        if self._aid is not None:
-            return self._aid.moved(states)
+        moved = self.expected(states, dt)
+        if self._aid is None:
+            return moved
+        doubting = slice(DOUBT_STRIDE - 1, None, DOUBT_STRIDE)
+        moved[doubting] = self._astray(states[doubting], dt, rng)
+        return moved
+
+    def expected(self, states: FloatArray, dt: float) -> FloatArray:
+        """Return where odometry or else the rates take states in `dt` seconds, shape (N, 8)."""
+        if self._aid is None:
+            return self.drift(states, dt)
+        moved = self._aid.moved(states)
+        # Rates that the model never changes would stay for ever as odometry has left them.
+        fixed = PLACES + np.flatnonzero(self._per_frame[1] == 0.0)
+        moved[:, fixed] = states[:, fixed]
+        return moved
+
+    def _astray(self, states: FloatArray, dt: float, rng: np.random.Generator) -> FloatArray:
+        """Drift by the rates, and diffuse by what odometry has taken off the diffusion."""
+        usual = variances_over(self._per_frame, self._parameters, dt)
+        taken_off = np.sqrt(np.maximum(usual - self.diffusion_sigmas(dt) ** 2, 0.0))
+        tail = self.degrees_of_freedom
+        noise = [standard_student_t(rng, len(states), PLACES, tail) for _ in range(2)]
+        return self.drift(states, dt) + np.hstack(noise) * taken_off
+
+    def drift(self, states: FloatArray, dt: float) -> FloatArray:
+        """Return where the rates alone take the states in `dt` seconds, shape (N, 8)."""
         moved = states.copy()
         moved[:, :PLACES] += states[:, PLACES:] * effective_time(self._parameters, dt)
         moved[:, PLACES:] *= rate_damping_over(self._parameters, dt)

@@ -304,8 +304,15 @@ class MultiHypothesisFilter:
             reference_angle=belief.reference_angle,
             usual_width=usual_width,
             parameters=self._parameters,
-            leader_shift=belief.clusters[0].mean[PLACES:] * self._movement.effective_time(dt),
+            leader_shift=self._shift_of(belief.clusters[0].mean, dt),
         )
+
+    def _shift_of(self, state: FloatArray, dt: float) -> FloatArray:
+        """Return how far a state (8,) is expected to move in d, alpha, w, beta, shape (4,)."""
+        if not self._movement.is_aided:
+            return np.asarray(state[PLACES:] * self._movement.effective_time(dt))
+        moved: FloatArray = self._movement.expected(state[None, :], dt)[0, :PLACES]
+        return moved - state[:PLACES]
 
     def _survivors(self, belief: Belief, dt: float) -> Survivors:
         """Choose the particles that go on, and let them drift."""
@@ -313,7 +320,7 @@ class MultiHypothesisFilter:
         ancestors = unwrap_states(belief.particles.states[indices], belief.reference_angle)
         survival = survival_probabilities(ancestors, self._image_size, self._parameters, dt)
         surviving = np.maximum(weights * survival, LEAST_SURVIVING)
-        drifted = self._movement.drift(ancestors, dt)
+        drifted = self._movement.centres(ancestors, dt, self._rng)
         total = float(surviving.sum())
         places, rates = (np.ascontiguousarray(part) for part in np.hsplit(drifted, [PLACES]))
         return Survivors(places, rates, surviving / total, total)

@@ -30,6 +30,9 @@ FAULT_AFTER = 1.0
 LATENESS = 0.5
 """How late twists come, and by how much stamps are wrong, when they are [s]."""
 
+WRONG_SCALE = 1.3
+"""Factor on all velocities, when it is wrong."""
+
 
 class OdometryFault(str, Enum):
     """What may be wrong with odometry."""
@@ -53,6 +56,9 @@ class OdometryFault(str, Enum):
     TURNED = "turned"
     """It is mounted the wrong way round: forward is backward, left is right."""
 
+    SCALED = "scale wrong"
+    """All its velocities are too high by `WRONG_SCALE`."""
+
 
 def faulty(
     stamps: list[int], twists: FloatArray, fault: OdometryFault, rng: np.random.Generator
@@ -74,6 +80,8 @@ def faulty(
         said = [stamp + lateness for stamp in said]
     elif fault is OdometryFault.TURNED:
         values[:, [0, 1, 3, 4]] *= -1.0
+    elif fault is OdometryFault.SCALED:
+        values *= WRONG_SCALE
     return arrivals, said, values
 
 
@@ -111,7 +119,7 @@ class AidedMethod:
         while self._coming and self._coming[-1][0] <= stamp:
             _, stated, twist = self._coming.pop()
             self._odometry.add(stated, twist, self._covariance)
-        motion = self._aiding.motion(stamp)
+        motion = self._aiding.motion(stamp, image)
         estimate = self._tracker.process(image, stamp, motion)
         self._aiding.observe(estimate)
         self.frames += 1

@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-import multiprocessing
-from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from ctypes import c_longlong
+from collections.abc import Callable
 from dataclasses import dataclass
-from multiprocessing.sharedctypes import Synchronized
-
-import cv2
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.frames import JudgedSequence
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
-
-POLL_SECONDS = 0.2
-LARGEST_WORKER_COUNT = 256
+from cable_tracker.evaluation.workers import run_tasks
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,27 +93,6 @@ class _Task:
         return run_together(runs, frames, self.sequence.name, advance)
 
 
-class _Worker:
-    """What a worker process keeps: the counter of frames that all share."""
-
-    counter: Synchronized[int] | None = None
-
-    @classmethod
-    def begin(cls, counter: Synchronized[int]) -> None:
-        cls.counter = counter
-        cv2.setNumThreads(1)
-
-    @classmethod
-    def count(cls) -> None:
-        assert cls.counter is not None
-        with cls.counter.get_lock():
-            cls.counter.value += 1
-
-
-def _run_in_worker(task: _Task) -> list[RunResult]:
-    return task.run(_Worker.count)
-
-
 def run_campaign(
     campaign: Campaign, *, workers: int = 1, advance: Callable[[int], None] = lambda frames: None
 ) -> list[RunResult]:
@@ -151,54 +121,6 @@ def run_campaign(
     CableTrackerError
         What stopped the first run that failed.
     """
-    if not 1 <= workers <= LARGEST_WORKER_COUNT:
-        raise ParameterError(f"workers is {workers}: give 1 to {LARGEST_WORKER_COUNT}")
     tasks = [_Task(campaign, s, seed) for s in campaign.sequences for seed in campaign.seeds]
-    if workers == 1 or len(tasks) == 1:
-        return _run_here(tasks, advance)
-    return _run_in_pool(tasks, min(workers, len(tasks)), advance)
-
-
-def _run_here(tasks: Sequence[_Task], advance: Callable[[int], None]) -> list[RunResult]:
-    threads = cv2.getNumThreads()
-    cv2.setNumThreads(1)
-    try:
-        return [result for task in tasks for result in task.run(lambda: advance(1))]
-    finally:
-        cv2.setNumThreads(threads)
-
-
-def _run_in_pool(
-    tasks: Sequence[_Task], workers: int, advance: Callable[[int], None]
-) -> list[RunResult]:
-    # Forked copies of a process that has used OpenCV's threads may hang.
-    context = multiprocessing.get_context("spawn")
-    counter: Synchronized[int] = context.Value(c_longlong, 0)
-    pool = ProcessPoolExecutor(workers, context, _Worker.begin, (counter,))
-    try:
-        futures = [pool.submit(_run_in_worker, task) for task in tasks]
-        _watch(futures, counter, advance)
-        return [result for future in futures for result in future.result()]
-    except BrokenProcessPool as error:
-        raise ParameterError(
-            f"workers: one of {workers} processes was ended from outside, perhaps for want of"
-            " memory; try fewer"
-        ) from error
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _watch(
-    futures: Sequence[Future[list[RunResult]]],
-    counter: Synchronized[int],
-    advance: Callable[[int], None],
-) -> None:
-    """Wait for all, tell of the progress, and raise what the first one to fail has raised."""
-    reported, pending = 0, set(futures)
-    while pending:
-        done, pending = wait(pending, timeout=POLL_SECONDS, return_when=FIRST_COMPLETED)
-        count = counter.value
-        advance(count - reported)
-        reported = count
-        for future in done:
-            future.result()
+    runs = run_tasks(tasks, workers=workers, advance=advance)
+    return [result for results in runs for result in results]

@@ -1,13 +1,13 @@
-"""Whether the filters are told the vehicle's motion: only while it agrees with what they see."""
+"""Whether the filters are told the vehicle's motion: only while it agrees with what is seen."""
 
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.geometry import unwrap_states
 from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH
@@ -19,6 +19,7 @@ from cable_tracker.metric.homography import (
 )
 from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.motion import NoMotion, Odometry
+from cable_tracker.metric.sea_bed_texture import SeaBedTexture, TextureMotion
 from cable_tracker.metric.withheld import Withheld
 
 UNMODELLED = np.array([0.6, np.deg2rad(0.2), 0.5, np.deg2rad(0.1)])
@@ -45,6 +46,19 @@ AGREEMENT = 0.6
 
 CALM_FRAMES = 15
 """For so many frames in a row there must be agreement before the filter is aided."""
+
+CALM_PICTURES = 5
+"""So many pictures in a row must agree with odometry after one that did not."""
+
+REMEMBERED_PICTURES = 12
+"""For so many pictures without texture the last one with some counts."""
+
+UNKNOWN_PER_PIXEL = np.array([1.0, 1.0 / 60.0, 1.0, 1.0 / 60.0])
+"""What is unknown of d, alpha, w, beta for each pixel by which corners are off in the median: 60 px
+from the middle of a turn, 1 px is nearly 1 deg [px, rad per px of the reference width]."""
+
+DISAGREEMENT = "odometry disagrees with how the sea bed moves in the image"
+"""Why there is no aid then."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,8 +141,36 @@ class AgreementGate:
         return float(max(drift.max() / LARGEST_DRIFT, step.max() / LARGEST_STEP))
 
 
+class TextureGate:
+    """Says by the sea bed's texture whether predictions may be used.
+
+    Two pictures show at once what is wrong: odometry is believed until a picture speaks against it.
+    """
+
+    def __init__(self) -> None:
+        self._calm = CALM_PICTURES
+        self._unseen = REMEMBERED_PICTURES
+
+    @property
+    def verdict(self) -> bool | None:
+        """Whether predictions may be used; None: there is too little texture to tell."""
+        if self._unseen >= REMEMBERED_PICTURES:
+            return None
+        return self._calm >= CALM_PICTURES
+
+    def take(self, motion: TextureMotion | None) -> None:
+        """Take one picture into account; None: it showed too little."""
+        if motion is None:
+            self._unseen += 1
+            return
+        self._unseen = 0
+        self._calm = self._calm + 1 if motion.agrees else 0
+
+
 class MotionAiding:
     """Makes the prediction for each frame, and watches whether it is any good.
+
+    The sea bed's texture decides. Where there is none, odometry has to prove itself by the cable.
 
     Parameters
     ----------
@@ -142,30 +184,51 @@ class MotionAiding:
         self._instruments = instruments
         self._odometry = odometry
         self._gate = AgreementGate()
+        self._texture = SeaBedTexture()
+        self._texture_gate = TextureGate()
+        self._seen: TextureMotion | None = None
         self._before: CableEstimate | None = None
         self._predicted: PlaneMotion | None = None
         self._why = "no frame has come"
+
+    @property
+    def seen(self) -> TextureMotion | None:
+        """How the sea bed moved up to the last frame, beside the prediction; None: not known."""
+        return self._seen
 
     @property
     def why_not(self) -> str:
         """Why the last frame was not aided; empty if it was."""
         return self._why
 
-    def motion(self, stamp: int) -> PlaneMotion | None:
-        """Return the motion from the frame before to a frame at a time [ns]; None: do not use any.
+    def motion(self, stamp: int, image: Image) -> PlaneMotion | None:
+        """Return the motion from the frame before to a frame; None: do not use any.
 
         Call it once for each frame, before the filter looks at it.
+
+        Parameters
+        ----------
+        stamp : int
+            Time of the frame [ns].
+        image : Image
+            The frame: grey levels, uint8 or float32 (0..255), shape (H, W).
         """
         prediction = self._predict(stamp)
-        self._predicted = prediction if isinstance(prediction, PlaneMotion) else None
-        if isinstance(prediction, NoMotion):
-            self._why = prediction.why
-            return None
-        if not self._gate.is_open:
-            self._why = self._gate.why_closed
-            return None
-        self._why = ""
-        return prediction
+        predicted = prediction if isinstance(prediction, PlaneMotion) else None
+        seen = self._texture.compare(image, predicted.mapping if predicted is not None else None)
+        self._texture_gate.take(seen)
+        self._seen = seen
+        if predicted is not None and seen is not None and seen.agrees:
+            predicted = _widened(predicted, seen.excess, image.shape[1])
+        self._predicted = predicted
+        self._why = prediction.why if isinstance(prediction, NoMotion) else self._why_closed()
+        return None if self._why else predicted
+
+    def _why_closed(self) -> str:
+        verdict = self._texture_gate.verdict
+        if verdict is None:
+            return self._gate.why_closed
+        return "" if verdict else DISAGREEMENT
 
     def _predict(self, stamp: int) -> PlaneMotion | NoMotion:
         before = self._before
@@ -201,3 +264,10 @@ class MotionAiding:
             predicted.place_sigmas[:CHECKED] ** 2,
             np.diag(estimate.covariance)[:CHECKED],
         )
+
+
+def _widened(motion: PlaneMotion, excess: float, image_width: int) -> PlaneMotion:
+    """Count by how much the picture shows a prediction to be off as unknown."""
+    scale = image_width / REFERENCE_WIDTH
+    more = excess * UNKNOWN_PER_PIXEL * [scale, 1.0, scale, 1.0]
+    return replace(motion, place_sigmas=np.hypot(motion.place_sigmas, more))

@@ -15,6 +15,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import CameraInfo, Imu, Range
 
+from cable_tracker.arrays import Image
 from cable_tracker.cable.estimate import CableEstimate
 from cable_tracker.cable.motion_aid import MotionAid
 from cable_tracker.metric.aiding import MotionAiding
@@ -37,6 +38,9 @@ from cable_tracker.sequences.messages import Message, MessageFactory, make_heade
 
 INSTRUMENTS = ("altitude", "imu", "odometry")
 """Those whose measurements have a time."""
+
+WARNING_PAUSE = 10.0
+"""Odometry that is doubted again sooner is not warned of again [s]."""
 
 
 class MetricInputs:
@@ -158,19 +162,21 @@ class MetricInputs:
         )
         self._odometry.add(self._note("odometry", message), *read_twist(message, least))
 
-    def motion(self, stamp: int) -> MotionAid | None:
-        """Return how the cable has moved since the frame before, for the frame of a stamp [ns].
+    def motion(self, stamp: int, image: Image) -> MotionAid | None:
+        """Return how the cable has moved since the frame before; `image` (H, W), `stamp` [ns].
 
         None without odometry, or while it disagrees with what the camera sees.
         """
         if not self._values["motion_aid"]:
             self._why_unaided = "the parameter motion_aid is false"
             return None
-        motion = self._aiding.motion(stamp)
+        motion = self._aiding.motion(stamp, image)
         why, before = self._aiding.why_not, self._why_unaided
         self._why_unaided = why
         if "disagrees" in why and why != before:
-            self._node.get_logger().warning(f"the filter goes on without odometry: {why}")
+            self._node.get_logger().warning(
+                f"the filter goes on without odometry: {why}", throttle_duration_sec=WARNING_PAUSE
+            )
         return motion
 
     def _note(self, name: str, message: Message) -> int:
@@ -218,7 +224,13 @@ class MetricInputs:
             ),
             "no metres": "" if is_known else str(result),
             "no motion aid": self._why_unaided,
+            "odometry error [px]": self._odometry_error(),
         }
+
+    def _odometry_error(self) -> str:
+        """Return how far from the prediction the sea bed moved; empty if that is not known."""
+        seen = self._aiding.seen
+        return f"{seen.error:.1f} of {seen.length:.1f}" if seen is not None else ""
 
 
 def _then(

@@ -388,7 +388,7 @@ class TrackerNode(ProcessNode):
             self._answer_frozen(header)
             return
         begin = time.perf_counter()
-        estimate = self._tracker.process(grey, stamp, self._metric.motion(stamp))
+        estimate = self._tracker.process(grey, stamp, self._metric.motion(stamp, grey))
         milliseconds = (time.perf_counter() - begin) * 1e3
         self._outputs.publish_centreline(header, estimate)
         self._metric.publish(header, estimate)

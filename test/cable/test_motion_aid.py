@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.movement import CableMovement
+from cable_tracker.cable.movement import DOUBT_STRIDE, CableMovement
 from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.presets import preset
 from cable_tracker.cable.state import CableState
@@ -28,6 +28,18 @@ class Shift:
         return np.full(8, self._sigma)
 
 
+class Turning(Shift):
+    """Odometry that changes every rate."""
+
+    def __init__(self) -> None:
+        super().__init__(0.0)
+
+    def moved(self, states):
+        moved = states.copy()
+        moved[:, 4:] = 3.0
+        return moved
+
+
 STATES = np.tile([5.0, 0.1, 40.0, 0.01, 90.0, 0.0, 0.0, 0.0], (50, 1))
 
 
@@ -39,16 +51,39 @@ def movement():
 def test_odometry_moves_cables_in_place_of_their_rates(movement):
     movement.aid_by(Shift(7.0))
     assert movement.is_aided
-    np.testing.assert_allclose(movement.drift(STATES, 0.04)[:, 0], 12.0)
+    np.testing.assert_allclose(movement.expected(STATES, 0.04)[:, 0], 12.0)
 
 
 def test_without_odometry_they_move_by_their_rates_again(movement):
-    before = movement.drift(STATES, 0.04), movement.diffusion_sigmas(0.04)
+    before = movement.expected(STATES, 0.04), movement.diffusion_sigmas(0.04)
     movement.aid_by(Shift(7.0))
     movement.aid_by(None)
     assert not movement.is_aided
-    np.testing.assert_array_equal(movement.drift(STATES, 0.04), before[0])
+    np.testing.assert_array_equal(movement.expected(STATES, 0.04), before[0])
     np.testing.assert_array_equal(movement.diffusion_sigmas(0.04), before[1])
+
+
+def test_one_in_four_goes_on_by_itself_and_as_far_astray_as_usual(movement):
+    many = np.tile(STATES[0], (40_000, 1))
+    usual = movement.drift(many, 0.04)[0, 0]
+    rng = np.random.default_rng(1)
+    spread = movement.propagate(many, 0.04, rng)[:, 0]
+    movement.aid_by(Shift(70.0))
+    moved = movement.propagate(many, 0.04, rng)[:, 0]
+    doubting = np.arange(len(many)) % DOUBT_STRIDE == DOUBT_STRIDE - 1
+    assert np.median(moved[~doubting]) == pytest.approx(75.0, abs=0.1)
+    assert np.median(moved[doubting]) == pytest.approx(usual, abs=0.1)
+    for share in (10, 90):
+        expected = np.percentile(spread, share) - usual
+        assert np.percentile(moved[doubting], share) - usual == pytest.approx(expected, rel=0.1)
+
+
+def test_rates_that_the_model_never_changes_are_left_alone():
+    """The thesis has none of w and beta; odometry would leave them some that nothing ends."""
+    movement = CableMovement(preset("thesis"), 320)
+    movement.aid_by(Turning())
+    rates = movement.expected(STATES, 0.04)[0, 4:]
+    np.testing.assert_array_equal(rates, [3.0, 3.0, 0.0, 0.0])
 
 
 def test_odometry_leaves_less_unknown_and_never_more(movement):

@@ -49,9 +49,17 @@ def test_one_that_is_mounted_the_wrong_way_round():
     np.testing.assert_array_equal(twists * [-1, -1, 1, -1, -1, 1], TWISTS)
 
 
+def test_one_whose_scale_is_wrong():
+    np.testing.assert_allclose(said(OdometryFault.SCALED)[2], 1.3 * TWISTS)
+
+
 @pytest.mark.parametrize(
     ("fault", "least", "most"),
-    [(OdometryFault.NONE, 0.2, 0.6), (OdometryFault.LATE, 0.0, 0.0)],
+    [
+        (OdometryFault.NONE, 0.8, 1.0),
+        (OdometryFault.LATE, 0.0, 0.0),
+        (OdometryFault.TURNED, 0.0, 0.2),
+    ],
 )
 def test_the_filter_is_told_sound_odometry_and_no_late_one(fault, least, most):
     method = AidedFilter("aided", preset("default"), "S3", fault).make(3)

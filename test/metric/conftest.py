@@ -18,11 +18,6 @@ from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
 
 SIZE = (320, 240)
 
-
-class OutOfViewError(Exception):
-    """The camera does not see the cable."""
-
-
 ALTITUDE = Altitude(1.4)
 LEVEL = Attitude()
 FORWARD = Mounting(0.3, 0.05, -0.1, 0.0, math.radians(70.0), 0.0)
@@ -52,9 +47,16 @@ class Flight:
     attitude: Attitude
     mounting: Mounting
 
+    def is_in_view(self, camera: CameraModel) -> bool:
+        """Whether a line can be laid through what is seen of each edge."""
+        return all(len(self._points(camera, aside)) >= 2 for aside in self._edges())
+
+    def _edges(self) -> tuple[float, float]:
+        return self.diameter / 2, -self.diameter / 2
+
     def seen_by(self, camera: CameraModel) -> CableState:
         """Where the cable's edges are in the image, by projecting points of the flat strip."""
-        lines = [self._line(camera, side * self.diameter / 2) for side in (1.0, -1.0)]
+        lines = [self._line(camera, aside) for aside in self._edges()]
         angles, offsets = (np.array([column]) for column in zip(*lines, strict=True))
         angles[0, 1] = angles[0, 0] + np.mod(angles[0, 1] - angles[0, 0] + np.pi, 2 * np.pi) - np.pi
         state = np.zeros((1, 8))
@@ -63,16 +65,17 @@ class Flight:
 
     def _line(self, camera: CameraModel, aside: float) -> tuple[float, float]:
         """Fit a line to the points of one edge inside the image; its normal from left to right."""
-        points = camera.project(self.to_optical(self.edge(aside)))
-        inside = (np.abs(points) <= (np.array(camera.image_size) - 1) / 2).all(axis=1)
-        chosen = points[inside]
-        if len(chosen) < 2:
-            raise OutOfViewError
+        chosen = self._points(camera, aside)
+        assert len(chosen) >= 2, "the camera does not see the cable"
         middle = chosen.mean(axis=0)
         _, _, directions = np.linalg.svd(chosen - middle)
         along = directions[0] * np.sign(directions[0] @ (chosen[-1] - chosen[0]))
         normal = np.array([along[1], -along[0]])
         return float(np.arctan2(normal[1], normal[0])), float(middle @ normal)
+
+    def _points(self, camera: CameraModel, aside: float) -> FloatArray:
+        points = camera.project(self.to_optical(self.edge(aside)))
+        return points[(np.abs(points) <= (np.array(camera.image_size) - 1) / 2).all(axis=1)]
 
     def edge(self, aside: float) -> FloatArray:
         """Points of the bottom beside the cable, to the left if positive, in the level frame."""

@@ -2,15 +2,26 @@ from __future__ import annotations
 
 import math
 
+import cv2
 import numpy as np
 import pytest
 
 from cable_tracker.cable.estimate import TrackingStatus
 from cable_tracker.cable.state import CableState
-from cable_tracker.metric.aiding import CALM_FRAMES, FEWEST, AgreementGate, MotionAiding
+from cable_tracker.metric.aiding import (
+    CALM_FRAMES,
+    CALM_PICTURES,
+    DISAGREEMENT,
+    FEWEST,
+    REMEMBERED_PICTURES,
+    AgreementGate,
+    MotionAiding,
+    TextureGate,
+)
 from cable_tracker.metric.homography import PlaneMotion
 from cable_tracker.metric.instruments import Instruments, InstrumentSettings
 from cable_tracker.metric.motion import Odometry
+from cable_tracker.metric.sea_bed_texture import TextureMotion
 
 SECOND = 1_000_000_000
 FRAME = SECOND // 25
@@ -77,9 +88,40 @@ class TestGate:
         assert shown(proved, [2.5] * (FEWEST - 1)).is_open
 
 
+RIGHT, WRONG = TextureMotion(0.4, 8.0), TextureMotion(9.0, 8.0)
+
+
+class TestTextureGate:
+    @staticmethod
+    def shown(*motions):
+        gate = TextureGate()
+        for motion in motions:
+            gate.take(motion)
+        return gate
+
+    def test_at_first_nothing_is_known(self):
+        assert TextureGate().verdict is None
+
+    def test_odometry_is_believed_from_the_first_picture_that_agrees(self):
+        assert self.shown(RIGHT).verdict is True
+
+    def test_one_picture_that_disagrees_is_enough(self):
+        assert self.shown(*[RIGHT] * 50, WRONG).verdict is False
+
+    def test_then_it_takes_several_that_agree(self):
+        assert self.shown(WRONG, *[RIGHT] * (CALM_PICTURES - 1)).verdict is False
+        assert self.shown(WRONG, *[RIGHT] * CALM_PICTURES).verdict is True
+
+    @pytest.mark.parametrize("last", [RIGHT, WRONG])
+    def test_without_texture_the_last_verdict_holds_for_a_while(self, last):
+        assert self.shown(last, *[None] * (REMEMBERED_PICTURES - 1)).verdict is last.agrees
+        assert self.shown(last, *[None] * REMEMBERED_PICTURES).verdict is None
+
+
 class Drive:
     """A vehicle 1.4 m above a cable that it slides off sideways, with a camera that looks down."""
 
+    BARE = np.full((240, 320), 90, np.uint8)
     SWAY = 0.2
     PIXELS_A_FRAME = SWAY * 280.0 / 1.4 / 25
 
@@ -100,10 +142,10 @@ class Drive:
             self.odometry.add(SECOND + self._twists * SECOND // 50, twist, np.eye(6) * 1e-6)
             self._twists += 1
 
-    def sees(self, status=TrackingStatus.TRACKING, moving=1.0) -> PlaneMotion | None:
+    def sees(self, status=TrackingStatus.TRACKING, moving=1.0, bottom=BARE) -> PlaneMotion | None:
         """Return what the filter would be told, and show where the cable really is."""
         stamp = SECOND + self._frame * FRAME
-        motion = self.aiding.motion(stamp)
+        motion = self.aiding.motion(stamp, bottom)
         distance = -60.0 + moving * self.PIXELS_A_FRAME * self._frame
         state = CableState(distance, 0.0, 40.0)
         self.aiding.observe(
@@ -195,3 +237,50 @@ def test_longer_steps_leave_more_unknown(drive):
         motion = drive.sees()
         sigmas.append(motion.sigmas()[0])
     assert sigmas[1] == pytest.approx(sigmas[0] * math.sqrt(4), rel=0.1)
+
+
+class TestWithTexture:
+    """The bottom shows how the vehicle moves, also where no cable is claimed."""
+
+    @pytest.fixture
+    def bottom(self, drive):
+        noise = np.random.default_rng(3).normal(0.0, 1.0, (240, 400))
+        wide = np.clip(110.0 + 400.0 * cv2.GaussianBlur(noise, (0, 0), 2.5), 0, 255)
+
+        def at(frame):
+            shift = np.array([[1.0, 0.0, drive.PIXELS_A_FRAME * frame - 60.0], [0.0, 1.0, 0.0]])
+            return cv2.warpAffine(wide, shift, (320, 240)).astype(np.uint8)
+
+        return at
+
+    @staticmethod
+    def driven(drive, bottom, said, frames, first=0):
+        used = []
+        for frame in range(first, first + frames):
+            drive.hears(said)
+            used.append(drive.sees(TrackingStatus.LOST, bottom=bottom(frame)))
+        return used
+
+    def test_sound_odometry_is_used_at_once(self, drive, bottom):
+        used = self.driven(drive, bottom, Drive.SWAY, 4)
+        assert [motion is not None for motion in used] == [False, True, True, True]
+        assert drive.aiding.seen.error < 0.3
+
+    @pytest.mark.parametrize("said", [-Drive.SWAY, 1.0])
+    def test_wrong_odometry_is_never_used_and_told(self, drive, bottom, said):
+        assert self.driven(drive, bottom, said, 12) == [None] * 12
+        assert drive.aiding.why_not == DISAGREEMENT
+
+    def test_odometry_that_goes_wrong_is_dropped_at_once(self, drive, bottom):
+        self.driven(drive, bottom, Drive.SWAY, 10)
+        used = self.driven(drive, bottom, 3.0, 6, first=10)
+        # What is heard first is of the frame after next.
+        assert used[1:] == [None] * 5
+
+    def test_what_the_bottom_shows_to_be_off_counts_as_unknown(self, drive, bottom):
+        drive.PIXELS_A_FRAME = 8.0
+        sigmas = [
+            self.driven(drive, bottom, said, 3, first=drive._frame)[-1].place_sigmas
+            for said in (1.0, 1.3)
+        ]
+        assert (sigmas[1] > 1.5 * sigmas[0]).all()

@@ -1,0 +1,170 @@
+"""Whether the sea bed moves in the image as odometry has it.
+
+Corners of the sea bed's texture in the picture before are found again in this one, and compared
+with where the predicted homography takes them. This asks neither the cable nor the filter, so that
+odometry can be judged before a cable is found, and cannot be drawn along by a prediction.
+
+References
+----------
+J. Shi and C. Tomasi (1994), "Good features to track": the corners.
+J.-Y. Bouguet (2000), "Pyramidal implementation of the Lucas Kanade feature tracker".
+Z. Kalal, K. Mikolajczyk and J. Matas (2010), "Forward-backward error": which of them were found.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray, Image
+from cable_tracker.cable.geometry import image_to_pixel
+from cable_tracker.cable.parameters import REFERENCE_WIDTH
+
+MOST_CORNERS, FEWEST_CORNERS = 60, 12
+"""Corners looked for, and how many it takes for a judgement."""
+
+CORNER_QUALITY = 0.02
+"""Weakest corner, as a share of the strongest one's strength."""
+
+CORNER_DISTANCE, CORNER_BLOCK = 10, 7
+"""Least distance between corners, and side of the square that is looked at for each [px]."""
+
+EDGE = 8
+"""Corners nearer to the edge of the picture, before or after, are not compared [px]."""
+
+WINDOW, PYRAMID_LEVELS = (15, 15), 2
+"""What is compared around each corner [px], and how often the picture is halved besides."""
+
+STEPS, PRECISION = 15, 0.02
+"""When the search for a corner stops: steps, and their least length [px]."""
+
+WAY_BACK = 0.5
+"""A corner was found if the way back ends so near to where it began [px]."""
+
+NOISE = 1.0
+"""So far off are sound predictions, in the median: by the bottom's relief, and by the search itself
+[px of the reference width]."""
+
+ALLOWED_SHARE = 0.4
+"""Share of the predicted way by which a prediction may be off besides: it still takes most of the
+motion away then."""
+
+
+@dataclass(frozen=True, slots=True)
+class TextureMotion:
+    """How corners moved, beside how they were predicted to.
+
+    Attributes
+    ----------
+    error : float
+        Median distance of the corners from where they were predicted; infinite if most were not
+        found again [px of the reference width].
+    length : float
+        Median length of the predicted ways [px of the reference width].
+    """
+
+    error: float
+    length: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the prediction is better than none."""
+        return self.excess <= ALLOWED_SHARE * self.length
+
+    @property
+    def excess(self) -> float:
+        """What of the error is not noise [px of the reference width]."""
+        return max(self.error - NOISE, 0.0)
+
+
+class SeaBedTexture:
+    """Keeps one picture, and compares the next with it."""
+
+    def __init__(self) -> None:
+        self._before: Image | None = None
+
+    def compare(self, image: Image, mapping: FloatArray | None) -> TextureMotion | None:
+        """Keep a picture, and return how it differs from the one before; None: nobody can tell.
+
+        Parameters
+        ----------
+        image : Image
+            Grey levels, uint8 or float32 (0..255), shape (H, W).
+        mapping : FloatArray or None
+            The predicted homography from the picture before to this one, shape (3, 3), for points
+            of the image frame [px]; None: there is no prediction.
+        """
+        before, now = self._before, _reduced(image)
+        self._before = now
+        if before is None or mapping is None or before.shape != now.shape:
+            return None
+        scale = now.shape[1] / image.shape[1]
+        zoom = np.diag([scale, scale, 1.0])
+        starts, predicted = _corners(before, zoom @ mapping @ np.linalg.inv(zoom))
+        if len(starts) < FEWEST_CORNERS:
+            return None
+        length = float(np.median(np.hypot(*(predicted - starts).T)))
+        ends, is_found = _found_again(before, now, starts, predicted)
+        if 2 * is_found.sum() < FEWEST_CORNERS:
+            return TextureMotion(np.inf, length)
+        errors = np.hypot(*(ends - predicted)[is_found].T)
+        return TextureMotion(float(np.median(errors)), length)
+
+
+def _reduced(image: Image) -> Image:
+    """Return a picture of the reference width, or as it is if it is narrower; uint8."""
+    height, width = image.shape
+    if width > REFERENCE_WIDTH:
+        size = (round(REFERENCE_WIDTH), max(1, round(height * REFERENCE_WIDTH / width)))
+        image = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+    if image.dtype == np.uint8:
+        return image
+    levels: Image = np.clip(np.nan_to_num(image), 0.0, 255.0).astype(np.uint8)
+    return levels
+
+
+def _corners(picture: Image, mapping: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return corners and where a homography takes them, (N, 2) each: columns and rows [px]."""
+    found = cv2.goodFeaturesToTrack(
+        picture, MOST_CORNERS, CORNER_QUALITY, CORNER_DISTANCE, blockSize=CORNER_BLOCK
+    )
+    if found is None:
+        return np.empty((0, 2)), np.empty((0, 2))
+    starts = found.reshape(-1, 2).astype(np.float64)
+    size = (picture.shape[1], picture.shape[0])
+    middle = image_to_pixel(np.zeros((1, 2)), size)
+    points = np.column_stack((starts - middle, np.ones(len(starts)))) * [1.0, -1.0, 1.0]
+    mapped = points @ mapping.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        predicted = image_to_pixel(mapped[:, :2] / mapped[:, 2:], size)
+    far = np.array(size) - 1 - EDGE
+    both = np.stack((starts, predicted))
+    inside = ((both >= EDGE) & (both <= far)).all(axis=(0, 2)) & (mapped[:, 2] > 0.0)
+    return starts[inside], predicted[inside]
+
+
+def _found_again(
+    before: Image, now: Image, starts: FloatArray, predicted: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Return where corners (N, 2) are now, and which of them were really found (N,)."""
+    ends, is_seen = _followed(before, now, starts, predicted)
+    back, is_seen_back = _followed(now, before, ends, starts)
+    return ends, is_seen & is_seen_back & (np.hypot(*(back - starts).T) <= WAY_BACK)
+
+
+def _followed(
+    before: Image, now: Image, starts: FloatArray, guesses: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    ends, status, _ = cv2.calcOpticalFlowPyrLK(
+        before,
+        now,
+        np.ascontiguousarray(starts[:, None, :], np.float32),
+        np.array(guesses[:, None, :], np.float32, order="C"),
+        winSize=WINDOW,
+        maxLevel=PYRAMID_LEVELS,
+        criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, STEPS, PRECISION),
+        flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
+    )
+    return ends[:, 0].astype(np.float64), status[:, 0] > 0

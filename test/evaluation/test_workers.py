@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import pytest
+
+from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.workers import run_tasks
+
+
+@dataclass(frozen=True)
+class Doubling:
+    number: int
+
+    def run(self, advance):
+        advance()
+        return 2 * self.number, cv2.getNumThreads()
+
+
+class Failing:
+    def run(self, advance):
+        raise ParameterError("a task that fails")
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_results_come_in_the_order_of_the_tasks(workers):
+    told = []
+    results = run_tasks([Doubling(n) for n in range(5)], workers=workers, advance=told.append)
+    # Processes share the processors: inside each, OpenCV has one.
+    assert results == [(2 * n, 1) for n in range(5)]
+    assert sum(told) == 5
+
+
+def test_opencv_has_its_threads_back():
+    before = cv2.getNumThreads()
+    run_tasks([Doubling(1)])
+    assert cv2.getNumThreads() == before
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_what_stops_a_task_reaches_the_caller(workers):
+    with pytest.raises(ParameterError, match="a task that fails"):
+        run_tasks([Failing(), Failing()], workers=workers)
+
+
+@pytest.mark.parametrize("workers", [0, -1, 1000])
+def test_the_number_of_workers_is_checked(workers):
+    with pytest.raises(ParameterError, match=f"workers is {workers}"):
+        run_tasks([Doubling(1)], workers=workers)
