@@ -32,7 +32,7 @@ def test_settings_stand_in_rows_with_a_cell_for_every_heading():
 
 def test_the_number_of_workers_does_not_change_the_numbers():
     settings = (MotionSetting("as it is", OdometryFault.NONE),)
-    experiment = MotionExperiment((0, 1), SHORT, settings)
+    experiment = MotionExperiment((0, 1), (ScenarioSequence("S3", 2),), settings)
     assert experiment.run(1, lambda n: None) == experiment.run(2, lambda n: None)
 
 
