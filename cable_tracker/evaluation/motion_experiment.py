@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,7 @@ METRICS = ("rmse_d", "rmse_alpha", "median_alpha", "wrong_claims", "silence")
 FAULT_SEEDS = 3
 """Broken odometry is run on the first so many seeds, to save time."""
 
-BRIEF_COLUMNS = 8
+BRIEF_COLUMNS = 9
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,39 +154,56 @@ class MotionExperiment:
     def _table(self, name: str, by_setting: dict[MotionSetting, list[RunResult]]) -> ResultTable:
         specs = [METRICS_BY_NAME[metric] for metric in METRICS]
         headings = (
-            "setting", "odometry", "runs", "frames lost", "frames lost [%]",
+            "setting", "odometry", "runs", "frames lost", "without odometry", "frames lost [%]",
             *(f"{each.name}: frames lost [%]" for each in self.sequences),
             *(f"{spec.label} [{spec.unit}]" for spec in specs),
         )  # fmt: skip
         rows = tuple(
-            self._row(setting, runs)
+            self._row(setting, runs, _without_odometry(setting, runs, by_setting))
             for setting, runs in by_setting.items()
             if setting.preset == name
         )
         note = (
-            "*frames lost* are those of all runs together; for each sequence, median over the runs"
-            " (least – most). The other numbers: means over the sequences, of medians over the"
-            " runs. Broken odometry has fewer runs: compare it with the first of the others. The"
-            " odometry is a twist at 50 Hz with noise, biases and a scale error; see"
-            " `InstrumentNoise`."
+            "*frames lost* are those of all runs together, and beside them those of the same dives"
+            " without odometry; for each sequence, median over the runs (least – most). The other"
+            " numbers: means over the sequences, of medians over the runs. The odometry is a twist"
+            " at 50 Hz with noise, biases and a scale error; see `InstrumentNoise`."
         )
         return ResultTable(
             headings, rows, f"Preset `{name}`", f"{name}.csv", (note,), BRIEF_COLUMNS
         )
 
-    def _row(self, setting: MotionSetting, runs: Sequence[RunResult]) -> tuple[str, ...]:
+    def _row(
+        self, setting: MotionSetting, runs: Sequence[RunResult], without: Sequence[RunResult]
+    ) -> tuple[str, ...]:
         groups = [[r for r in runs if r.sequence == each.name] for each in self.sequences]
-        lost = sum(int(run.trace.lost.sum()) for run in runs)
+        lost = _lost_frames(runs)
         visible = sum(run.metrics.visible_count for run in runs)
         return (
             setting.name,
             setting.label,
             str(len(runs)),
             str(lost),
+            str(_lost_frames(without)) if without else "–",
             format_number(100.0 * lost / max(visible, 1), "%"),
             *(_median_and_range("lost", group) for group in groups),
             *(_mean_of_medians(metric, groups) for metric in METRICS),
         )
+
+
+def _without_odometry(
+    setting: MotionSetting,
+    runs: Sequence[RunResult],
+    by_setting: dict[MotionSetting, list[RunResult]],
+) -> list[RunResult]:
+    """Return the runs on the same dives that only lack odometry."""
+    dives = {(run.sequence, run.seed) for run in runs}
+    others = by_setting.get(replace(setting, fault=None), [])
+    return [run for run in others if (run.sequence, run.seed) in dives]
+
+
+def _lost_frames(runs: Sequence[RunResult]) -> int:
+    return sum(int(run.trace.lost.sum()) for run in runs)
 
 
 def _median_and_range(metric: str, runs: Sequence[RunResult]) -> str:

@@ -26,6 +26,8 @@ def test_settings_stand_in_rows_with_a_cell_for_every_heading():
         ("half the frame rate", "sound", "2"),
     ]
     assert [row[:3] for row in thesis.rows] == [("as it is", "none", "2")]
+    # Beside the frames lost stand those of the same dives without odometry, if they were run.
+    assert default.rows[0][4] == default.rows[0][3] and default.rows[1][4] == "–"
     assert all(len(row) == len(t.headings) for t in (default, thesis) for row in t.rows)
     assert sum(told) == experiment.frame_count() == 12
 

@@ -115,20 +115,32 @@ def test_without_calibration_there_are_no_metres_and_diagnostics_say_why(
     )
 
 
-@pytest.mark.parametrize("altitude", [0.0, math.nan, math.inf, 40.0])
-def test_an_impossible_altitude_gives_no_metres(start: Callable[..., Any], altitude: float) -> None:
-    _, vehicle = start()
-    vehicle.is_calibrated()
+@pytest.mark.parametrize(
+    ("altitude", "info", "parameters", "words"),
+    [
+        *((bad, {}, {}, "unusable altitude") for bad in (0.0, math.nan, math.inf, 40.0)),
+        (ALTITUDE, {"width": 640, "height": 360}, {}, "calibration of another image size"),
+        (ALTITUDE, {"k": [0.0] * 9}, {}, "unusable camera calibration"),
+        (ALTITUDE, {}, {"camera_pitch": -90.0}, "camera does not look down"),
+        (ALTITUDE, {}, {"camera_pitch": 0.0}, "camera does not look down"),
+        (ALTITUDE, {}, {"camera_z": -2.0}, "camera not above the cable"),
+    ],
+)
+def test_what_is_wrong_gives_no_metres_and_is_named(
+    start: Callable[..., Any],
+    diagnostics: Callable[..., Any],
+    world: Any,
+    altitude: float,
+    info: dict[str, Any],
+    parameters: dict[str, Any],
+    words: str,
+) -> None:
+    node, vehicle = start(**parameters)
+    vehicle.is_calibrated(**info)
     vehicle.measures(altitude)
     vehicle.sees(3)
-    assert vehicle.foot == []
-
-
-def test_a_calibration_of_another_aspect_gives_no_metres(start: Callable[..., Any]) -> None:
-    _, vehicle = start(fixed_altitude=ALTITUDE)
-    vehicle.is_calibrated(width=640, height=360)
-    vehicle.sees(3)
-    assert vehicle.foot == []
+    assert vehicle.foot == [] == vehicle.ahead
+    assert said(node, diagnostics, world, "no metres").startswith(words)
 
 
 def test_the_roll_of_the_imu_is_corrected(start: Callable[..., Any]) -> None:
@@ -162,12 +174,17 @@ def test_a_mounting_out_of_range_is_refused(start: Callable[..., Any]) -> None:
     assert not result.successful
 
 
-def unaided(node: Any, diagnostics: Callable[..., Any], world: Any) -> str:
-    """Why the last frame was not aided, as diagnostics say it."""
+def said(node: Any, diagnostics: Callable[..., Any], world: Any, key: str) -> str:
+    """What diagnostics say now."""
     before = len(diagnostics(node))
     node.publish_diagnostics()
     world.spin(lambda: len(diagnostics(node)) > before)
-    return str(diagnostics(node)[-1][1]["no motion aid"])
+    return str(diagnostics(node)[-1][1][key])
+
+
+def unaided(node: Any, diagnostics: Callable[..., Any], world: Any) -> str:
+    """Why the last frame was not aided, as diagnostics say it."""
+    return said(node, diagnostics, world, "no motion aid")
 
 
 def test_odometry_reaches_the_filter(
