@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.estimate import TrackingStatus
 
 SETTLED = 5.0
 """Errors count from here on: before, the vehicle comes from where it was let down [m]."""
@@ -246,8 +245,3 @@ def _cell(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.5f}" if math.isfinite(value) else ""
     return str(value)
-
-
-def is_tracking(row: LoopRow) -> bool:
-    """Tell whether the tracker claimed a cable."""
-    return row.status == TrackingStatus.TRACKING.value

@@ -10,6 +10,9 @@ from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
 
+START_TIMEOUT = 120.0
+"""Within so long nodes have found each other; the compiling at first use is included [s]."""
+
 GRACE = 10.0
 """Time that a node gets to end by itself after SIGINT [s]."""
 
@@ -20,7 +23,7 @@ class NodeProcess:
     Parameters
     ----------
     node : str
-        "tracker" or "replay".
+        Its name among `cable_tracker.ros.entry.NODES`.
     arguments : sequence of str
         What follows ``--ros-args``.
     environment : mapping

@@ -56,10 +56,8 @@ class ControllerNode(ProcessNode):
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("controller", **node_arguments)
-        self._values = {
-            spec.name: node_parameters.declare(self, spec, spec.default, read_only=True)
-            for spec in CONTROLLER_PARAMETERS
-        }
+        self._values = node_parameters.declare_all(self, CONTROLLER_PARAMETERS, read_only=True)
+        node_parameters.warn_of_unknown_overrides(self)
         self._controller = Controller(self._settings())
         self._told: Mode | None = None
         self._cables: OrderedDict[int, Cable] = OrderedDict()

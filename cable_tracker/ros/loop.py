@@ -30,7 +30,7 @@ from cable_tracker.evaluation.closed_loop import (
 )
 from cable_tracker.evaluation.closed_loop_figures import MapPanel, plot_errors, plot_way
 from cable_tracker.evaluation.folder import output_folder
-from cable_tracker.ros.child_process import NodeProcess
+from cable_tracker.ros.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.environment import local_environment, use_local_environment
 from cable_tracker.ros.loop_recorder import LoopRecorder, SeenFrame
 from cable_tracker.ros.recorder import spin_until
@@ -43,7 +43,6 @@ from cable_tracker.visualisation.video import VideoWriter
 TABLE, SUMMARY = "loop.csv", "summary.csv"
 WAY, ERRORS, VIDEO = "way.png", "cross_track.png", "loop.webm"
 
-START_TIMEOUT = 60.0
 SILENCE_TIMEOUT = 90.0
 """Nothing new for so long, and something is wrong [s]."""
 

@@ -31,7 +31,7 @@ from cable_tracker.cable.parameters import ParameterValue, TrackerParameters
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.ros import qos
-from cable_tracker.ros.child_process import NodeProcess
+from cable_tracker.ros.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.environment import local_environment, use_local_environment
 from cable_tracker.ros.rclpy_messages import RclpyMessages
 from cable_tracker.ros.recorder import spin_until
@@ -43,9 +43,6 @@ BLOCK = 30
 
 WARM_UP = 10
 """Frames of the first block of each that do not count."""
-
-START_TIMEOUT = 90.0
-"""A node may have to compile first [s]."""
 
 ANSWER_TIMEOUT, STRAGGLERS = 2.0, 0.1
 """How long the last answer of a block is waited for at most, and what else may come [s]."""

@@ -74,6 +74,27 @@ def declare(
     return value
 
 
+def declare_all(
+    node: Node, specs: Iterable[ParameterSpec], *, read_only: bool = False
+) -> dict[str, ParameterValue]:
+    """Declare parameters with the defaults of their table; return the values at start by name.
+
+    Raises
+    ------
+    ParameterError
+        What was given at start is not acceptable.
+    """
+    return {spec.name: declare(node, spec, spec.default, read_only=read_only) for spec in specs}
+
+
+def warn_of_unknown_overrides(node: Node) -> None:
+    """Say which names given at start the node does not have; to be called when all are declared."""
+    for name in unknown_overrides(node):
+        node.get_logger().warning(
+            f"unknown parameter '{name}' is ignored; docs/parameters.md lists all"
+        )
+
+
 def unknown_overrides(node: Node) -> list[str]:
     """Return the names given at start (YAML file, command line) that the node does not have."""
     given: Iterable[str] = node._parameter_overrides

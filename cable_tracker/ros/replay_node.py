@@ -92,14 +92,12 @@ class ReplayNode(ProcessNode):
         return bool(self._start_values[name])
 
     def _declare_parameters(self) -> None:
-        self._start_values = {
-            spec.name: node_parameters.declare(self, spec, spec.default, read_only=True)
-            for spec in REPLAY_START_PARAMETERS
-        }
-        self._values: dict[str, object] = {
-            spec.name: node_parameters.declare(self, spec, spec.default)
-            for spec in REPLAY_RUNTIME_PARAMETERS
-        }
+        self._start_values = node_parameters.declare_all(
+            self, REPLAY_START_PARAMETERS, read_only=True
+        )
+        self._values: dict[str, object] = dict(
+            node_parameters.declare_all(self, REPLAY_RUNTIME_PARAMETERS)
+        )
         specs = {spec.name: spec for spec in REPLAY_RUNTIME_PARAMETERS}
 
         def validate(values: Mapping[str, object]) -> None:
@@ -107,10 +105,7 @@ class ReplayNode(ProcessNode):
                 specs[name].coerce(value)
 
         node_parameters.watch(self, specs, validate, self._values.update)
-        for name in node_parameters.unknown_overrides(self):
-            self.get_logger().warning(
-                f"unknown parameter '{name}' is ignored; docs/parameters.md lists all"
-            )
+        node_parameters.warn_of_unknown_overrides(self)
 
     def _create_publishers(self) -> None:
         if self._source.compressed:

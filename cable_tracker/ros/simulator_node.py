@@ -65,14 +65,8 @@ class SimulatorNode(ProcessNode):
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("simulator", **node_arguments)
         self._factory = RclpyMessages()
-        self._values = {
-            spec.name: node_parameters.declare(self, spec, spec.default, read_only=True)
-            for spec in SIMULATOR_PARAMETERS
-        }
-        for name in node_parameters.unknown_overrides(self):
-            self.get_logger().warning(
-                f"unknown parameter '{name}' is ignored; docs/parameters.md lists all"
-            )
+        self._values = node_parameters.declare_all(self, SIMULATOR_PARAMETERS, read_only=True)
+        node_parameters.warn_of_unknown_overrides(self)
         self._lockstep = bool(self._values["lockstep"])
         self._world = LiveWorld(self._settings())
         self._altitude = self._world.settings.altitude

@@ -20,7 +20,7 @@ from cable_tracker.cable.parameters import ParameterValue, TrackerParameters
 from cable_tracker.cable.state import CableState
 from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.result_folder import ResultFolder
-from cable_tracker.ros.child_process import NodeProcess
+from cable_tracker.ros.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.environment import local_environment, use_local_environment
 from cable_tracker.ros.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.sequences import output_topics
@@ -35,8 +35,6 @@ from cable_tracker.sequences.messages import (
 )
 from cable_tracker.sequences.source import Source
 
-START_TIMEOUT = 120.0
-"""Includes the compiling at first use [s]."""
 FRAME_TIMEOUT = 60.0
 END_TIMEOUT = 10.0
 

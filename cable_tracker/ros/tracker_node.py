@@ -160,19 +160,13 @@ class TrackerNode(ProcessNode):
             self._end_warm_up()
 
     def _declare_parameters(self) -> None:
-        start = {
-            spec.name: node_parameters.declare(self, spec, spec.default, read_only=True)
-            for spec in TRACKER_START_PARAMETERS
-        }
+        start = node_parameters.declare_all(self, TRACKER_START_PARAMETERS, read_only=True)
         values = preset(str(start["preset"]))
         given = {
             spec.name: node_parameters.declare(self, spec, values.as_mapping()[spec.name])
             for spec in PARAMETER_TABLE
         }
-        runtime = {
-            spec.name: node_parameters.declare(self, spec, spec.default)
-            for spec in TRACKER_RUNTIME_PARAMETERS
-        }
+        runtime = node_parameters.declare_all(self, TRACKER_RUNTIME_PARAMETERS)
         self._compressed_input = start["image_transport"] == "compressed"
         self._reliability = str(start["image_reliability"])
         self._instrument_reliability = str(start["instrument_reliability"])
@@ -180,10 +174,7 @@ class TrackerNode(ProcessNode):
         self._apply_runtime_values(runtime)
         specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS} | dict(PARAMETERS_BY_NAME)
         node_parameters.watch(self, specs, self._validate_parameters, self._apply_parameters)
-        for name in node_parameters.unknown_overrides(self):
-            self.get_logger().warning(
-                f"unknown parameter '{name}' is ignored; docs/parameters.md lists all"
-            )
+        node_parameters.warn_of_unknown_overrides(self)
 
     def _validate_parameters(self, values: Mapping[str, object]) -> None:
         own = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS}

@@ -120,6 +120,13 @@ class TestStart:
         assert node_parameters.unknown_overrides(node) == ["partikel_count"]
         assert "unknown parameter 'partikel_count' is ignored" in capfd.readouterr().err
 
+    @pytest.mark.parametrize("node", ["simulator", "controller"])
+    def test_so_they_are_by_the_nodes_of_the_loop(
+        self, world: Any, capfd: pytest.CaptureFixture[str], node: str
+    ) -> None:
+        getattr(world, node)(sped=3.0)
+        assert "unknown parameter 'sped' is ignored" in capfd.readouterr().err
+
     def test_a_preset_sets_the_defaults_and_what_is_given_prevails(self, world: Any) -> None:
         node = world.tracker(preset="thesis", width_variance=9.0)
         expected = preset("thesis").replaced({"width_variance": 9.0})
