@@ -183,6 +183,13 @@ SIMULATOR_PARAMETERS = (
         (1.0, 1e6),
         "Without a new metre of cable for so long of simulated time the node ends.",
     ),
+    number(
+        "standstill",
+        0.0,
+        "s",
+        (0.0, 1e6),
+        "When `cmd_vel` has asked to stand still for so long the node ends; 0: never for that.",
+    ),
 )
 """Read at start only."""
 

@@ -88,6 +88,13 @@ class RememberedLine:
         return Cable(left / max(math.cos(heading), 0.1), heading)
 
 
+def line_at(cable: Cable, pose: Pose) -> RememberedLine:
+    """Return the straight line on which a cable is seen from a pose."""
+    x = pose.x - cable.offset * math.sin(pose.yaw)
+    y = pose.y + cable.offset * math.cos(pose.yaw)
+    return RememberedLine(x, y, pose.yaw + cable.heading)
+
+
 @dataclass(frozen=True, slots=True)
 class _Sighting:
     x: float
@@ -104,12 +111,18 @@ class CableMemory:
 
     def add(self, cable: Cable, pose: Pose) -> None:
         """Remember where the cable is now."""
-        x = pose.x - cable.offset * math.sin(pose.yaw)
-        y = pose.y + cable.offset * math.cos(pose.yaw)
+        seen = line_at(cable, pose)
         place = (pose.x, pose.y)
-        self._sightings.append(_Sighting(x, y, pose.yaw + cable.heading, place))
+        self._sightings.append(_Sighting(seen.x, seen.y, seen.direction, place))
         while math.dist(self._sightings[0].vehicle, place) > REMEMBERED:
             self._sightings.popleft()
+
+    @property
+    def way(self) -> float:
+        """Length of the way from the first sighting that counts to the last [m]."""
+        if not self._sightings:
+            return 0.0
+        return math.dist(self._sightings[0].vehicle, self._sightings[-1].vehicle)
 
     def line(self) -> RememberedLine | None:
         """Return the line through the sightings; None if they are too few.

@@ -6,7 +6,12 @@ import math
 from dataclasses import dataclass, field
 from enum import Enum
 
-from cable_tracker.example_controller.cable_memory import CableMemory, Pose, RememberedLine
+from cable_tracker.example_controller.cable_memory import (
+    CableMemory,
+    Pose,
+    RememberedLine,
+    line_at,
+)
 from cable_tracker.example_controller.line_of_sight import (
     STOP,
     Cable,
@@ -20,6 +25,9 @@ NEAR, NEAR_TURNED = 0.5, math.radians(35.0)
 
 GATE_GROWTH = 0.2
 """How much farther for each metre since it was seen."""
+
+PROVEN = 2.0
+"""A cable that is lost again before it was followed so far may have been something else [m]."""
 
 
 class Mode(Enum):
@@ -104,7 +112,7 @@ class Controller:
         self._last_seen = -math.inf
         self._in_a_row = 0
         self._command = STOP
-        self._last_line: RememberedLine | None = None
+        self._sighting: RememberedLine | None = None
         self._line: RememberedLine | None = None
 
     @property
@@ -137,18 +145,23 @@ class Controller:
         return self._command
 
     def _follow(self, time: float, seconds: float, cable: Cable, pose: Pose | None) -> Command:
+        if self._mode is not Mode.FOLLOWING:
+            # What was found may be something else: it must not mix with what was seen before.
+            self._memory = CableMemory()
         self._mode = Mode.FOLLOWING
         self._last_seen = time
-        self._line = None
         if pose is not None:
             self._memory.add(cable, pose)
-            self._last_line = self._memory.line() or self._last_line
+            self._sighting = line_at(cable, pose)
         self._command = self._guidance.steer(cable, seconds)
         return self._command
 
     def _is_credible(self, cable: Cable, pose: Pose | None) -> bool:
-        """Tell whether this may be the cable that was seen before, and not something beside it."""
-        line = self._line or self._last_line
+        """Tell whether this may be the cable that was seen before, and not something beside it.
+
+        What is followed must go on where it was a moment ago; what is found, where the line leads.
+        """
+        line = self._sighting if self._mode is Mode.FOLLOWING else self._line
         if pose is None or line is None:
             return True
         expected = line.seen_from(pose)
@@ -164,8 +177,8 @@ class Controller:
         waited = time - self._last_seen
         if waited <= search.patience:
             return self._command
-        if self._line is None:
-            self._line = self._last_line
+        if self._mode is Mode.FOLLOWING:
+            self._remember()
         if waited <= search.patience + search.pause or pose is None or self._line is None:
             self._mode = Mode.STOPPED
             return STOP
@@ -176,3 +189,12 @@ class Controller:
         self._mode = Mode.SEARCHING
         wanted = self._line.seen_from(pose, search.sweep(progress))
         return self._guidance.steer(wanted, seconds, search.speed)
+
+    def _remember(self) -> None:
+        """Choose the line to search along.
+
+        What was lost again soon after it was found may have been a furrow or a shadow: then the
+        search goes on along the line from before.
+        """
+        if self._line is None or self._memory.way >= PROVEN:
+            self._line = self._memory.line() or self._line

@@ -43,6 +43,9 @@ from cable_tracker.visualisation.video import VideoWriter
 TABLE, SUMMARY = "loop.csv", "summary.csv"
 WAY, ERRORS, VIDEO = "way.png", "cross_track.png", "loop.webm"
 
+WARM_UP_TIMEOUT = 900.0
+"""Compiling at first use may take minutes on a busy machine; no frame is sent before [s]."""
+
 SILENCE_TIMEOUT = 90.0
 """Nothing new for so long, and something is wrong [s]."""
 
@@ -77,6 +80,10 @@ class LoopRequest:
         Run freely in real time; else in lockstep.
     patience : float
         End the run without a new metre for so long [s].
+    standstill : float
+        End it when the controller wants to stand still for so long [s]; 0: never for that.
+    with_video : bool
+        Draw every frame.
     """
 
     world: LiveSettings
@@ -85,6 +92,8 @@ class LoopRequest:
     speed: float = 0.5
     realtime: bool = False
     patience: float = 60.0
+    standstill: float = 15.0
+    with_video: bool = True
 
     @property
     def burial(self) -> Burial | None:
@@ -126,8 +135,8 @@ def run_loop(
     namespace = f"/cable_tracker_loop_{os.getpid()}"
     with output_folder(path, TABLE, overwrite=overwrite) as folder, ExitStack() as stack:
         parameters = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        recorder, executor = stack.enter_context(_recorder(namespace))
-        video = stack.enter_context(VideoWriter(folder / VIDEO))
+        recorder, executor = stack.enter_context(_recorder(namespace, request.with_video))
+        video = stack.enter_context(VideoWriter(folder / VIDEO)) if request.with_video else None
         starter = _Starter(namespace, parameters)
         run = _Run(request, recorder, executor, video, advance)
         for name, values in (
@@ -144,11 +153,13 @@ def run_loop(
 
 
 @contextmanager
-def _recorder(namespace: str) -> Iterator[tuple[LoopRecorder, SingleThreadedExecutor]]:
+def _recorder(
+    namespace: str, with_images: bool
+) -> Iterator[tuple[LoopRecorder, SingleThreadedExecutor]]:
     context = Context()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
     executor = SingleThreadedExecutor(context=context)
-    recorder = LoopRecorder(context, namespace)
+    recorder = LoopRecorder(context, namespace, with_images=with_images)
     executor.add_node(recorder)
     try:
         yield recorder, executor
@@ -196,9 +207,10 @@ def _simulator_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
         "rate": world.rate,
         "lockstep": not request.realtime,
         "publish_clock": True,
-        "image_readers": 2,
+        "image_readers": 2 if request.with_video else 1,
         "odometry_readers": 2,
         "patience": request.patience,
+        "standstill": request.standstill,
     }
 
 
@@ -233,7 +245,7 @@ class _Run:
         request: LoopRequest,
         recorder: LoopRecorder,
         executor: SingleThreadedExecutor,
-        video: VideoWriter,
+        video: VideoWriter | None,
         advance: Callable[[float], None],
     ) -> None:
         self._request = request
@@ -249,8 +261,9 @@ class _Run:
         self.simulator: NodeProcess | None = None
 
     def wait_until_connected(self) -> None:
-        """Wait until what the tracker publishes reaches everybody."""
+        """Wait until what the tracker publishes reaches everybody, and it is ready for frames."""
         spin_until(self._executor, self._recorder.is_connected, START_TIMEOUT, self._what_died)
+        spin_until(self._executor, self._recorder.is_warm, WARM_UP_TIMEOUT, self._what_died)
 
     def follow(self) -> None:
         """Draw frame after frame until the simulator has ended, and all of them have come."""
@@ -262,6 +275,7 @@ class _Run:
             frames = self._recorder.take()
             for frame in frames:
                 self._draw(frame)
+                self._advance(frame.place[0])
             now = time.monotonic()
             heard = now if frames else heard
             if ended is None and not self.simulator.running:
@@ -286,6 +300,8 @@ class _Run:
         return f"the simulator node has died: {self.simulator.last_line()}"
 
     def _draw(self, frame: SeenFrame) -> None:
+        if self._video is None or frame.image is None:
+            return
         if self._first_stamp is None:
             self._first_stamp = frame.stamp
         picture = draw_overlay(
@@ -298,7 +314,6 @@ class _Run:
         )
         panel = self._map.draw(frame.place, frame.yaw, words)
         self._video.add(_side_by_side(picture, panel), frame.stamp)
-        self._advance(frame.place[0])
 
     def write(self, folder: Path) -> LoopSummary:
         """Write everything but the video."""

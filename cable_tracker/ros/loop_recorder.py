@@ -18,6 +18,7 @@ from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.state import CableState
 from cable_tracker.evaluation.closed_loop import LoopRow
 from cable_tracker.ros import qos
+from cable_tracker.ros.diagnostics import WARMING_UP
 from cable_tracker.ros.metric_messages import Y
 from cable_tracker.ros.vehicle_messages import yaw_of
 from cable_tracker.sequences.encodings import decode_grey
@@ -36,10 +37,16 @@ class _Frame:
     truth: Message | None = None
     cable: Message | None = None
 
-    def is_seen(self) -> bool:
+    def is_seen(self, *, with_image: bool) -> bool:
         """Tell whether all has come that a picture of the frame needs."""
-        needed = (self.image, self.state, self.report, self.odometry, self.truth)
+        needed = [self.state, self.report, self.odometry, self.truth]
+        if with_image:
+            needed.append(self.image)
         return all(each is not None for each in needed)
+
+    def is_sent(self) -> bool:
+        """Tell whether the simulator has sent it, or begun to."""
+        return self.truth is not None or self.image is not None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,8 +57,8 @@ class SeenFrame:
     ----------
     stamp : int
         [ns].
-    image : Picture
-        Grey, uint8, shape (H, W).
+    image : Picture or None
+        Grey, uint8, shape (H, W); None if nobody wanted pictures.
     state : CableState or None
         The estimate.
     status : str
@@ -65,7 +72,7 @@ class SeenFrame:
     """
 
     stamp: int
-    image: Picture
+    image: Picture | None
     state: CableState | None
     status: str
     place: tuple[float, float]
@@ -94,17 +101,21 @@ class LoopRecorder(Node):  # type: ignore[misc]
         Of this process.
     namespace : str
         Of the loop's nodes.
+    with_images : bool
+        Listen to the camera as well.
     """
 
-    def __init__(self, context: Context, namespace: str) -> None:
+    def __init__(self, context: Context, namespace: str, *, with_images: bool = True) -> None:
         super().__init__("loop_recorder", context=context, namespace=namespace)
         self._frames: dict[int, _Frame] = {}
         self._undrawn: dict[int, _Frame] = {}
         self._modes = _Modes()
         self._readers: dict[str, int] = {}
+        self._with_images = with_images
+        self._is_warm = False
         self._drawn = -1
         for kind, topic, name in (
-            (Image, "image", "image"),
+            *([(Image, "image", "image")] if with_images else []),
             (JointState, "state", "state"),
             (DiagnosticArray, "tracker/frame_report", "report"),
             (Odometry, "ground_truth/odometry", "odometry"),
@@ -130,6 +141,8 @@ class LoopRecorder(Node):  # type: ignore[misc]
         for status in message.status:
             if status.name.endswith(": guidance"):
                 self._modes.changes[stamp_of(message.header)] = str(status.message)
+                continue
+            self._is_warm = status.message != WARMING_UP
             for pair in status.values:
                 if pair.key.startswith(("subscribers of ", "readers of ")):
                     self._readers[pair.key.rpartition("/")[2]] = int(pair.value)
@@ -140,21 +153,28 @@ class LoopRecorder(Node):  # type: ignore[misc]
             self._readers.get("frame_report")
         )
 
+    def is_warm(self) -> bool:
+        """Tell whether the tracker has said that it is done with compiling."""
+        return self._is_warm
+
     def take(self) -> list[SeenFrame]:
         """Return the frames that have become complete, in order, each once.
 
         A frame that the tracker has left out is passed over when a later one is complete.
         """
-        complete = sorted(stamp for stamp, frame in self._undrawn.items() if frame.is_seen())
+        complete = sorted(stamp for stamp, frame in self._undrawn.items() if self._sees(frame))
         seen = [_seen(stamp, self._undrawn[stamp]) for stamp in complete if stamp > self._drawn]
         self._drawn = max([self._drawn, *complete])
         for stamp in [stamp for stamp in self._undrawn if stamp <= self._drawn]:
             self._undrawn.pop(stamp).image = None
         return seen
 
+    def _sees(self, frame: _Frame) -> bool:
+        return frame.is_seen(with_image=self._with_images)
+
     def is_settled(self) -> bool:
         """Tell whether all that is to come about the frames sent so far has come."""
-        return not any(frame.image is not None for frame in self._undrawn.values())
+        return not any(frame.is_sent() for frame in self._undrawn.values())
 
     def rows(self) -> list[LoopRow]:
         """Return the table of the run; its frames are those that the simulator sent."""
@@ -196,7 +216,7 @@ def _seen(stamp: int, frame: _Frame) -> SeenFrame:
     pose, true = frame.odometry.pose.pose, frame.truth.pose.pose
     return SeenFrame(
         stamp=stamp,
-        image=decode_grey(read_image(frame.image)),
+        image=decode_grey(read_image(frame.image)) if frame.image is not None else None,
         state=read_state(frame.state),
         status=str(frame.report.status[0].message),
         place=(float(pose.position.x), float(pose.position.y)),

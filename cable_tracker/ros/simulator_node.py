@@ -79,6 +79,7 @@ class SimulatorNode(ProcessNode):
         self._first_stamp = FIRST_STAMP
         self._due = 0.0
         self._farthest = (0.0, 0.0)
+        self._last_moved = 0.0
         self._create_topics()
         self.get_logger().info(f"waiting for a subscriber of {self._image.topic_name}")
 
@@ -239,7 +240,14 @@ class SimulatorNode(ProcessNode):
         if truth.along >= farthest + 1.0:
             self._farthest = (truth.along, self._world.time)
         is_stuck = self._world.time - since > self._number("patience")
-        return truth.along >= self._world.settings.length or is_stuck
+        return truth.along >= self._world.settings.length or is_stuck or self._stands_still()
+
+    def _stands_still(self) -> bool:
+        """Tell whether nobody has wanted the vehicle to move for long."""
+        if self._command != VelocityCommand():
+            self._last_moved = self._world.time
+        standstill = self._number("standstill")
+        return 0.0 < standstill < self._world.time - self._last_moved
 
     def _flush(self) -> None:
         for publisher in (self._image, self._true_odometry, self._true_cross_track):

@@ -49,6 +49,13 @@ def test_a_straight_cable_is_remembered_as_it_was_seen(direction, aside, turned)
     assert seen.heading == pytest.approx(expected.heading, abs=1e-9)
 
 
+def test_the_way_is_that_of_the_sightings_that_count():
+    assert CableMemory().way == 0.0
+    line = RememberedLine(0.0, 0.3, 0.0)
+    assert memory_of(line, walk(0.0, 21)).way == pytest.approx(1.0)
+    assert memory_of(line, walk(0.0, 201)).way == pytest.approx(REMEMBERED)
+
+
 def test_a_line_to_the_left_is_seen_to_the_left():
     line = RememberedLine(0.0, 1.0, 0.0)
     assert line.seen_from(Pose(0.0, 0.0, 0.0)) == Cable(1.0, 0.0)

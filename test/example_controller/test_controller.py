@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.example_controller.cable_memory import Pose
+from cable_tracker.example_controller.cable_memory import Pose, RememberedLine
 from cable_tracker.example_controller.controller import (
     Controller,
     ControllerSettings,
@@ -134,6 +134,38 @@ def test_what_lies_elsewhere_is_not_the_cable(following, other):
     for _ in range(20):
         following.sees(other)
     assert following.mode is not Mode.FOLLOWING
+
+
+def test_what_is_followed_may_bend_away_from_the_line_of_before(following):
+    for step in range(40):
+        following.sees(Cable(0.0, 0.02 * min(step, 20)))
+        assert following.mode is Mode.FOLLOWING
+
+
+def test_a_find_that_is_lost_again_soon_does_not_turn_the_search_away(following):
+    for _ in following.sees_nothing(4.0):
+        pass
+    furrow = RememberedLine(following.pose.x, following.pose.y + 0.1, math.radians(25.0))
+    for _ in range(35):
+        following.sees(furrow.seen_from(following.pose))
+    assert following.mode is Mode.FOLLOWING
+    assert following.pose.yaw > math.radians(20.0)
+    for _ in following.sees_nothing(9.0):
+        pass
+    assert following.mode is Mode.SEARCHING
+    assert abs(following.pose.y) < 0.2
+
+
+def test_a_find_that_was_followed_for_long_is_the_new_line(following):
+    for _ in following.sees_nothing(4.0):
+        pass
+    cable = RememberedLine(following.pose.x, following.pose.y, math.radians(25.0))
+    for _ in range(80):
+        following.sees(cable.seen_from(following.pose))
+    for _ in following.sees_nothing(9.0):
+        pass
+    assert following.mode is Mode.SEARCHING
+    assert abs(cable.seen_from(following.pose).offset) < 0.2
 
 
 def test_without_odometry_a_lost_cable_is_not_searched_for():
