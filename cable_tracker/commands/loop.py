@@ -2,19 +2,37 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Annotated
+from types import ModuleType
+from typing import Annotated, Any
 
 import typer
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from cable_tracker.cable.parameter_files import read_parameter_file
-from cable_tracker.commands.options import ForceOption, PresetName
+from cable_tracker.commands.evaluate import seeds_from
+from cable_tracker.commands.loop_campaign import MOST_WORKERS, LoopCampaign, run_campaign
+from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.simulate import parse_size
-from cable_tracker.commands.terminal import console, progress_bar
+from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.closed_loop import GOAL, LoopSummary
+from cable_tracker.evaluation.closed_loop_campaign import (
+    METHODS_TABLE,
+    RUNS,
+    LoopOutcome,
+    MethodTotals,
+    totals_by_method,
+    write_methods,
+    write_runs,
+)
+from cable_tracker.evaluation.folder import output_folder
+from cable_tracker.evaluation.methods import BASELINES, METHODS
 from cable_tracker.simulation.live_world import LiveSettings
 from cable_tracker.trackers import PROPOSERS
 
@@ -23,6 +41,16 @@ def loop(  # noqa: PLR0917
     seed: Annotated[
         int, typer.Option(help="Seed of world, instruments and filter: the same, the same files.")
     ] = 0,
+    seeds: Annotated[
+        int, typer.Option(help="Number of runs, with the seed and those that follow it.")
+    ] = 1,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(
+            help=f"In the tracker's place: {' | '.join(METHODS)}; may be given several times."
+            "  [default: default]"
+        ),
+    ] = None,
     length: Annotated[float, typer.Option(help="Of the cable [m].")] = 100.0,
     buried: Annotated[
         float | None,
@@ -33,10 +61,10 @@ def loop(  # noqa: PLR0917
     speed: Annotated[float, typer.Option(help="Of the vehicle through the water [m/s].")] = 0.5,
     size: Annotated[str, typer.Option(help="Of the images, in px.")] = "320x240",
     rate: Annotated[float, typer.Option(help="Frames per second.")] = 12.5,
-    preset_name: Annotated[
-        PresetName | None,
-        typer.Option("--preset", help="Values of the filter to start from.  [default: default]"),
-    ] = None,
+    standstill: Annotated[
+        float,
+        typer.Option(help="End a run when the vehicle is told to stand still for so long [s]."),
+    ] = 15.0,
     detector: Annotated[
         str | None,
         typer.Option(help=f"Detector that the filter asks: {', '.join(PROPOSERS)}."),
@@ -48,31 +76,71 @@ def loop(  # noqa: PLR0917
         bool,
         typer.Option("--realtime", help="Run freely in real time, instead of in lockstep."),
     ] = False,
+    video: Annotated[
+        bool | None,
+        typer.Option("--video/--no-video", help="Write a video.  [default: of a single run]"),
+    ] = None,
+    workers: Annotated[
+        int, typer.Option(help="So many runs at once, each of them four processes.")
+    ] = 1,
     output: Annotated[
-        Path | None, typer.Option(help="Folder for the results.  [default: loop_SEED]")
+        Path | None,
+        typer.Option(help="Folder for the results.  [default: loop_SEED; of several: loop_runs]"),
     ] = None,
     force: ForceOption = False,
 ) -> None:
     """Let a simulated vehicle follow a cable by the tracker's word, over ROS.
 
     Simulator, tracker and the example of a controller run as processes of their own. Table, plots
-    and a video go into one folder.
+    and a video go into one folder. With several seeds or methods each run has a folder of its own
+    beside the tables of all; a run that fails does not end the others.
     """
+    methods = tuple(dict.fromkeys(method or ("default",)))
+    _check_methods(methods, is_tuned=params is not None or detector is not None)
+    chosen = seeds_from(seeds, seed) if seed >= 0 else (seed,)
     ros = need_ros("loop")
     sand = min(5.0, length / 4) if buried is None else buried
+    several = len(chosen) * len(methods) > 1
     request = ros.LoopRequest(
         world=LiveSettings(seed, length, sand, altitude, current, parse_size(size), rate),
+        method=methods[0],
         tracker={
             **(read_parameter_file(params) if params is not None else {}),
-            **({"preset": preset_name.value} if preset_name is not None else {}),
             "seed": seed,
             **({"detector": detector} if detector is not None else {}),
         },
         speed=speed,
         realtime=realtime,
+        standstill=standstill,
+        with_video=video if video is not None else not several,
     )
-    folder = output if output is not None else Path(f"loop_{seed}")
-    with progress_bar("following [m]", round(length)) as progress:
+    if not several:
+        _run_one(ros, request, output if output is not None else Path(f"loop_{seed}"), force)
+        return
+    if not 1 <= workers <= MOST_WORKERS:
+        raise ParameterError(f"workers is {workers}: give 1 to {MOST_WORKERS}")
+    shared = [
+        f"--length={length}", f"--buried={sand}", f"--current={current}", f"--altitude={altitude}",
+        f"--speed={speed}", f"--size={size}", f"--rate={rate}", f"--standstill={standstill}",
+        "--video" if request.with_video else "--no-video",
+        *([f"--detector={detector}"] if detector is not None else []),
+        *([f"--params={params}"] if params is not None else []),
+        *(["--realtime"] if realtime else []),
+    ]  # fmt: skip
+    campaign = LoopCampaign(methods, chosen, shared, workers)
+    _run_several(campaign, output if output is not None else Path("loop_runs"), force)
+
+
+def _check_methods(methods: Sequence[str], *, is_tuned: bool) -> None:
+    for name in methods:
+        if name not in METHODS:
+            raise ParameterError(f"method: {name!r} is none of {' | '.join(METHODS)}")
+        if is_tuned and name in BASELINES:
+            raise ParameterError(f"--params and --detector mean nothing to {name}; leave them out")
+
+
+def _run_one(ros: ModuleType, request: Any, folder: Path, force: bool) -> None:  # noqa: ANN401
+    with progress_bar("following [m]", round(request.world.length)) as progress:
         task = progress.task_ids[0]
         summary = ros.run_loop(
             request,
@@ -81,8 +149,23 @@ def loop(  # noqa: PLR0917
             advance=lambda way: progress.update(task, completed=max(0, round(way))),
         )
     _print(summary)
-    for name in (ros.TABLE, ros.SUMMARY, ros.WAY, ros.ERRORS, ros.VIDEO):
+    for name in ros.file_names(request):
         console.print(f"  {folder / name}", soft_wrap=True)
+
+
+def _run_several(campaign: LoopCampaign, path: Path, force: bool) -> None:
+    with output_folder(path, RUNS, overwrite=force) as folder:
+        with progress_bar("runs", len(campaign.cases())) as progress:
+            outcomes = run_campaign(campaign, folder, lambda: advance(progress))
+        totals = totals_by_method(outcomes)
+        write_runs(folder / RUNS, outcomes)
+        write_methods(folder / METHODS_TABLE, totals)
+    _print_runs(outcomes)
+    _print_totals(totals)
+    for name in (RUNS, METHODS_TABLE):
+        console.print(f"  {path / name}", soft_wrap=True)
+    if any(each.failed for each in totals):
+        raise typer.Exit(1)
 
 
 LABELS = {
@@ -97,12 +180,38 @@ LABELS = {
     "rms_in_sight": "its RMS with the cable in sight [m]",
     "rms_offset": "cross_track, RMS error of y [m]",
     "rms_heading": "cross_track, RMS error of yaw [deg]",
+    "answered": "frames answered",
     "measured": "frames with cross_track",
     "wrong": "frames with that of no cable",
     "losses": "times lost",
     "longest_loss": "longest loss [s]",
     "found_again": "found again after the sand",
     "lost_for_good": "lost for good",
+}
+
+RUN_HEADINGS = {
+    "way": "way [m]",
+    "rms": "RMS [m]",
+    "most": "max [m]",
+    "rms_offset": "y [m]",
+    "wrong": "wrong",
+    "losses": "losses",
+    "longest_loss": "longest [s]",
+    "lost_for_good": "lost for good",
+}
+"""What the table of several runs shows on the terminal."""
+
+TOTAL_HEADINGS = {
+    "method": "method",
+    "runs": "runs",
+    "failed": "failed",
+    "kept": "kept",
+    "within_goal": "in goal",
+    "way": "way [m]",
+    "rms": "RMS [m]",
+    "worst_rms": "worst [m]",
+    "most": "max [m]",
+    "wrong": "wrong",
 }
 
 
@@ -118,9 +227,40 @@ def _print(summary: LoopSummary) -> None:
     console.print(f"The cable was {verdict}; the run is {goal} the goal of {GOAL:g} m RMS.")
 
 
+def _print_runs(outcomes: Sequence[LoopOutcome]) -> None:
+    table = _narrow_table(("method", "seed", *RUN_HEADINGS.values()), "closed loops")
+    for outcome in outcomes:
+        summary = outcome.summary
+        cells = ["failed"] if summary is None else [
+            _cell(name, getattr(summary, name)) for name in RUN_HEADINGS
+        ]  # fmt: skip
+        table.add_row(outcome.method, str(outcome.seed), *cells)
+    console.print(table)
+    for outcome in outcomes:
+        if outcome.failure:
+            console.print(f"{outcome.method}, seed {outcome.seed}: {outcome.failure}")
+
+
+def _print_totals(totals: Sequence[MethodTotals]) -> None:
+    title = f"by method; kept: not lost for good; goal: RMS of {GOAL:g} m; way, RMS: medians"
+    table = _narrow_table(tuple(TOTAL_HEADINGS.values()), title)
+    for each in totals:
+        table.add_row(*(_cell(name, getattr(each, name)) for name in TOTAL_HEADINGS))
+    console.print(table)
+
+
+def _narrow_table(headings: Sequence[str], title: str) -> Table:
+    table = Table(title=title, box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
+    for number, heading in enumerate(headings):
+        table.add_column(heading, justify="right" if number else "left", no_wrap=not number)
+    return table
+
+
 def _cell(name: str, value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if name in {"measured", "wrong"}:
-        return f"{value:.1%}"
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
+    if not isinstance(value, float):
+        return str(value)
+    if math.isnan(value):
+        return "-"
+    return f"{value:.1%}" if name in {"answered", "measured", "wrong"} else f"{value:.3g}"

@@ -7,10 +7,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any, get_type_hints
 
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.errors import RecordingError
+
+TABLE, SUMMARY = "loop.csv", "summary.csv"
 
 SETTLED = 5.0
 """Errors count from here on: before, the vehicle comes from where it was let down [m]."""
@@ -107,6 +111,8 @@ class LoopSummary:
         The same without the buried stretch and the search for its end.
     rms_offset, rms_heading : float
         Of `cross_track` itself, where it was right; the second in degrees.
+    answered : float
+        Share of the frames that the tracker answered; late ones are dropped in real time.
     measured, wrong : float
         Shares of the frames with a `cross_track`, and of those with one that was not the cable's.
     losses : int
@@ -130,6 +136,7 @@ class LoopSummary:
     rms_in_sight: float
     rms_offset: float
     rms_heading: float
+    answered: float
     measured: float
     wrong: float
     losses: int
@@ -186,6 +193,7 @@ def summarise_loop(
         rms_heading=math.degrees(
             _rms(np.array([row.measured_heading - row.heading for row in right]))
         ),
+        answered=sum(bool(row.status) for row in rows) / len(rows),
         measured=len(measured) / len(rows),
         wrong=(len(measured) - len(right)) / len(rows),
         losses=len(losses),
@@ -227,7 +235,7 @@ def write_rows(path: Path, rows: Sequence[LoopRow]) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(names)
         for row in rows:
-            writer.writerow([_cell(getattr(row, name)) for name in names])
+            writer.writerow([format_cell(getattr(row, name)) for name in names])
 
 
 def write_summary(path: Path, summary: LoopSummary) -> None:
@@ -236,10 +244,34 @@ def write_summary(path: Path, summary: LoopSummary) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(names)
-        writer.writerow([_cell(getattr(summary, name)) for name in names])
+        writer.writerow([format_cell(getattr(summary, name)) for name in names])
 
 
-def _cell(value: object) -> str:
+def read_summary(path: Path) -> LoopSummary:
+    """Read what `write_summary` has written.
+
+    Raises
+    ------
+    RecordingError
+        The file is missing, or something else.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            row = next(csv.DictReader(file))
+        kinds = get_type_hints(LoopSummary)
+        return LoopSummary(**{name: _value(row[name], kind) for name, kind in kinds.items()})
+    except (OSError, StopIteration, KeyError, ValueError) as error:
+        raise RecordingError(f"{path}: this is no summary of a closed loop") from error
+
+
+def _value(cell: str, kind: type) -> Any:  # noqa: ANN401
+    if kind is bool:
+        return cell == "true"
+    return float(cell or math.nan) if kind is float else kind(cell)
+
+
+def format_cell(value: object) -> str:
+    """Write a value into a CSV file; what is not known is empty."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float):

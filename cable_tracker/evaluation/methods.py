@@ -15,7 +15,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.estimate import CableEstimate
 from cable_tracker.cable.initialisation import StatePrior
 from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.presets import PRESETS, preset
 from cable_tracker.cable.state import CableState
 from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.evaluation.baselines import DetectorTracker
@@ -135,3 +135,6 @@ METHODS: Mapping[str, MethodSpec] = MappingProxyType(
     }
 )
 """All methods by name."""
+
+BASELINES: tuple[str, ...] = tuple(name for name in METHODS if name not in PRESETS)
+"""Those that are none of this project's filters."""

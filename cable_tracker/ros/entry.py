@@ -22,6 +22,7 @@ USAGE = (
 )
 NODES = {
     "tracker": ("tracker_node", "TrackerNode"),
+    "baseline": ("baseline_node", "BaselineNode"),
     "replay": ("replay_node", "ReplayNode"),
     "simulator": ("simulator_node", "SimulatorNode"),
     "controller": ("controller_node", "ControllerNode"),

@@ -22,6 +22,8 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.parameters import ParameterValue
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.closed_loop import (
+    SUMMARY,
+    TABLE,
     Burial,
     LoopSummary,
     summarise_loop,
@@ -30,6 +32,7 @@ from cable_tracker.evaluation.closed_loop import (
 )
 from cable_tracker.evaluation.closed_loop_figures import MapPanel, plot_errors, plot_way
 from cable_tracker.evaluation.folder import output_folder
+from cable_tracker.evaluation.methods import BASELINES
 from cable_tracker.ros.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.environment import local_environment, use_local_environment
 from cable_tracker.ros.loop_recorder import LoopRecorder, SeenFrame
@@ -40,7 +43,6 @@ from cable_tracker.simulation.tube import SETTLED
 from cable_tracker.visualisation.overlay import draw_overlay
 from cable_tracker.visualisation.video import VideoWriter
 
-TABLE, SUMMARY = "loop.csv", "summary.csv"
 WAY, ERRORS, VIDEO = "way.png", "cross_track.png", "loop.webm"
 
 WARM_UP_TIMEOUT = 900.0
@@ -70,6 +72,8 @@ class LoopRequest:
     ----------
     world : LiveSettings
         The world.
+    method : str
+        One of `evaluation.methods.METHODS`.
     tracker : dict
         Parameters of the tracker node.
     controller : dict
@@ -87,6 +91,7 @@ class LoopRequest:
     """
 
     world: LiveSettings
+    method: str = "default"
     tracker: dict[str, ParameterValue] = field(default_factory=dict)
     controller: dict[str, ParameterValue] = field(default_factory=dict)
     speed: float = 0.5
@@ -96,12 +101,22 @@ class LoopRequest:
     with_video: bool = True
 
     @property
+    def tracker_node(self) -> str:
+        """Which node tracks, a name of `entry.NODES`."""
+        return "baseline" if self.method in BASELINES else "tracker"
+
+    @property
     def burial(self) -> Burial | None:
         """Where the cable is under sand."""
         world = self.world
         if not world.buried:
             return None
         return Burial(world.buried_from, world.buried_from + world.buried)
+
+
+def file_names(request: LoopRequest) -> tuple[str, ...]:
+    """Return the names of the files that a run writes."""
+    return (TABLE, SUMMARY, WAY, ERRORS, *((VIDEO,) if request.with_video else ()))
 
 
 def run_loop(
@@ -140,7 +155,7 @@ def run_loop(
         starter = _Starter(namespace, parameters)
         run = _Run(request, recorder, executor, video, advance)
         for name, values in (
-            ("tracker", _tracker_parameters(request)),
+            (request.tracker_node, _tracker_parameters(request)),
             ("controller", _controller_parameters(request)),
         ):
             run.nodes.append(stack.enter_context(starter.start(name, values)))
@@ -175,6 +190,7 @@ def _tracker_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
         "cable_height": SETTLED * CABLE_RADIUS,
         "altitude_is_vertical": True,
         "diagnostics_period": 0.1,
+        "method" if request.method in BASELINES else "preset": request.method,
         **request.tracker,
     }
     if not request.realtime:

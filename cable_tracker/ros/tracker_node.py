@@ -19,10 +19,13 @@ from std_srvs.srv import SetBool, Trigger
 from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.initial_state_text import parse_initial_state
 from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import PARAMETER_TABLE, PARAMETERS_BY_NAME
+from cable_tracker.cable.parameters import (
+    PARAMETER_TABLE,
+    PARAMETERS_BY_NAME,
+    TrackerParameters,
+)
 from cable_tracker.cable.presets import preset
 from cable_tracker.cable.response_table import load_table
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import FrameError
 from cable_tracker.node_parameter_tables import (
     TRACKER_RUNTIME_PARAMETERS,
@@ -39,6 +42,7 @@ from cable_tracker.ros.diagnostics import (
     diagnostic_values,
     make_diagnostics,
 )
+from cable_tracker.ros.frame_tracker import FrameTracker
 from cable_tracker.ros.frozen_input import FrozenInput
 from cable_tracker.ros.metric_inputs import MetricInputs
 from cable_tracker.ros.picture_remarks import remark_on
@@ -150,7 +154,7 @@ class TrackerNode(ProcessNode):
         return self._statistics
 
     @property
-    def tracker(self) -> CableTracker:
+    def tracker(self) -> FrameTracker:
         """The tracker inside."""
         return self._tracker
 
@@ -170,11 +174,15 @@ class TrackerNode(ProcessNode):
         self._compressed_input = start["image_transport"] == "compressed"
         self._reliability = str(start["image_reliability"])
         self._instrument_reliability = str(start["instrument_reliability"])
-        self._tracker = make_tracker(values.replaced(given))
+        self._tracker = self._make_tracker(values.replaced(given))
         self._apply_runtime_values(runtime)
         specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS} | dict(PARAMETERS_BY_NAME)
         node_parameters.watch(self, specs, self._validate_parameters, self._apply_parameters)
         node_parameters.warn_of_unknown_overrides(self)
+
+    def _make_tracker(self, parameters: TrackerParameters) -> FrameTracker:
+        """Make what tracks; a node that compares methods puts another one here."""
+        return make_tracker(parameters)
 
     def _validate_parameters(self, values: Mapping[str, object]) -> None:
         own = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS}
@@ -386,9 +394,7 @@ class TrackerNode(ProcessNode):
         self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
         self._statistics.tracked += 1
         self._estimate = estimate
-        particles = self._tracker.particles
-        assert particles is not None
-        self._outputs.publish_pictures(header, estimate, particles, grey)
+        self._outputs.publish_pictures(header, estimate, self._tracker.particles, grey)
         self._outputs.publish_state(header, estimate, milliseconds)
         self._is_frozen = False
         self._note_usable()

@@ -99,10 +99,10 @@ class TrackerOutputs:
             )
 
     def publish_pictures(
-        self, header: Message, estimate: CableEstimate, particles: Particles, grey: Picture
+        self, header: Message, estimate: CableEstimate, particles: Particles | None, grey: Picture
     ) -> None:
         """Publish what people look at."""
-        if self._particles.get_subscription_count():
+        if particles is not None and self._particles.get_subscription_count():
             self._particles.publish(make_particles(self._factory, header, cloud_of(particles)))
         if self._markers.get_subscription_count():
             self._markers.publish(
@@ -127,7 +127,7 @@ class TrackerOutputs:
         self._state.publish(make_state(self._factory, header, claimed_state(estimate), sigma))
 
     def _publish_overlay(
-        self, header: Message, estimate: CableEstimate, particles: Particles, grey: Picture
+        self, header: Message, estimate: CableEstimate, particles: Particles | None, grey: Picture
     ) -> None:
         sigma: FloatArray = estimate.standard_deviations()[:4]
         picture = draw_overlay(
@@ -135,7 +135,7 @@ class TrackerOutputs:
             state=claimed_state(estimate),
             status=estimate.status.value,
             sigma=sigma,
-            cloud=cloud_of(particles),
+            cloud=cloud_of(particles) if particles is not None else None,
             hypotheses=estimate.hypotheses,
             presence=estimate.presence,
         )

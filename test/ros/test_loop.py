@@ -13,7 +13,8 @@ import pytest
 from sensor_msgs.msg import Image
 
 from cable_tracker.errors import OutputError
-from cable_tracker.ros.loop import ERRORS, SUMMARY, TABLE, VIDEO, WAY, LoopRequest, run_loop
+from cable_tracker.evaluation.closed_loop import SUMMARY, TABLE
+from cable_tracker.ros.loop import ERRORS, VIDEO, WAY, LoopRequest, run_loop
 from cable_tracker.simulation.live_world import LiveSettings
 
 FILES = (TABLE, SUMMARY, WAY, ERRORS, VIDEO)

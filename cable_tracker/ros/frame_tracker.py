@@ -1,0 +1,45 @@
+"""What the tracker node needs of the tracker inside it."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.estimate import CableEstimate
+from cable_tracker.cable.initialisation import StatePrior
+from cable_tracker.cable.motion_aid import MotionAid
+from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.proposer import CableProposer
+from cable_tracker.particle_filter.particles import Particles
+
+
+class FrameTracker(Protocol):
+    """Tracks one cable through the frames of a node, as `CableTracker` does."""
+
+    @property
+    def parameters(self) -> TrackerParameters:
+        """The parameters in force."""
+        ...
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief; None before the first frame, or where there are no particles."""
+        ...
+
+    def configure(
+        self, parameters: TrackerParameters, proposer: CableProposer | None = None
+    ) -> None:
+        """Take other parameters from now on."""
+        ...
+
+    def reset(self) -> None:
+        """Forget everything."""
+        ...
+
+    def initialise(self, prior: StatePrior) -> None:
+        """Start the next frame from a given belief."""
+        ...
+
+    def process(self, image: Image, stamp: int, motion: MotionAid | None = None) -> CableEstimate:
+        """Take one frame into account: grey, shape (H, W), and its time [ns]."""
+        ...
