@@ -1,10 +1,14 @@
 from __future__ import annotations
 
+import csv
+
 import pytest
 from typer.testing import CliRunner
 
 from cable_tracker.cli import app
 from cable_tracker.errors import CableTrackerError, OutputError, ParameterError
+from cable_tracker.evaluation.closed_loop import SUMMARY, read_summary
+from cable_tracker.evaluation.closed_loop_campaign import METHODS_TABLE, RUNS
 
 pytest.importorskip("rclpy")
 
@@ -23,6 +27,8 @@ def run(*arguments: str) -> None:
         ("--buried", "200", "buried is 200"),
         ("--size", "large", "is not of the form 320x240"),
         ("--seed", "-1", "seed is -1"),
+        ("--seeds", "0", "seeds is 0"),
+        ("--method", "magic", "'magic' is none of default"),
     ],
 )
 def test_what_cannot_be_run_is_refused(tmp_path, option, value, words):
@@ -34,6 +40,34 @@ def test_a_folder_that_is_taken_is_refused(tmp_path):
     (tmp_path / "loop").mkdir()
     with pytest.raises(OutputError, match="exists already"):
         run("loop", "--output", str(tmp_path / "loop"))
+
+
+def test_a_baseline_has_no_detector_of_the_filter_s(tmp_path):
+    with pytest.raises(ParameterError, match="mean nothing to lsd"):
+        run("loop", "--method", "lsd", "--detector", "none", "--output", str(tmp_path / "loop"))
+
+
+def test_there_are_not_more_runs_at_once_than_domains(tmp_path):
+    with pytest.raises(ParameterError, match="workers is 99"):
+        run("loop", "--seeds", "2", "--workers", "99", "--output", str(tmp_path / "loop"))
+
+
+def test_several_runs_make_one_table(tmp_path):
+    run(
+        "loop", "--length", "1.5", "--size", "160x120", "--method", "hough", "--method", "lsd",
+        "--workers", "2", "--output", str(tmp_path / "loops"),
+    )  # fmt: skip
+    with (tmp_path / "loops" / RUNS).open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["method"], row["seed"], row["failure"]) for row in rows] == [
+        ("hough", "0", ""),
+        ("lsd", "0", ""),
+    ]
+    own = read_summary(tmp_path / "loops" / "lsd_0" / SUMMARY)
+    assert float(rows[1]["rms"]) == own.rms
+    assert not (tmp_path / "loops" / "lsd_0" / "loop.webm").exists()
+    with (tmp_path / "loops" / METHODS_TABLE).open(encoding="utf-8") as file:
+        assert [row["method"] for row in csv.DictReader(file)] == ["hough", "lsd"]
 
 
 def test_live_needs_no_folder_and_takes_none(tmp_path):

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.closed_loop import (
     RIGHT_WITHIN,
     Burial,
     LoopRow,
     LoopSummary,
+    read_summary,
     summarise_loop,
     write_rows,
     write_summary,
@@ -127,3 +129,25 @@ def test_tables_are_written_with_gaps_where_nothing_is_known(tmp_path):
     (summary,) = read(tmp_path / "summary.csv")
     assert summary["seed"] == "7"
     assert summary["lost_for_good"] == "false"
+
+
+def test_a_summary_is_read_as_it_was_written(tmp_path):
+    written = replace(judged(way()), rms=0.12345, rms_offset=math.nan)
+    write_summary(tmp_path / "summary.csv", written)
+    read_back = read_summary(tmp_path / "summary.csv")
+    assert (read_back.rms, read_back.losses, read_back.found_again) == (0.12345, 1, True)
+    assert math.isnan(read_back.rms_offset)
+
+
+@pytest.mark.parametrize("content", ["", "seed\n1\n", None])
+def test_what_is_no_summary_is_refused(tmp_path, content):
+    path = tmp_path / "summary.csv"
+    if content is not None:
+        path.write_text(content, encoding="utf-8")
+    with pytest.raises(RecordingError, match="no summary of a closed loop"):
+        read_summary(path)
+
+
+def test_frames_without_an_answer_are_counted():
+    rows = [replace(each, status="") if each.x < 5.0 else each for each in way()]
+    assert judged(rows).answered == pytest.approx(31 / 41)

@@ -51,6 +51,7 @@ if HAS_ROS:
     from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
     from rclpy.signals import SignalHandlerOptions
 
+    from cable_tracker.ros.baseline_node import BaselineNode
     from cable_tracker.ros.controller_node import ControllerNode
     from cable_tracker.ros.replay_node import ReplayNode
     from cable_tracker.ros.simulator_node import SimulatorNode
@@ -144,6 +145,12 @@ class World:
     def cold_tracker(self, **parameters: Any) -> Any:
         """Make a tracker that may still be compiling."""
         return self.add(TrackerNode(**self._arguments(parameters)))
+
+    def baseline(self, **parameters: Any) -> Any:
+        """Make a stand-in for the tracker."""
+        node = self.add(BaselineNode(**self._arguments(parameters)))
+        node.wait_until_warm()
+        return node
 
     def replay(self, **parameters: Any) -> Any:
         return self.add(ReplayNode(**self._arguments(parameters)))

@@ -6,6 +6,7 @@ import csv
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from sensor_msgs.msg import Image
 
 from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.closed_loop import SUMMARY, TABLE
-from cable_tracker.ros.loop import ERRORS, VIDEO, WAY, LoopRequest, run_loop
+from cable_tracker.ros.loop import ERRORS, VIDEO, WAY, LoopRequest, file_names, run_loop
 from cable_tracker.simulation.live_world import LiveSettings
 
 FILES = (TABLE, SUMMARY, WAY, ERRORS, VIDEO)
@@ -48,6 +49,15 @@ def test_in_real_time_the_vehicle_arrives_as_well(tmp_path):
     summary = run_loop(request(realtime=True), tmp_path / "live")
     assert summary.reached_end
     assert all((tmp_path / "live" / name).stat().st_size > 0 for name in FILES)
+
+
+def test_a_baseline_takes_the_tracker_s_place(tmp_path):
+    wanted = replace(request(method="hough", with_video=False), tracker={"seed": 5})
+    summary = run_loop(wanted, tmp_path / "hough")
+    assert summary.reached_end and summary.answered == 1.0
+    assert summary.measured > 0.5 and summary.wrong == 0.0
+    assert {each.name for each in (tmp_path / "hough").iterdir()} == set(file_names(wanted))
+    assert VIDEO not in file_names(wanted)
 
 
 def test_a_folder_that_is_taken_is_refused_before_anything_runs(tmp_path):

@@ -10,6 +10,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image, JointState
 from std_msgs.msg import Header
 
+from cable_tracker.ros.diagnostics import WARMING_UP
 from cable_tracker.ros.loop_recorder import LoopRecorder
 
 
@@ -26,11 +27,13 @@ class Loop:
         "diagnostics": DiagnosticArray,
     }
 
-    def __init__(self, world: Any, recorder: LoopRecorder) -> None:
+    def __init__(self, world: Any, recorder: LoopRecorder, but: tuple[str, ...] = ()) -> None:
         self._world = world
         self._recorder = recorder
         self._publishers = {
-            topic: world.me.create_publisher(kind, topic, 50) for topic, kind in self.TOPICS.items()
+            topic: world.me.create_publisher(kind, topic, 50)
+            for topic, kind in self.TOPICS.items()
+            if topic not in but
         }
         world.spin(lambda: all(each.get_subscription_count() for each in self._publishers.values()))
 
@@ -92,6 +95,29 @@ def test_a_frame_is_seen_when_all_about_it_has_come(world, loop, recorder):
     assert not recorder.is_settled()
     loop.says("state", 1)
     assert loop.seen(1) == [1]
+
+
+def test_without_images_a_frame_is_seen_all_the_same(world):
+    recorder = world.add(LoopRecorder(world.context, world.namespace, with_images=False))
+    loop = Loop(world, recorder, but=("image",))
+    loop.says_all(1, but=("image", "state"))
+    world.pass_time(0.3)
+    assert not recorder.is_settled()
+    loop.says("state", 1)
+    assert loop.seen(1) == [1]
+    assert recorder.is_settled()
+
+
+def test_the_tracker_is_warm_when_it_says_so(world, loop, recorder):
+    assert not recorder.is_warm()
+    loop.tells(1, "tracker", WARMING_UP, **{"readers of /x/cross_track": "1"})
+    world.pass_time(0.3)
+    assert not recorder.is_warm()
+    loop.tells(2, "controller: guidance", "FOLLOWING")
+    world.pass_time(0.3)
+    assert not recorder.is_warm()
+    loop.tells(3, "tracker", "INITIALISING")
+    world.spin(recorder.is_warm)
 
 
 def test_a_frame_that_the_tracker_left_out_is_a_row_all_the_same(loop, recorder):

@@ -104,6 +104,21 @@ def test_commands_that_are_not_finite_count_as_none(world, start, pilot):
     assert abs(node.world.motion().angles[2]) < math.pi
 
 
+def test_a_vehicle_that_is_to_stand_still_for_long_ends_the_run(world, start, pilot):
+    node = start(standstill=1.0)
+    pilot.drives(surge=0.5, frames=5)
+    pilot.drives(surge=0.0, frames=12)
+    assert not node.finished
+    pilot.drives(surge=0.0, frames=2)
+    assert node.finished
+
+
+def test_unless_nobody_wants_that(world, start, pilot):
+    node = start()
+    pilot.drives(surge=0.0, frames=30)
+    assert not node.finished
+
+
 def test_at_the_end_of_the_cable_the_node_has_finished(world, start, pilot):
     node = start(length=1.0)
     while not node.finished:
