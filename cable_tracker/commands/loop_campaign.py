@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
+import time
+from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from queue import SimpleQueue
+from typing import IO
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.closed_loop import SUMMARY, read_summary
@@ -20,6 +22,9 @@ FIRST_DOMAIN, LAST_DOMAIN = 88, 101
 """Domains above the last collide with ephemeral ports."""
 
 MOST_WORKERS = LAST_DOMAIN - FIRST_DOMAIN + 1
+
+POLL = 0.2
+"""Time between two looks at what has ended [s]."""
 
 GRACE = 30.0
 """Time that a run gets to stop its nodes [s]."""
@@ -70,77 +75,79 @@ def run_campaign(
     list of LoopOutcome
         By method, then seed, in the campaign's order.
     """
-    runner = _Runner(campaign.arguments, folder, campaign.workers)
-    with ThreadPoolExecutor(campaign.workers) as pool:
-        futures = [pool.submit(runner.run, *case) for case in campaign.cases()]
-        try:
-            for _ in as_completed(futures):
+    cases = campaign.cases()
+    waiting = deque(cases)
+    free = [FIRST_DOMAIN + number for number in range(campaign.workers)]
+    running: list[_Run] = []
+    outcomes: dict[tuple[str, int], LoopOutcome] = {}
+    try:
+        # Sleeping instead of waiting for threads: a signal may come any time.
+        while waiting or running:
+            while waiting and free:
+                running.append(_Run.start(waiting.popleft(), free.pop(), campaign, folder))
+            time.sleep(POLL)
+            for run in [run for run in running if run.process.poll() is not None]:
+                running.remove(run)
+                free.append(run.domain)
+                outcomes[run.case] = run.outcome()
                 advance()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            runner.stop()
-            raise
-    return [future.result() for future in futures]
+    finally:
+        _stop(running)
+    return [outcomes[case] for case in cases]
 
 
-@dataclass(slots=True)
-class _Runner:
-    arguments: Sequence[str]
-    folder: Path
-    workers: int
-    domains: SimpleQueue[int] = field(default_factory=SimpleQueue)
-    processes: dict[int, subprocess.Popen[str]] = field(default_factory=dict)
-    stopped: bool = False
+@dataclass(frozen=True, slots=True, eq=False)
+class _Run:
+    case: tuple[str, int]
+    domain: int
+    path: Path
+    process: subprocess.Popen[bytes]
+    said: IO[bytes]
 
-    def __post_init__(self) -> None:
-        for number in range(self.workers):
-            self.domains.put(FIRST_DOMAIN + number)
-
-    def run(self, method: str, seed: int) -> LoopOutcome:
-        """Run one case, and wait for its end."""
-        domain = self.domains.get()
-        try:
-            return self._run(method, seed, domain)
-        finally:
-            self.domains.put(domain)
-
-    def _run(self, method: str, seed: int, domain: int) -> LoopOutcome:
-        path = self.folder / f"{method}_{seed}"
+    @classmethod
+    def start(
+        cls, case: tuple[str, int], domain: int, campaign: LoopCampaign, folder: Path
+    ) -> _Run:
+        method, seed = case
+        path = folder / f"{method}_{seed}"
         own = ["--method", method, "--seed", str(seed), "--output", str(path)]
+        # A file, not a pipe: nobody reads while it runs.
+        said = tempfile.TemporaryFile()  # noqa: SIM115  It lives as long as the run.
         process = subprocess.Popen(
-            [sys.executable, "-m", "cable_tracker.cli", "loop", *own, *self.arguments],
+            [sys.executable, "-m", "cable_tracker.cli", "loop", *own, *campaign.arguments],
             env={**os.environ, DOMAIN_VARIABLE: str(domain)},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-            errors="replace",
+            stderr=said,
             # A Ctrl-C reaches it through us alone, once.
             start_new_session=True,
         )
-        self.processes[domain] = process
-        if self.stopped:
-            process.terminate()
-        _, said = process.communicate()
-        if process.returncode:
-            return LoopOutcome(method, seed, None, _last_line(said, process.returncode))
+        return cls(case, domain, path, process, said)
+
+    def outcome(self) -> LoopOutcome:
+        """Return what came of it, once it has ended."""
+        method, seed = self.case
+        with self.said as said:
+            said.seek(0)
+            lines = said.read().decode(errors="replace").splitlines()
+        if self.process.returncode:
+            reason = next((line.strip() for line in reversed(lines) if line.strip()), "")
+            reason = reason or f"it ended with code {self.process.returncode}"
+            return LoopOutcome(method, seed, None, reason.removeprefix("error: "))
         try:
-            return LoopOutcome(method, seed, read_summary(path / SUMMARY))
+            return LoopOutcome(method, seed, read_summary(self.path / SUMMARY))
         except RecordingError as error:
             return LoopOutcome(method, seed, None, str(error))
 
-    def stop(self) -> None:
-        """End all runs; each of them stops its nodes."""
-        self.stopped = True
-        for process in list(self.processes.values()):
-            process.terminate()
-        for process in list(self.processes.values()):
-            try:
-                process.wait(GRACE)
-            except subprocess.TimeoutExpired:
-                process.kill()
 
-
-def _last_line(said: str, code: int) -> str:
-    lines = [line.strip() for line in said.splitlines() if line.strip()]
-    return lines[-1].removeprefix("error: ") if lines else f"it ended with code {code}"
+def _stop(running: Sequence[_Run]) -> None:
+    """End runs that are on their way; each of them stops its nodes."""
+    for run in running:
+        run.process.terminate()
+    for run in running:
+        try:
+            run.process.wait(GRACE)
+        except subprocess.TimeoutExpired:
+            run.process.kill()
+            run.process.wait()
+        run.said.close()
