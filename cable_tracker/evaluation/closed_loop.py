@@ -22,8 +22,8 @@ SETTLED = 5.0
 LAST_METRES = 5.0
 """A cable that is claimed rightly within the last metres is not lost."""
 
-RIGHT_WITHIN = 0.3
-"""A claim is right if the offset is no more off [m]."""
+RIGHT_WITHIN, RIGHT_TURNED = 0.3, math.radians(12.0)
+"""A claim is right if offset and heading are no more off [m, rad]."""
 
 GOAL = 0.15
 """Root mean square of the lateral error that is aimed at, at 2 m altitude and 0.5 m/s [m]."""
@@ -78,7 +78,9 @@ class LoopRow:
     @property
     def is_right(self) -> bool:
         """Whether it was that of the cable."""
-        return abs(self.measured_offset - self.offset) <= RIGHT_WITHIN
+        turned = abs(math.remainder(self.measured_heading - self.heading, 2 * math.pi))
+        aside = abs(self.measured_offset - self.offset)
+        return aside <= RIGHT_WITHIN and turned <= RIGHT_TURNED
 
 
 @dataclass(frozen=True, slots=True)

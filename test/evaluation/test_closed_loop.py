@@ -9,6 +9,7 @@ import pytest
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.closed_loop import (
+    RIGHT_TURNED,
     RIGHT_WITHIN,
     Burial,
     LoopRow,
@@ -93,11 +94,15 @@ def test_who_drifts_past_the_end_without_the_cable_has_lost_it():
     assert judged(rows).lost_for_good
 
 
-def test_following_something_else_is_wrong():
-    rows = [
-        replace(each, measured_offset=each.offset + 2 * RIGHT_WITHIN) if each.x > 12.0 else each
-        for each in way()
-    ]
+@pytest.mark.parametrize(
+    "something_else",
+    [
+        {"measured_offset": 0.1 + 2 * RIGHT_WITHIN},
+        {"measured_heading": -2 * RIGHT_TURNED},
+    ],
+)
+def test_following_something_else_is_wrong(something_else):
+    rows = [replace(each, **something_else) if each.x > 12.0 else each for each in way()]
     summary = judged(rows)
     assert summary.wrong == pytest.approx(16 / 41)
     assert summary.rms_offset == pytest.approx(0.01)
