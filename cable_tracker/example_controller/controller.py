@@ -194,7 +194,7 @@ class Controller:
         """Choose the line to search along.
 
         What was lost again soon after it was found may have been a furrow or a shadow: then the
-        search goes on along the line from before.
+        search goes on along the line from before. A single sighting is better than no line at all.
         """
         if self._line is None or self._memory.way >= PROVEN:
-            self._line = self._memory.line() or self._line
+            self._line = self._memory.line() or self._line or self._sighting

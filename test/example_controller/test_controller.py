@@ -142,6 +142,17 @@ def test_what_is_followed_may_bend_away_from_the_line_of_before(following):
         assert following.mode is Mode.FOLLOWING
 
 
+def test_a_single_sighting_is_enough_to_search_along():
+    trial = Trial()
+    for _ in range(SEARCH.confirmations):
+        trial.sees(AHEAD)
+    assert trial.mode is Mode.FOLLOWING
+    for _ in trial.sees_nothing(8.0):
+        pass
+    assert trial.mode is Mode.SEARCHING
+    assert trial.pose.x > 1.0
+
+
 def test_a_find_that_is_lost_again_soon_does_not_turn_the_search_away(following):
     for _ in following.sees_nothing(4.0):
         pass
