@@ -29,6 +29,15 @@ def student_t_stretches(
     return stretches
 
 
+def standard_student_t(
+    rng: np.random.Generator, count: int, dimensions: int, degrees_of_freedom: float
+) -> FloatArray:
+    """Draw from the distribution of location zero and unit scale, shape (count, dimensions)."""
+    normal = rng.standard_normal((count, dimensions))
+    stretches = student_t_stretches(rng, 1, count, degrees_of_freedom)
+    return normal * stretches.T if stretches.size else normal
+
+
 def student_t_log_density(
     squared_distances: FloatArray,
     dimensions: int,

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from cable_tracker.particle_filter.filter import ParticleFilter
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import systematic_resampling
-from cable_tracker.particle_filter.student_t import student_t_stretches
+from cable_tracker.particle_filter.student_t import standard_student_t
 
 
 class RandomWalk:
@@ -46,14 +47,9 @@ def rng() -> np.random.Generator:
 
 @pytest.fixture
 def draw_standard(rng) -> Callable[..., np.ndarray]:
-    """Draw Student-t points of location zero and unit scale, as the filters draw them."""
+    """Draw Student-t points of location zero and unit scale."""
 
-    def draw(count, dimensions, tail) -> np.ndarray:
-        normal = rng.standard_normal((count, dimensions))
-        stretches = student_t_stretches(rng, 1, count, tail)
-        return normal * stretches.T if stretches.size else normal
-
-    return draw
+    return partial(standard_student_t, rng)
 
 
 @pytest.fixture
