@@ -33,6 +33,7 @@ from cable_tracker.gui.session import Listener, Snapshot
 from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.diagnostics import DISABLED
+from cable_tracker.ros.environment import check_profile
 from cable_tracker.ros.live_frames import LiveFrames
 from cable_tracker.ros.rclpy_messages import RclpyMessages
 from cable_tracker.sequences.messages import (
@@ -88,6 +89,8 @@ class LiveSession:
     ------
     RosError
         ROS does not start.
+    ResourceError
+        The Fast DDS profile that the environment names cannot be read.
     """
 
     table: tuple[ParameterSpec, ...] = (*PARAMETER_TABLE, *TRACKER_RUNTIME_PARAMETERS)
@@ -107,6 +110,7 @@ class LiveSession:
         self._prior: Publisher | None = None
         self._factory = RclpyMessages()
         self._frames = LiveFrames(self._take)
+        check_profile()
         self._context = Context()
         try:
             rclpy.init(

@@ -1,0 +1,80 @@
+"""The window on a live node: three processes that talk over DDS, and a real browser."""
+
+import os
+
+import pytest
+
+pytest.importorskip("rclpy", reason="ROS 2 IS MISSING: no live node is watched")
+
+from cable_tracker.ros.child_process import NodeProcess
+from cable_tracker.ros.environment import local_environment
+
+PICTURE = "document.querySelector('.ct-stage canvas')?.frameView?.description"
+NAMESPACE = "/boat"
+FIRST_DOMAIN = 70
+
+
+@pytest.fixture(scope="module")
+def domain():
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(FIRST_DOMAIN + int(worker)))
+        for name, value in local_environment().items():
+            patch.setenv(name, value)
+        yield
+
+
+@pytest.fixture(scope="module")
+def node(domain):
+    """Return a function that starts a node of the boat."""
+
+    def start(name, **parameters):
+        given = [["-p", f"{key}:={value}"] for key, value in parameters.items()]
+        arguments = [part for pair in given for part in pair]
+        return NodeProcess(name, ["-r", f"__ns:={NAMESPACE}", *arguments], dict(os.environ))
+
+    return start
+
+
+@pytest.fixture(scope="module")
+def url(node, dive, run_shared_command):
+    """Address of a window on a tracker that a recording is played to, over and over."""
+    with node("replay", source=dive, loop="true", rate="0.5"):
+        yield run_shared_command("gui", "--ros", NAMESPACE).url
+
+
+@pytest.fixture
+def window(visit, url, node):
+    """A page on which the tracker's pictures move."""
+    with node("tracker", particle_count=60), visit(url) as page:
+        page.wait_for_function(f"{PICTURE}?.parts.cloud?.rows === 60")
+        yield page
+
+
+def test_a_live_node_is_watched_and_tuned(window):
+    assert window.locator("[data-test=play]").count() == 0
+    field = window.locator("#p-particle_count")
+    field.fill("90")
+    field.press("Enter")
+    window.wait_for_function(f"{PICTURE}.parts.cloud?.rows === 90")
+    field = window.locator("#p-width_maximum")
+    field.fill("2")
+    field.press("Enter")
+    refusal = "width_minimum = 8 must not exceed width_maximum = 2"
+    window.locator("[data-test=row-width_maximum]").filter(has_text=refusal).wait_for()
+    window.locator("#p-input_timeout").wait_for()
+
+
+def test_the_node_is_switched_off_and_on(window):
+    window.get_by_role("button", name="switch off").click()
+    window.wait_for_function(f"{PICTURE}.status === 'DISABLED'")
+    window.get_by_role("button", name="switch on").click()
+    window.wait_for_function(f"{PICTURE}.status !== 'DISABLED'")
+
+
+def test_a_node_that_is_gone_is_said_and_found_again(visit, url, node):
+    with visit(url) as page:
+        page.locator("[data-test=trouble]").filter(has_text="no node /boat/tracker").wait_for()
+        with node("tracker", particle_count=33):
+            page.wait_for_function(f"{PICTURE}?.parts.cloud?.rows === 33")
+        page.locator("[data-test=trouble]").filter(has_text="no node /boat/tracker").wait_for()
