@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install check-python test lint demo loop docs bench table fuzz soak clean
+.PHONY: help install check-python test lint demo gui loop docs bench table fuzz soak clean
 
 CANDIDATES := python3 python3.12 python3.11 python3.13 python3.14
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
@@ -31,6 +31,8 @@ export MPLCONFIGDIR ?= $(CURDIR)/$(VENV)/cache/matplotlib
 help:
 	@echo "make demo                  simulate a dive, replay it over DDS, track it, show the errors"
 	@echo "make demo SOURCE=path      the same for a recording of yours"
+	@echo "make gui                   watch and tune the filter in a browser, on a simulated dive"
+	@echo "make gui SOURCE=path       the same on a recording of yours"
 	@echo "make loop                  let a simulated vehicle follow 100 m of cable, over DDS"
 	@echo "make test                  run the whole suite, with linters and type checks"
 	@echo "make install               set up $(VENV); the others do it by themselves"
@@ -86,6 +88,15 @@ ifeq ($(strip $(SOURCE)),)
 else
 	@echo "replaying $(SOURCE) to the tracker over DDS, in lockstep ..."
 	@$(BIN)/cable-tracker track "$(SOURCE)" --ros --output $(DEMO)/your_recording_tracked --force
+endif
+
+gui: install
+ifeq ($(strip $(SOURCE)),)
+	@test -d $(DEMO)/dive || { mkdir -p $(DEMO) && echo "simulating a dive over a cable ..." && \
+		$(BIN)/cable-tracker simulate $(DEMO)/dive --frames 300 --seed 1; }
+	@$(BIN)/cable-tracker gui $(DEMO)/dive --init truth
+else
+	@$(BIN)/cable-tracker gui "$(SOURCE)"
 endif
 
 loop: install
