@@ -10,9 +10,12 @@ import typer
 from cable_tracker.cable.initial_state_text import RANDOM
 from cable_tracker.cable.parameter_files import read_parameter_file
 from cable_tracker.commands.options import (
+    InitOption,
     OutsideOption,
-    PresetName,
+    ParamsOption,
+    PresetOption,
     RateOption,
+    SeedOption,
     SkipOption,
     TopicOption,
     TruthOption,
@@ -27,7 +30,6 @@ from cable_tracker.commands.serving import (
 )
 from cable_tracker.commands.terminal import messages
 from cable_tracker.commands.track import chosen_parameters, chosen_start
-from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.errors import GuiError
 
 
@@ -45,24 +47,10 @@ def gui(  # noqa: PLR0917
             "--ros", metavar="NAMESPACE", help="Watch the live node in this namespace instead."
         ),
     ] = None,
-    init: Annotated[
-        str | None,
-        typer.Option(
-            help="Where to start: `random`, `truth` (label of the first frame), the name of a"
-            f" detector ({', '.join(DETECTORS)}), or `d,alpha,w,beta` in px and rad."
-            "  [default: random]"
-        ),
-    ] = None,
-    preset_name: Annotated[
-        PresetName | None,
-        typer.Option("--preset", help="Values to start from.  [default: default]"),
-    ] = None,
-    params: Annotated[
-        Path | None, typer.Option(help="YAML file with parameters, as the node reads them.")
-    ] = None,
-    seed: Annotated[
-        int | None, typer.Option(help="Seed of the random numbers, instead of the preset's.")
-    ] = None,
+    init: InitOption = None,
+    preset_name: PresetOption = None,
+    params: ParamsOption = None,
+    seed: SeedOption = None,
     topic: TopicOption = None,
     rate: RateOption = 25.0,
     truth: TruthOption = None,

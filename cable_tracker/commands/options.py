@@ -10,6 +10,7 @@ import typer
 
 from cable_tracker.cable.presets import PRESETS
 from cable_tracker.commands.terminal import messages
+from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.sequences.source import Source, open_source
 
 
@@ -21,6 +22,24 @@ class Storage(str, Enum):
 
 
 PresetName = Enum("PresetName", {name: name for name in PRESETS}, type=str)  # type: ignore[misc]
+InitOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Where to start: `random`, `truth` (label of the first frame), the name of a"
+        f" detector ({', '.join(DETECTORS)}), or `d,alpha,w,beta` in px and rad."
+        "  [default: random]"
+    ),
+]
+PresetOption = Annotated[
+    PresetName | None,
+    typer.Option("--preset", help="Values to start from.  [default: default]"),
+]
+ParamsOption = Annotated[
+    Path | None, typer.Option(help="YAML file with parameters, as the node reads them.")
+]
+SeedOption = Annotated[
+    int | None, typer.Option(help="Seed of the random numbers, instead of the preset's.")
+]
 SourceArgument = Annotated[
     Path,
     typer.Argument(

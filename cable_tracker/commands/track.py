@@ -16,9 +16,12 @@ from cable_tracker.cable.parameters import TrackerParameters
 from cable_tracker.cable.presets import preset
 from cable_tracker.commands.options import (
     ForceOption,
+    InitOption,
     OutsideOption,
-    PresetName,
+    ParamsOption,
+    PresetOption,
     RateOption,
+    SeedOption,
     SkipOption,
     SourceArgument,
     TopicOption,
@@ -27,7 +30,6 @@ from cable_tracker.commands.options import (
 )
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, progress_bar
-from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.metrics import ErrorSummary, summarise_errors
 from cable_tracker.evaluation.result_folder import (
@@ -56,24 +58,10 @@ def track(  # noqa: PLR0917
             "--ros", help="Use the ROS nodes `replay` and `tracker`, in lockstep over DDS."
         ),
     ] = False,
-    init: Annotated[
-        str | None,
-        typer.Option(
-            help="Where to start: `random`, `truth` (label of the first frame), the name of a"
-            f" detector ({', '.join(DETECTORS)}), or `d,alpha,w,beta` in px and rad."
-            "  [default: random]"
-        ),
-    ] = None,
-    preset_name: Annotated[
-        PresetName | None,
-        typer.Option("--preset", help="Values to start from.  [default: default]"),
-    ] = None,
-    params: Annotated[
-        Path | None, typer.Option(help="YAML file with parameters, as the node reads them.")
-    ] = None,
-    seed: Annotated[
-        int | None, typer.Option(help="Seed of the random numbers, instead of the preset's.")
-    ] = None,
+    init: InitOption = None,
+    preset_name: PresetOption = None,
+    params: ParamsOption = None,
+    seed: SeedOption = None,
     output: Annotated[
         Path | None, typer.Option(help="Folder for the results.  [default: SOURCE_tracked]")
     ] = None,

@@ -1,5 +1,5 @@
 // The last half minute: d and alpha with their bands, status and presence, N_eff, time per frame.
-import { Axis, fit, subscribe, throttled, ticks } from "cable-tracker-browser";
+import { Axis, fit, keepPainted, ticks } from "cable-tracker-browser";
 
 const INTERVAL = 150;
 const SECONDS = 30;
@@ -20,18 +20,11 @@ export default {
   mounted() {
     this.rows = [];
     this.axes = { d: new Axis(20), alpha: new Axis(4), nEff: new Axis(10, { zero: true }), ms: new Axis(1, { zero: true }) };
-    this.ask = throttled(() => this.paint(), INTERVAL);
-    this.end = subscribe(this.channel, (description) => {
-      this.merge(description);
-      this.ask();
-    });
-    this.resizing = new ResizeObserver(() => this.paint());
-    this.resizing.observe(this.$refs.canvas);
+    const take = (description) => this.merge(description);
+    this.end = keepPainted(this.$refs.canvas, this.channel, { take, paint: () => this.paint(), interval: INTERVAL });
   },
   beforeUnmount() {
     this.end();
-    this.ask.end();
-    this.resizing.disconnect();
   },
   methods: {
     /** Rows of the packet take the place of all that are as late or later. */

@@ -22,7 +22,7 @@ export default {
     </div>
     <div class="ct-tools">
       <input type="search" class="ct-search" v-model="sought" placeholder="search ( / )" aria-label="Search parameters"
-        data-test="search" @keydown.escape="sought = ''; $event.target.blur()" />
+        data-test="search" data-command="search" @keydown.escape="sought = ''; $event.target.blur()" />
       <label><input type="checkbox" v-model="onlyDiffering" data-test="only-differing" /> only differing</label>
     </div>
     <p v-if="fileTrouble" class="ct-refusal" role="alert" data-test="file-refusal">{{ fileTrouble }}
@@ -109,9 +109,6 @@ export default {
       if (!file) return;
       const text = file.size > LARGEST_FILE ? null : await file.text();
       this.$emit("load", { name: file.name, text });
-    },
-    search() {
-      this.$el.querySelector(".ct-search").focus();
     },
   },
 };

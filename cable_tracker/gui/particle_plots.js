@@ -1,5 +1,5 @@
 // One small plot for each component of the state: a line for each particle, as high as its weight.
-import { Axis, fit, subscribe, throttled, ticks } from "cable-tracker-browser";
+import { Axis, fit, keepPainted, ticks } from "cable-tracker-browser";
 
 // No eye follows plots any faster, and the picture needs the time.
 const INTERVAL = 75;
@@ -18,18 +18,11 @@ export default {
   props: { channel: String, names: Array, units: Array, colours: Object },
   mounted() {
     this.axes = LEAST_SPANS.map((least) => new Axis(least));
-    this.ask = throttled(() => this.paint(), INTERVAL);
-    this.end = subscribe(this.channel, (description) => {
-      this.description = description;
-      this.ask();
-    });
-    this.resizing = new ResizeObserver(() => this.paint());
-    this.resizing.observe(this.$refs.canvas);
+    const take = (description) => (this.description = description);
+    this.end = keepPainted(this.$refs.canvas, this.channel, { take, paint: () => this.paint(), interval: INTERVAL });
   },
   beforeUnmount() {
     this.end();
-    this.ask.end();
-    this.resizing.disconnect();
   },
   methods: {
     paint() {

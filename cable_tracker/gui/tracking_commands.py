@@ -68,6 +68,9 @@ COMMANDS = (
     Command("help", ("?", "h"), "?, h", "show these keys"),
 )
 
+DIALOGS = ("start", "save", "open", "help")
+"""Commands that open a dialog."""
+
 POINTER_HELP = (
     ("click on the picture", "put the cable there, along the present direction"),
     ("drag on the picture", "draw the centreline; the wheel changes the width, Esc cancels"),

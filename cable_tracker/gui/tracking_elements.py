@@ -141,11 +141,14 @@ class Shortcuts(Element, component="shortcuts.js"):
     ----------
     keys : mapping
         Names of the actions by key, as browsers name keys.
+    dialogs : sequence of str
+        Names of those that open a dialog, to which the next keys belong.
     """
 
-    def __init__(self, keys: Mapping[str, str]) -> None:
+    def __init__(self, keys: Mapping[str, str], dialogs: Sequence[str]) -> None:
         super().__init__()
         self._props["keys"] = dict(keys)
+        self._props["dialogs"] = list(dialogs)
 
 
 class ParameterPanel(_Changing, component="parameter_panel.js"):

@@ -31,7 +31,7 @@ export default {
         <input type="text" inputmode="decimal" class="ct-short" v-model="startWidth" placeholder="auto"
           aria-label="Width of a cable that is drawn, px" data-test="start-width" /> px
       </label>
-      <button type="button" class="ct-button" @click="view.resetZoom()" title="Show the whole picture (0)">whole</button>
+      <button type="button" class="ct-button" data-command="whole" @click="view.resetZoom()" title="Show the whole picture (0)">whole</button>
     </div>
   </section>`,
   emits: ["draw"],
@@ -83,9 +83,6 @@ export default {
       localStorage.setItem(STORE, JSON.stringify(this.hidden));
       this.view.hidden = new Set(this.hidden);
       this.view.redraw();
-    },
-    resetZoom() {
-      this.view.resetZoom();
     },
     widthToStart() {
       const typed = Number(this.startWidth.replace(",", "."));

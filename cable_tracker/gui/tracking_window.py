@@ -23,6 +23,7 @@ from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.server import Channels, Listening, serve
 from cable_tracker.gui.session import Session
 from cable_tracker.gui.tracking_commands import (
+    DIALOGS,
     SPEEDS,
     command_player,
     commands_for,
@@ -124,7 +125,7 @@ class TrackingPage:
             else:
                 ui.label("No recording is open: press Open.").classes("ct-empty")
         keys = {key: command.name for command in commands for key in command.keys}
-        Shortcuts(keys).on("command", self._command)
+        Shortcuts(keys, DIALOGS).on("command", self._command)
         ui.timer(REFRESH, self._refresh)
         ui.timer(REFRESH_OF_PARAMETERS, self._refresh_parameters)
 
@@ -227,10 +228,6 @@ class TrackingPage:
         }
         if name in dialogs:
             dialogs[name].open()
-        elif name == "whole" and self._picture is not None:
-            self._picture.run_method("resetZoom")
-        elif name == "search" and self._parameters is not None:
-            self._parameters.run_method("search")
         elif name == "reset" and desk.session is not None:
             await self._try(desk.session.reset)
         elif name == "enable" and desk.session is not None:

@@ -187,6 +187,16 @@ def test_a_parameter_is_found_by_name_and_by_meaning(window):
     window.page.wait_for_function("document.querySelectorAll('.ct-row').length > 60")
 
 
+def test_keys_typed_before_a_dialog_is_there_command_nothing(window):
+    window.shows(frame=0)
+    before = window.picture()["number"]
+    # "End" would go to the last frame, "r" reset the tracker.
+    window.press("o", "End", "r")
+    window.page.get_by_role("dialog").wait_for()
+    assert window.picture()["number"] == before
+    window.press("Escape")
+
+
 def test_every_parameter_has_a_field_with_its_help(window):
     named = window.page.eval_on_selector_all(
         ".ct-row", "rows => rows.map(row => [row.querySelector('input, select').id, "

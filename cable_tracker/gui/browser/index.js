@@ -3,7 +3,7 @@ export { unpack } from "./packet.js";
 export { FrameView } from "./frame_view.js";
 export { publish, subscribe } from "./feed.js";
 export { Axis } from "./axis.js";
-export { fit, ticks, throttled } from "./plot.js";
+export { fit, keepPainted, ticks, throttled } from "./plot.js";
 export * as labelGeometry from "./label_geometry.js";
 export { drawCable, fromCanvas, toCanvas, visibleRectangle } from "./label_drawing.js";
 export { LabelGestures } from "./label_gestures.js";

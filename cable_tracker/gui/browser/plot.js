@@ -1,5 +1,7 @@
 // What the plots have in common.
 
+import { subscribe } from "./feed.js";
+
 export const FONT = "11px system-ui, sans-serif";
 
 /** Fit a canvas to its place on the screen, clear it, and return [context, width, height]. */
@@ -33,6 +35,25 @@ export function throttled(action, interval) {
   };
   ask.end = () => clearTimeout(waiting);
   return ask;
+}
+
+/**
+ * Take every packet of a channel, and paint at most once in `interval` ms, and when the canvas changes its size.
+ * Returns how to end it.
+ */
+export function keepPainted(canvas, channel, { take, paint, interval }) {
+  const ask = throttled(paint, interval);
+  const end = subscribe(channel, (description) => {
+    take(description);
+    ask();
+  });
+  const resizing = new ResizeObserver(() => paint());
+  resizing.observe(canvas);
+  return () => {
+    end();
+    ask.end();
+    resizing.disconnect();
+  };
 }
 
 /** A number at an axis, with as many digits as its span asks for. */
