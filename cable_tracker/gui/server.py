@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import signal
 import socket
 from collections.abc import Callable, Iterator
@@ -9,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
 
-from nicegui import app, ui
+from nicegui import app, background_tasks, ui
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from cable_tracker.errors import GuiError
@@ -19,6 +20,8 @@ from cable_tracker.gui.frame_channel import FrameChannel
 NO_SUCH_CHANNEL = 4404
 """WebSocket's code, of those free for applications, for a channel of an earlier server."""
 
+POLL = 0.02
+"""Time between two looks whether the port answers [s]."""
 
 EVERYWHERE = frozenset({"0.0.0.0", "::"})
 """Addresses that stand for all of this machine's."""
@@ -112,6 +115,20 @@ class Channels:
         await channel.serve(websocket, WebSocketDisconnect)
 
 
+async def _when_listening(listening: Listening, started: Callable[[], None]) -> None:
+    """Tell when the port answers: uvicorn says that it has begun a little earlier."""
+    host = "localhost" if listening.host in EVERYWHERE else listening.host
+    while True:
+        try:
+            _, writer = await asyncio.open_connection(host, listening.port)
+        except OSError:
+            await asyncio.sleep(POLL)
+        else:
+            writer.close()
+            started()
+            return
+
+
 @contextmanager
 def _signals_end_the_server() -> Iterator[None]:
     """Let uvicorn take SIGINT and SIGTERM; it raises them again at its end, which says no more."""
@@ -158,7 +175,7 @@ def serve(
     ui.page("/", title=title, dark=True)(page)
     app.add_api_websocket_route("/frames/{name}", channels.serve)
     app.add_middleware(AccessGuard, token=listening.token)
-    app.on_startup(started)
+    app.on_startup(lambda: background_tasks.create(_when_listening(listening, started)))
     app.on_shutdown(stopped)
     with _signals_end_the_server():
         ui.run(

@@ -25,9 +25,12 @@ PAGE_TIMEOUT = 30_000
 """Milliseconds that Playwright waits for anything on a page."""
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium():
-    """Return the browser that all tests of a process share."""
+    """Return the browser that all tests of a module share.
+
+    Not of the session: Playwright keeps a loop running in its thread, and others could run none.
+    """
     playwright = pytest.importorskip("playwright.sync_api", reason="PLAYWRIGHT IS NOT INSTALLED")
     if CHROMIUM is None:
         pytest.skip("NO CHROMIUM: the pages are not tested; apt install chromium")
