@@ -23,8 +23,9 @@ from cable_tracker.node_parameter_tables import (
 ROOT = Path(__file__).resolve().parents[1]
 
 TITLES = {
-    "default": "Preset `default`: what to begin with.",
-    "thesis": "Preset `thesis`: Wirth (2008), Tables 5.1 and 5.2; its letter with `taps`.",
+    "default": "Preset `default`: what to begin with. Written by `make docs`.",
+    "thesis": "Preset `thesis`: Wirth (2008), Tables 5.1, 5.2; its letter with `taps`."
+    " Written by `make docs`.",
 }
 
 INTRODUCTION = """\

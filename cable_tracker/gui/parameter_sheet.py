@@ -8,10 +8,11 @@ from pathlib import Path
 
 from cable_tracker.cable.parameter_files import (
     filter_parameters,
-    format_parameter_file,
+    format_values,
     parse_parameters,
 )
 from cable_tracker.cable.parameters import (
+    PARAMETER_TABLE,
     PARAMETERS_BY_NAME,
     ParameterSpec,
     ParameterValue,
@@ -20,7 +21,10 @@ from cable_tracker.cable.parameters import (
 from cable_tracker.cable.presets import PRESETS, preset
 from cable_tracker.errors import GuiError, OutputError, ParameterError
 from cable_tracker.gui.parameter_groups import grouped
-from cable_tracker.node_parameter_tables import TRACKER_NODE_PARAMETERS
+from cable_tracker.node_parameter_tables import (
+    TRACKER_NODE_PARAMETERS,
+    TRACKER_RUNTIME_PARAMETERS,
+)
 
 WORDS_FOR_TRUTH = {"true": True, "false": False}
 
@@ -77,11 +81,13 @@ def filter_values(values: Mapping[str, ParameterValue]) -> TrackerParameters:
 
 
 def parameter_text(values: Mapping[str, ParameterValue], source: str) -> str:
-    """Return the file that the node reads."""
-    return format_parameter_file(filter_values(values), f"Tuned on {source}.")
+    """Return the file that the node reads, with all that it can change while it runs."""
+    table = (*PARAMETER_TABLE, *TRACKER_RUNTIME_PARAMETERS)
+    known = [spec for spec in table if spec.name in values]
+    return format_values(known, values, f"Tuned on {source}.")
 
 
-def parameters_from_text(text: str | None, name: str) -> TrackerParameters:
+def values_from_text(text: str | None, name: str) -> dict[str, ParameterValue]:
     """Read a file as `cable-tracker track --params` does.
 
     Parameters
@@ -91,6 +97,11 @@ def parameters_from_text(text: str | None, name: str) -> TrackerParameters:
     name : str
         What the user calls it.
 
+    Returns
+    -------
+    dict
+        All parameters of the filter, and those of the node that the file names.
+
     Raises
     ------
     ParameterError
@@ -99,10 +110,14 @@ def parameters_from_text(text: str | None, name: str) -> TrackerParameters:
     if text is None:
         raise ParameterError(f"{name}: is too large for a file with parameters")
     values = parse_parameters(text, name)
-    node_only = {spec.name for spec in TRACKER_NODE_PARAMETERS}
+    of_node = {spec.name: spec for spec in TRACKER_NODE_PARAMETERS}
     base = preset(str(values.get("preset", "default")))
     try:
-        return filter_parameters(base, values, node_only)
+        parameters = filter_parameters(base, values, set(of_node))
+        named = values.keys() & of_node.keys()
+        return parameters.as_mapping() | {
+            each: of_node[each].coerce(values[each]) for each in sorted(named)
+        }
     except ParameterError as error:
         raise ParameterError(f"{name}: {error}") from error
 

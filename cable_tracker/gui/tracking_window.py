@@ -15,9 +15,9 @@ from cable_tracker.errors import CableTrackerError
 from cable_tracker.gui.parameter_sheet import (
     groups_for_page,
     parameter_text,
-    parameters_from_text,
     value_from_field,
     values_for_page,
+    values_from_text,
 )
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.server import Channels, Listening, serve
@@ -297,11 +297,11 @@ class TrackingPage:
     async def _load(self, event: GenericEventArguments) -> None:
         name, text = Path(str(event.args["name"])).name, event.args["text"]
         try:
-            parameters = parameters_from_text(text, name)
+            values = values_from_text(text, name)
         except CableTrackerError as error:
             self._show_parameters(fileTrouble=f"{error} Nothing has changed.")
             return
-        self._desk.references[name] = parameters.as_mapping()
+        self._desk.references[name] = values
         self._reference = name
         await self._apply()
 

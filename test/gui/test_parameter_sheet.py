@@ -5,9 +5,9 @@ from cable_tracker.errors import GuiError, OutputError, ParameterError
 from cable_tracker.gui.parameter_groups import OTHERS, grouped
 from cable_tracker.gui.parameter_sheet import (
     parameter_text,
-    parameters_from_text,
     value_from_field,
     values_for_page,
+    values_from_text,
     write_parameter_file,
 )
 
@@ -40,20 +40,29 @@ def test_a_whole_number_is_shown_as_one():
 
 def test_what_is_saved_is_read_as_the_same():
     changed = TrackerParameters(tempering=0.07, filter="bootstrap", response_table="a b")
-    text = parameter_text(changed.as_mapping(), "dive")
-    assert parameters_from_text(text, "file") == changed
+    text = parameter_text(changed.as_mapping(), "a\n dive")
+    assert text.startswith("# Tuned on a dive.\n")
+    assert values_from_text(text, "file") == changed.as_mapping()
+
+
+def test_what_only_the_node_knows_is_saved_and_read_too():
+    values = TrackerParameters().as_mapping() | {"camera_pitch": 70.0, "input_timeout": 2.0}
+    assert values_from_text(parameter_text(values, "/boat/tracker"), "file") == values
 
 
 def test_a_file_may_name_its_preset_and_what_only_the_node_knows():
-    read = parameters_from_text("preset: thesis\nseed: 3\nimage_transport: raw\n", "file")
-    assert read.filter == "bootstrap"
-    assert read.seed == 3
+    read = values_from_text("preset: thesis\nseed: 3\nimage_transport: raw\n", "file")
+    assert read["filter"] == "bootstrap"
+    assert read["seed"] == 3
+    assert read["image_transport"] == "raw"
 
 
-@pytest.mark.parametrize("text", ["a: [", "colour: 1", "seed: -1", "just words", None])
+@pytest.mark.parametrize(
+    "text", ["a: [", "colour: 1", "seed: -1", "input_timeout: -1", "just words", None]
+)
 def test_what_is_no_parameter_file_is_refused_by_its_name(text):
     with pytest.raises(ParameterError, match=r"my\.yaml"):
-        parameters_from_text(text, "my.yaml")
+        values_from_text(text, "my.yaml")
 
 
 def test_a_file_is_replaced_only_when_that_is_wanted(tmp_path):
