@@ -54,7 +54,9 @@ RateOption = Annotated[
 ]
 TruthOption = Annotated[
     Path | None,
-    typer.Option(help="Sequence file with labels for a recording that has none of its own."),
+    typer.Option(
+        help="Sequence file with labels; they take the place of all that the recording holds."
+    ),
 ]
 SkipOption = Annotated[
     bool,

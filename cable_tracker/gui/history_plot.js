@@ -4,6 +4,7 @@ import { Axis, fit, keepPainted, ticks } from "cable-tracker-browser";
 const INTERVAL = 150;
 const SECONDS = 30;
 const LONGEST_GAP = 0.6;
+const USUAL_GAP = 0.04;
 const LEFT = 60;
 const BOTTOM = 15;
 const MOST = 0.98;
@@ -79,8 +80,8 @@ export default {
       for (let row = 0; row < this.rows.length; row++) {
         const { time, status, presence } = COLUMN;
         const here = this.rows[row];
-        const next = this.rows[row + 1]?.[time] ?? here[time] + 0.04;
-        const wide = Math.min(next - here[time], LONGEST_GAP);
+        const next = this.rows[row + 1]?.[time] ?? here[time] + USUAL_GAP;
+        const wide = next - here[time] > LONGEST_GAP ? USUAL_GAP : next - here[time];
         const share = Number.isFinite(here[presence]) ? 0.25 + 0.75 * here[presence] : 1;
         context.fillStyle = this.statuses[here[status]] ?? "#aaaaaa";
         const x = Math.max(LEFT, this.at(here[time]));

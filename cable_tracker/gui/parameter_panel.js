@@ -49,7 +49,7 @@ export default {
             :title="reference + ': ' + text(referenceValues[spec.name])" @click="send(spec, referenceValues[spec.name])">
             {{ text(referenceValues[spec.name]) || '""' }} ↺</button>
           <p v-if="refusals[spec.name]" class="ct-refusal" role="alert" :data-test="'refusal-' + spec.name">
-            {{ refusals[spec.name] }} In force: {{ text(values[spec.name]) }}.</p>
+            {{ refusals[spec.name] }}. In force: {{ text(values[spec.name]) }}.</p>
           <p v-show="focused === spec.name" :id="'h-' + spec.name" class="ct-help">{{ help(spec) }}</p>
         </div>
       </details>

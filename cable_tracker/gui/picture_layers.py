@@ -20,6 +20,9 @@ Layer: TypeAlias = dict[str, object]
 LARGEST_CLOUD = 2000
 """No more particles are sent than this: those of highest weight."""
 
+MOST_OPAQUE = 0.6
+"""Opacity of the heaviest particle."""
+
 LEAST_PROBABILITY = 0.05
 """Hypotheses below this are not drawn."""
 
@@ -80,9 +83,8 @@ def particle_lines(cloud: FloatArray, size: tuple[int, int]) -> FloatArray:
     distances, angles = cloud[:, StateColumn.DISTANCE], cloud[:, StateColumn.ANGLE]
     cos, sin = np.cos(angles), np.sin(angles)
     x, y = width / 2 + distances * cos, height / 2 - distances * sin
-    # Few particles are drawn clearly, many faintly.
-    share = min(1.0, 2.5 / np.sqrt(max(1, len(cloud))))
-    opacity = np.sqrt(cloud[:, -1]) * share
+    # The browser draws all lines of about one opacity as one stroke, which does not add up.
+    opacity = MOST_OPAQUE * np.sqrt(cloud[:, -1])
     return np.column_stack(
         (x - reach * sin, y - reach * cos, x + reach * sin, y + reach * cos, opacity)
     )

@@ -62,7 +62,7 @@ def make_packet(
         "n_eff": finite(snapshot.n_eff),
         "ms": finite(snapshot.ms),
         "fps": finite(fps),
-        "hypotheses": len(snapshot.hypotheses),
+        "hypotheses": snapshot.hypothesis_count or len(snapshot.hypotheses),
         "history_is_whole": is_whole,
     }
     shown = cloud * np.append(TO_DISPLAY, 1.0)

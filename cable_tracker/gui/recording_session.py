@@ -39,6 +39,9 @@ NANOSECONDS = 1e9
 LONGEST_PAUSE = 1.0
 """A longer one between two frames of a recording is shortened to this [s]."""
 
+LONGEST_RUN = 25
+"""Frames on the way to one a little further on are tracked, up to so many."""
+
 LARGEST_DELAY = 0.1
 """Who is behind by more does not hurry to make up for it [s]."""
 
@@ -51,7 +54,8 @@ class RecordingSession:
 
     Frames that follow each other are tracked as `cable-tracker track` does, with the same result.
     Going back to a frame that was tracked before under the same parameters gives the same belief
-    again, bit for bit; at a frame that was not, the tracker starts anew.
+    again, bit for bit. On the way to one a little further on, the frames between are tracked; at
+    any other one the tracker starts anew.
 
     Parameters
     ----------
@@ -313,6 +317,8 @@ class RecordingSession:
         if remembered is not None:
             self._tracker, first = remembered
             return first
+        if 0 <= self._position < target <= self._position + LONGEST_RUN:
+            return self._position + 1
         self._memory.interrupt()
         self._tracker.reset()
         if target == 0:

@@ -41,6 +41,8 @@ class Snapshot:
         if there are none.
     hypotheses : tuple of Hypothesis
         Where the cable may be, likeliest first; empty if it is not known.
+    hypothesis_count : int or None
+        How many there are, where more is not known; None otherwise.
     presence : float or None
         Probability that a cable is in view.
     evidence, n_eff, ms : float or None
@@ -59,6 +61,7 @@ class Snapshot:
     sigma: FloatArray | None = None
     cloud: FloatArray | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
+    hypothesis_count: int | None = None
     presence: float | None = None
     evidence: float | None = None
     n_eff: float | None = None

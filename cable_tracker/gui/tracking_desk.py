@@ -64,6 +64,11 @@ class TrackingDesk:
         """The session if it is on a recording."""
         return self.session if isinstance(self.session, Player) else None
 
+    def present_state(self) -> CableState | None:
+        """Return the newest estimate; None while no cable is claimed."""
+        latest = self.session.latest if self.session is not None else None
+        return latest.state if latest is not None else None
+
     def need_session(self) -> Session:
         """Return the session.
 

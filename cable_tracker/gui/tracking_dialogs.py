@@ -101,7 +101,9 @@ class OpenDialog(FormDialog):
         """Put the fields into it."""
         self._path = _field("path on the server: bag, video, folder or sequence file", "open-path")
         self._path.on("keydown.enter", self.submit)
-        self._init = _field("start: random, truth, a detector, or d,alpha,w,beta", "open-init")
+        self._init = _field(
+            "start: random, truth, a detector, or d,alpha,w,beta (px, rad)", "open-init"
+        )
         self._topic = _field("image topic of a bag that has several", "open-topic")
         self._truth = _field("sequence file with labels", "open-truth")
 
@@ -175,6 +177,8 @@ class StartDialog(FormDialog):
     ----------
     start : callable
         Starts there.
+    present : callable
+        Returns the present estimate, to begin with; None while no cable is claimed.
     """
 
     LABELS = (
@@ -184,8 +188,13 @@ class StartDialog(FormDialog):
         ("beta deg", 0.0),
     )
 
-    def __init__(self, start: Callable[[CableState], Awaitable[None]]) -> None:
+    def __init__(
+        self,
+        start: Callable[[CableState], Awaitable[None]],
+        present: Callable[[], CableState | None],
+    ) -> None:
         self._start = start
+        self._present = present
         super().__init__("Start where the cable is", "start")
 
     def build(self) -> None:
@@ -194,6 +203,17 @@ class StartDialog(FormDialog):
             ui.number(label, value=value).classes("w-full").props("dense")
             for label, value in self.LABELS
         ]
+
+    def open(self) -> None:
+        """Show it with the present estimate."""
+        state = self._present()
+        if state is not None and state.is_finite():
+            values = (state.distance, math.degrees(state.angle), state.width)
+            for number, value in zip(
+                self._numbers, (*values, math.degrees(state.skew)), strict=True
+            ):
+                number.value = round(value, 1)
+        super().open()
 
     async def do(self) -> None:
         """Start there."""

@@ -92,7 +92,7 @@ class PlainButton(Element):
             self.update()
 
 
-class TrackingPicture(_ChannelElement, component="tracking_picture.js", esm=BROWSER):
+class TrackingPicture(_ChannelElement, _Changing, component="tracking_picture.js", esm=BROWSER):
     """The picture, and where the user draws a cable: event `draw`."""
 
     def __init__(self, channel: FrameChannel) -> None:
@@ -100,7 +100,7 @@ class TrackingPicture(_ChannelElement, component="tracking_picture.js", esm=BROW
             {"name": name, "title": title, "colour": css(colour), "opacity": opacity}
             for name, title, colour, opacity in LAYERS
         ]
-        super().__init__(channel, {"layers": layers})
+        super().__init__(channel, {"layers": layers, "stale": False})
 
 
 class ParticlePlots(_ChannelElement, component="particle_plots.js", esm=BROWSER):

@@ -11,8 +11,8 @@ export default {
   <section class="ct-panel ct-picture" aria-label="Picture">
     <div class="ct-stage">
       <canvas ref="canvas" tabindex="0" role="img" :aria-label="words"></canvas>
-      <div class="ct-status" :style="{ borderColor: statusColour, color: statusColour }" data-test="status">
-        {{ presence === null ? status : status + "  " + presence + " %" }}
+      <div class="ct-status" :style="stale ? {} : { borderColor: statusColour, color: statusColour }" data-test="status">
+        {{ stale ? "NOT LIVE, last picture " + age + " s ago" : presence === null ? status : status + "  " + presence + " %" }}
       </div>
       <div v-if="reason" class="ct-reason" data-test="reason">{{ reason }}</div>
       <div v-if="!connected" class="ct-cut" role="alert" data-test="cut">
@@ -35,9 +35,9 @@ export default {
     </div>
   </section>`,
   emits: ["draw"],
-  props: { channel: String, layers: Array },
+  props: { channel: String, layers: Array, stale: Boolean },
   data: () => ({
-    connected: true, status: "", statusColour: "#aaa", presence: null, reason: "", words: "No picture yet",
+    connected: true, status: "", statusColour: "#aaa", presence: null, reason: "", words: "No picture yet", age: 0,
     hidden: [], startWidth: "", hint: "",
   }),
   mounted() {
@@ -63,9 +63,11 @@ export default {
       if (event.key === "Escape") this.cancel();
     };
     window.addEventListener("keydown", this.onKey);
+    this.clock = setInterval(() => (this.age = this.view.age), 500);
   },
   beforeUnmount() {
     window.removeEventListener("keydown", this.onKey);
+    clearInterval(this.clock);
     this.view.close();
   },
   methods: {

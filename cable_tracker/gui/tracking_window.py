@@ -116,10 +116,11 @@ class TrackingPage:
         commands = commands_for(is_player=not is_live)
         self._open_dialog = OpenDialog(lambda: desk.request, self._open)
         self._save_dialog = SaveDialog(self._text_to_save)
-        self._start_dialog = StartDialog(self._start_at)
+        self._start_dialog = StartDialog(self._start_at, desk.present_state)
         self._help_dialog = HelpDialog(commands)
         self._build_head(is_live)
-        with ui.element("main").classes("ct-desk" + (" ct-live" if is_live else "")):
+        self._panels = ui.element("main").classes("ct-desk" + (" ct-live" if is_live else ""))
+        with self._panels:
             if desk.session is not None:
                 self._build_panels(desk.session)
             else:
@@ -177,7 +178,16 @@ class TrackingPage:
             return
         if desk.session is None:
             return
-        self._trouble.set_text(desk.session.trouble)
+        trouble = desk.session.trouble
+        self._trouble.set_text(trouble)
+        # A node that is gone leaves its last word standing: it must not look like news.
+        is_stale = bool(trouble) and desk.player is None
+        if is_stale:
+            self._panels.classes("ct-stale")
+        else:
+            self._panels.classes(remove="ct-stale")
+        if self._picture is not None:
+            self._picture.show(stale=is_stale)
         self._enable.say("switch off" if desk.session.is_enabled else "switch on")
         if desk.player is not None and self._transport is not None and self._numbers is not None:
             count = desk.player.frame_count or 0
@@ -266,7 +276,7 @@ class TrackingPage:
         name, given = str(event.args["name"]), event.args["value"]
         session = self._desk.need_session()
         spec = next(spec for spec in session.table if spec.name == name)
-        self._refusals.pop(name, None)
+        self._refusals.clear()
         try:
             await run.io_bound(session.change, {name: value_from_field(spec, given)})
         except CableTrackerError as error:

@@ -49,6 +49,7 @@ export default {
   mounted() {
     this.end = subscribe(this.channel, ({ frame }) => {
       if (frame === null) return;
+      this.shown = frame;
       // What the user is moving stays in the user's hand.
       if (document.activeElement !== this.$refs.field) this.$refs.field.value = frame;
       if (!this.wanted || this.wanted === frame || performance.now() - this.asked > 1000) {
@@ -62,8 +63,12 @@ export default {
   },
   methods: {
     seek(text) {
-      const frame = Number(text);
-      if (!Number.isInteger(frame) || frame < 0) return;
+      const typed = Number(text);
+      const isFrame = String(text).trim() !== "" && Number.isFinite(typed);
+      // What is no frame, or beyond the last one, does not stay in the field.
+      const frame = isFrame ? Math.min(this.count ? this.last : Infinity, Math.max(0, Math.round(typed))) : this.shown;
+      this.$refs.field.value = this.$refs.slider.value = frame;
+      if (!isFrame) return;
       this.wanted = frame;
       this.asked = performance.now();
       this.$emit("command", { name: "seek", value: frame });

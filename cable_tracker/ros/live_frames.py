@@ -150,6 +150,7 @@ def _snapshot(number: int, stamp: int, parts: _Parts) -> Snapshot:
         state=state,
         sigma=np.array(sigma) if state is not None and sigma is not None else None,
         cloud=cloud if cloud is not None and len(cloud) else None,
+        hypothesis_count=len(facts.get("hypotheses", "").split()),
         presence=_number(facts, "presence"),
         evidence=_number(facts, "evidence"),
         n_eff=_number(facts, "n_eff"),

@@ -79,7 +79,7 @@ class FrameSource(ABC):
         self.compressed = False
         self.note = ""
         self._skip_bad_frames = skip_bad_frames
-        self._labels: Mapping[int, CableState] = {}
+        self._labels: Mapping[int, CableState] | None = None
         self._running: WeakSet[Generator[Frame]] = WeakSet()
 
     def __enter__(self) -> Self:
@@ -95,9 +95,12 @@ class FrameSource(ABC):
             frames.close()
 
     def label(self, labels: Mapping[int, CableState]) -> None:
-        """Attach ground truth to frames by their number; it replaces what the recording holds."""
+        """Attach ground truth to frames by their number, in place of all that the recording holds.
+
+        A frame without a label then has no truth: labels of somebody else's must not be mixed in.
+        """
         self._labels = labels
-        self.has_truth = self.has_truth or bool(labels)
+        self.has_truth = bool(labels)
 
     def frames(self, start: int = 0) -> Iterator[Frame]:
         """Read the frames from the beginning, or from a later one on.
@@ -156,5 +159,6 @@ class FrameSource(ABC):
         )
 
     def _labelled(self, frame: Frame) -> Frame:
-        truth = self._labels.get(frame.index)
-        return frame if truth is None else replace(frame, truth=truth)
+        if self._labels is None:
+            return frame
+        return replace(frame, truth=self._labels.get(frame.index))

@@ -199,7 +199,8 @@ def open_source(
         Frames per second of pictures, which have no time of their own; 25 if None.
     truth : Path or None
         Sequence file whose labels are attached to the frames by number, or by file name for
-        pictures. Only labelled frames then have a truth, besides those a bag itself labels.
+        pictures. They take the place of all truth that the recording holds: only frames that they
+        label then have one.
     skip_bad_frames : bool
         Hand out frames that cannot be decoded, instead of raising RecordingError.
     allow_outside : bool

@@ -77,4 +77,6 @@ def test_a_node_that_is_gone_is_said_and_found_again(visit, url, node):
         page.locator("[data-test=trouble]").filter(has_text="no node /boat/tracker").wait_for()
         with node("tracker", particle_count=33):
             page.wait_for_function(f"{PICTURE}?.parts.cloud?.rows === 33")
+            page.locator("[data-test=status]").filter(has_text="%").wait_for()
         page.locator("[data-test=trouble]").filter(has_text="no node /boat/tracker").wait_for()
+        page.locator("[data-test=status]").filter(has_text="NOT LIVE, last picture").wait_for()

@@ -7,7 +7,13 @@ import pytest
 from cable_tracker.cable.estimate import Hypothesis
 from cable_tracker.cable.state import CableState
 from cable_tracker.gui.packet import unpack
-from cable_tracker.gui.picture_layers import LARGEST_CLOUD, heaviest, layers_of, particle_lines
+from cable_tracker.gui.picture_layers import (
+    LARGEST_CLOUD,
+    MOST_OPAQUE,
+    heaviest,
+    layers_of,
+    particle_lines,
+)
 from cable_tracker.gui.picture_packet import LARGEST_WIDTH, make_packet
 from cable_tracker.gui.session import Snapshot
 from cable_tracker.gui.tracking_history import HistoryColumn, TrackingHistory
@@ -95,7 +101,7 @@ def test_particles_run_as_the_centreline_does():
     assert (x1, x2) == pytest.approx((42.0, 42.0))
     assert min(y1, y2) < 0.0
     assert max(y1, y2) > 48.0
-    assert opacity == 1.0
+    assert opacity == MOST_OPAQUE
 
 
 def test_the_heaviest_particles_are_sent_and_those_that_are_no_numbers_are_not():

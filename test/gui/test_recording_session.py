@@ -16,7 +16,7 @@ from cable_tracker.evaluation.track_recording import (
     track_recording,
 )
 from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.gui.recording_session import WARMING_UP, RecordingSession
+from cable_tracker.gui.recording_session import LONGEST_RUN, WARMING_UP, RecordingSession
 from cable_tracker.gui.session import Player
 from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.trackers import make_tracker
@@ -135,6 +135,13 @@ def test_at_a_frame_that_was_never_reached_the_tracker_starts_anew(watch):
     fresh = make_tracker(PARAMETERS)
     fresh.process(jumped.grey, jumped.stamp)
     assert np.array_equal(jumped.cloud[:, :8], fresh.particles.states)
+
+
+def test_on_the_way_a_little_further_on_the_frames_between_are_tracked(watch):
+    through, apart = watch(), watch()
+    for frame in range(1, LONGEST_RUN + 1):
+        one = through.go_to(frame)
+    assert same_belief(one, apart.go_to(LONGEST_RUN))
 
 
 def test_at_the_first_frame_it_starts_as_it_was_told(watch):

@@ -187,6 +187,21 @@ def test_a_parameter_is_found_by_name_and_by_meaning(window):
     window.page.wait_for_function("document.querySelectorAll('.ct-row').length > 60")
 
 
+def test_what_is_no_frame_does_not_stay_in_the_field(window):
+    field = window.at("frame-field")
+    window.go_to(3)
+    for typed in ("abc", ""):
+        field.fill(typed)
+        field.press("Enter")
+        window.page.wait_for_function(
+            "document.querySelector('[data-test=frame-field]').value === '3'"
+        )
+    field.fill("9999")
+    field.press("Enter")
+    window.shows(frame=LAST)
+    assert field.input_value() == window.at("slider").input_value() == str(LAST)
+
+
 def test_keys_typed_before_a_dialog_is_there_command_nothing(window):
     window.shows(frame=0)
     before = window.picture()["number"]

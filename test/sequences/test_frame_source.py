@@ -33,12 +33,12 @@ def test_leaving_the_context_ends_all_readings(make_frame):
     assert source.ended == 2
 
 
-def test_labels_replace_the_truth_of_their_frames(make_frame, state):
+def test_labels_take_the_place_of_all_truth(make_frame, state):
     source = ListSource([make_frame(0, state(0)), make_frame(1, state(1))])
     other = CableState(1.0, 0.0, 2.0)
     source.label({1: other})
     assert source.has_truth
-    assert [frame.truth for frame in source.frames()] == [state(0), other]
+    assert [frame.truth for frame in source.frames()] == [None, other]
 
 
 def test_an_unreadable_frame_stops_the_reading(make_frame):

@@ -51,6 +51,11 @@ export class FrameView {
     };
   }
 
+  /** Whole seconds since the last packet has come. */
+  get age() {
+    return Math.floor((performance.now() - (this.receivedAt ?? 0)) / 1000);
+  }
+
   close() {
     this.closed = true;
     clearTimeout(this.retry);
@@ -61,6 +66,7 @@ export class FrameView {
 
   async receive(buffer) {
     const description = unpack(buffer);
+    this.receivedAt = performance.now();
     const picture = description.parts.picture;
     const bitmap = picture ? await createImageBitmap(picture) : null;
     if (this.closed) return;

@@ -375,7 +375,14 @@ export default {
       }
       const state = [...this.shown];
       state[i] = value;
-      this.commitState(geometry.limitState(state));
+      const limited = geometry.limitState(state);
+      // d and alpha have other names for one line; a width and a skew are what they are.
+      if (i > 1 && Math.abs(limited[i] - value) > 1e-9) {
+        this.say({ text: `${FIELDS[i].symbol} cannot be ${event.target.value} ${FIELDS[i].unit}`, kind: "warning" });
+        event.target.value = this.values[i];
+        return;
+      }
+      this.commitState(limited);
       this.$nextTick(() => (event.target.value = this.values[i]));
     },
     enter(event) {
