@@ -101,6 +101,13 @@ def test_only_the_folder_ros_imports_ros(path):
 
 
 @pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: path.name)
+def test_only_the_folder_gui_imports_what_serves_pages(path):
+    imported = {module.split(".")[0] for module in imported_modules(path)}
+    in_gui = PACKAGE / "gui" in path.parents
+    assert in_gui or not imported & {"nicegui", "starlette", "fastapi", "uvicorn"}
+
+
+@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: path.name)
 def test_randomness_comes_from_a_generator_that_is_passed_in(path):
     tree = ast.parse(path.read_text(encoding="utf-8"))
     used = {
