@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -55,6 +56,9 @@ LOOK_PERIOD = 0.5
 STALL = 2.0
 """After this time without a picture it is said what diagnostics say [s]."""
 
+SILENCE = 3.0
+"""Diagnostics older than this are no news; they come once a second [s]."""
+
 WATCHED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Pictures for people: losing one is no harm, and a slow viewer must not slow the camera."""
 
@@ -102,6 +106,7 @@ class LiveSession:
         self._listeners: list[Listener] = []
         self._latest: Snapshot | None = None
         self._status = ""
+        self._heard = -math.inf
         self._is_there = False
         self._others: list[str] = []
         self._silent_since: float | None = None
@@ -147,7 +152,9 @@ class LiveSession:
         if self._topics is not None and not self._topics.image:
             return f"{self.name} is there, and waits for no images yet"
         if self._silent_since is not None and time.monotonic() - self._silent_since > STALL:
-            return f"no pictures from {self.name}, which says {self._status or 'nothing'}"
+            is_news = time.monotonic() - self._heard <= SILENCE
+            words = f"says {self._status}" if is_news and self._status else "says nothing"
+            return f"no pictures from {self.name}, which {words}"
         return ""
 
     @property
@@ -273,6 +280,7 @@ class LiveSession:
         for status in message.status:
             if status.hardware_id == self.name:
                 self._status = str(status.message)
+                self._heard = time.monotonic()
 
     def _look(self) -> None:
         """See whether the node is there, and what its topics are called now."""

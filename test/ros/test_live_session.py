@@ -190,3 +190,10 @@ def test_a_node_that_goes_and_comes_again_is_found_again(world, session, found, 
 def test_silence_is_told_with_what_the_node_says(world, session, found, camera):
     camera(lambda: session.latest is not None)
     world.spin(lambda: "STALE INPUT" in session.trouble)
+
+
+def test_what_a_dead_node_said_last_is_no_news(world, session, found, camera):
+    camera(lambda: session.latest is not None)
+    # It is still on the graph, and neither spun nor heard: as after a SIGKILL.
+    world.executor.remove_node(found)
+    world.spin(lambda: "says nothing" in session.trouble)
