@@ -13,12 +13,12 @@ from cable_tracker.gui.packet import Section, float_section, jpeg_section, pack
 from cable_tracker.gui.picture_layers import css, heaviest, layers_of, particle_lines
 from cable_tracker.gui.session import Snapshot
 from cable_tracker.sequences.jpeg import encode_jpeg
+from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.visualisation.palette import PARTICLES, status_colour
 
 LARGEST_WIDTH = 1280
 """Wider pictures are reduced to this for the browser [px]."""
 
-NANOSECONDS = 1e9
 
 DEGREE = math.degrees(1.0)
 TO_DISPLAY = np.array([1.0, DEGREE] * (STATE_SIZE // 2))

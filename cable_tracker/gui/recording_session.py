@@ -30,12 +30,12 @@ from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.messages import cloud_of
+from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 
 WARMING_UP = "WARMING UP"
 DISABLED = "DISABLED"
 
-NANOSECONDS = 1e9
 LONGEST_PAUSE = 1.0
 """A longer one between two frames of a recording is shortened to this [s]."""
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.gui.session import Snapshot
+from cable_tracker.sequences.stamps import NANOSECONDS
 
 HISTORY_TIME = 30.0
 """So much is kept [s]."""
@@ -22,8 +23,6 @@ LARGEST_LENGTH = 4000
 
 STATUSES = ("TRACKING", "LOST", "INITIALISING", "REFUSED", "DISABLED")
 """The numbers of the statuses; any other is one more."""
-
-NANOSECONDS = 1e9
 
 
 class HistoryColumn(IntEnum):

@@ -142,10 +142,6 @@ export default {
       this.hint = "";
       this.view.redraw();
     },
-    /** The server has refused what was drawn. */
-    refuse() {
-      this.cancel();
-    },
     turn(event) {
       event.preventDefault();
       const isUp = event.deltaY < 0;

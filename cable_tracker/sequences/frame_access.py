@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
 from collections.abc import Iterator
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.recently_used import RecentlyUsed
 from cable_tracker.sequences.source import Source
 
 KEPT_BYTES = 256 << 20
@@ -35,9 +35,7 @@ class FrameAccess:
 
     def __init__(self, source: Source, kept_bytes: int = KEPT_BYTES) -> None:
         self.source = source
-        self._kept_bytes = kept_bytes
-        self._kept: OrderedDict[int, Frame] = OrderedDict()
-        self._bytes = 0
+        self._kept: RecentlyUsed[Frame] = RecentlyUsed(kept_bytes)
         self._frames: Iterator[Frame] | None = None
         self._next = self._known = 0
         self._end: int | None = None
@@ -68,10 +66,7 @@ class FrameAccess:
             raise IndexError(f"there is no frame {index}")
         with self._lock:
             kept = self._kept.get(index)
-            if kept is not None:
-                self._kept.move_to_end(index)
-                return kept
-            return self._read(index)
+            return kept if kept is not None else self._read(index)
 
     def _read(self, index: int) -> Frame:
         self._check_end(index)
@@ -88,7 +83,7 @@ class FrameAccess:
                 continue
             self._next = frame.index + 1
             self._known = max(self._known, self._next)
-            self._keep(frame)
+            self._kept.put(frame.index, frame, len(frame.image.data))
             if frame.index >= index:
                 return frame
 
@@ -108,10 +103,3 @@ class FrameAccess:
             if self._damage is not None:
                 raise self._damage
             raise IndexError(f"there is no frame {index}; the recording has {self._end}")
-
-    def _keep(self, frame: Frame) -> None:
-        self._kept[frame.index] = frame
-        self._bytes += len(frame.image.data)
-        while self._bytes > self._kept_bytes and len(self._kept) > 1:
-            _, oldest = self._kept.popitem(last=False)
-            self._bytes -= len(oldest.image.data)

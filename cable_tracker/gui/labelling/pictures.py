@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +11,7 @@ from cable_tracker.errors import FrameError
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.jpeg import encode_jpeg
+from cable_tracker.sequences.recently_used import RecentlyUsed
 
 QUALITY = 92
 """Borders must not be moved by blocks of the JPEG."""
@@ -61,9 +61,7 @@ class Pictures:
 
     def __init__(self, access: FrameAccess, kept_bytes: int = KEPT_BYTES) -> None:
         self._access = access
-        self._kept_bytes = kept_bytes
-        self._kept: OrderedDict[int, Picture] = OrderedDict()
-        self._bytes = 0
+        self._kept: RecentlyUsed[Picture] = RecentlyUsed(kept_bytes)
         self._lock = threading.Lock()
 
     def picture(self, frame: int) -> Picture:
@@ -78,17 +76,11 @@ class Pictures:
         """
         with self._lock:
             kept = self._kept.get(frame)
-            if kept is not None:
-                self._kept.move_to_end(frame)
-                return kept
+        if kept is not None:
+            return kept
         made = self._make(frame)
         with self._lock:
-            if frame not in self._kept:
-                self._kept[frame] = made
-                self._bytes += len(made.jpeg)
-            while self._bytes > self._kept_bytes and len(self._kept) > 1:
-                _, oldest = self._kept.popitem(last=False)
-                self._bytes -= len(oldest.jpeg)
+            self._kept.put(frame, made, len(made.jpeg))
         return made
 
     def _make(self, number: int) -> Picture:
