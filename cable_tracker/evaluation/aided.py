@@ -10,19 +10,16 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.estimate import CableEstimate
-from cable_tracker.cable.initialisation import StatePrior
 from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
 from cable_tracker.evaluation.flights import (
     NANOSECONDS,
     InstrumentNoise,
     SimulatedVehicle,
     simulated_vehicle,
 )
-from cable_tracker.evaluation.methods import Method
+from cable_tracker.evaluation.methods import Method, ParticleFilterMethod
 from cable_tracker.metric.aiding import MotionAiding
 from cable_tracker.metric.motion import Odometry
-from cable_tracker.trackers import make_tracker
 
 FAULT_AFTER = 1.0
 """Faults begin so long after the first twist [s]."""
@@ -85,7 +82,7 @@ def faulty(
     return arrivals, said, values
 
 
-class AidedMethod:
+class AidedMethod(ParticleFilterMethod):
     """The tracker of this project, told the vehicle's motion.
 
     Parameters
@@ -101,7 +98,7 @@ class AidedMethod:
     def __init__(
         self, parameters: TrackerParameters, vehicle: SimulatedVehicle, fault: OdometryFault
     ) -> None:
-        self._tracker = make_tracker(parameters)
+        super().__init__(parameters)
         self._odometry = Odometry()
         self._aiding = MotionAiding(vehicle.instruments, self._odometry)
         self._covariance = vehicle.covariance
@@ -109,10 +106,6 @@ class AidedMethod:
         arrivals, stamps, twists = faulty(vehicle.twist_stamps, vehicle.twists, fault, rng)
         self._coming = list(zip(arrivals, stamps, twists, strict=True))[::-1]
         self.frames, self.aided = 0, 0
-
-    def initialise(self, state: CableState) -> None:
-        """Start from this cable at the next frame."""
-        self._tracker.initialise(StatePrior.around(state))
 
     def process(self, image: Image, stamp: int) -> CableEstimate:
         """Take a frame into account, with the odometry that has come until then."""

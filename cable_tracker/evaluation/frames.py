@@ -17,7 +17,7 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.sequence_file import Label, read_labels
-from cable_tracker.sequences.source import Source, open_source
+from cable_tracker.sequences.source import ChosenRecording, Source
 from cable_tracker.simulation.scenario import simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS
 
@@ -104,24 +104,16 @@ class ScenarioSequence:
 
 
 @dataclass(frozen=True, slots=True)
-class RecordingSequence:
+class RecordingSequence(ChosenRecording):
     """A recording of the user's, the same for every seed.
 
     Attributes
     ----------
-    path, topic, rate, truth, skip_bad_frames, allow_outside
-        See `open_source`.
     unlabelled_is_empty : bool
         Whether a frame without a label shows no cable. Otherwise it is not judged.
     """
 
-    path: Path
-    topic: str | None = None
-    rate: float | None = None
-    truth: Path | None = None
-    skip_bad_frames: bool = False
     unlabelled_is_empty: bool = False
-    allow_outside: bool = False
 
     @property
     def name(self) -> str:
@@ -141,7 +133,7 @@ class RecordingSequence:
         RecordingError
             The recording or the labels cannot be read, do not fit, or there are none.
         """
-        with self._open() as source:
+        with self.open() as source:
             if self.truth is not None:
                 check_labels(source, self.truth)
             if not (source.has_truth or self.unlabelled_is_empty):
@@ -161,22 +153,12 @@ class RecordingSequence:
         """
         unlabelled = 0.0 if self.unlabelled_is_empty else UNKNOWN_VISIBILITY
         count = 0
-        with self._open() as source:
+        with self.open() as source:
             for frame in source.frames():
                 count += 1
                 yield _judged(frame, unlabelled if frame.truth is None else 1.0)
         if not count:
             raise RecordingError(f"{self.path}: holds no frames; record it again")
-
-    def _open(self) -> Source:
-        return open_source(
-            self.path,
-            topic=self.topic,
-            rate=self.rate,
-            truth=self.truth,
-            skip_bad_frames=self.skip_bad_frames,
-            allow_outside=self.allow_outside,
-        )
 
 
 def _judged(frame: Frame, visibility: float) -> JudgedFrame:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self, runtime_checkable
@@ -226,3 +227,32 @@ def open_source(
     if truth is not None:
         source.label(_labels_by_frame(source, truth, allow_outside))
     return source
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenRecording:
+    """Which recording to open, and how.
+
+    Attributes
+    ----------
+    path, topic, rate, truth, skip_bad_frames, allow_outside
+        See `open_source`.
+    """
+
+    path: Path
+    topic: str | None = None
+    rate: float | None = None
+    truth: Path | None = None
+    skip_bad_frames: bool = False
+    allow_outside: bool = False
+
+    def open(self) -> Source:
+        """Open it; see `open_source`."""
+        return open_source(
+            self.path,
+            topic=self.topic,
+            rate=self.rate,
+            truth=self.truth,
+            skip_bad_frames=self.skip_bad_frames,
+            allow_outside=self.allow_outside,
+        )
