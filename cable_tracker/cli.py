@@ -10,19 +10,19 @@ from typing import Annotated
 import typer
 
 from cable_tracker import __version__
-from cable_tracker.commands.bench import bench
 from cable_tracker.commands.convert import convert
 from cable_tracker.commands.dds_profile import dds_profile
-from cable_tracker.commands.estimate_noise import estimate_noise
+from cable_tracker.commands.dev.bench import bench
+from cable_tracker.commands.dev.estimate_noise import estimate_noise
+from cable_tracker.commands.dev.experiment import experiment
+from cable_tracker.commands.dev.soak import soak
 from cable_tracker.commands.evaluate import evaluate
-from cable_tracker.commands.experiment import experiment
 from cable_tracker.commands.gui import gui
 from cable_tracker.commands.label import label
 from cable_tracker.commands.learn import learn
 from cable_tracker.commands.loop import loop
 from cable_tracker.commands.parameters import parameters
 from cable_tracker.commands.simulate import simulate_command
-from cable_tracker.commands.soak import soak
 from cable_tracker.commands.terminal import console, messages
 from cable_tracker.commands.track import track
 from cable_tracker.commands.warm_up import warm_up_command

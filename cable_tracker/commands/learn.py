@@ -31,7 +31,7 @@ from cable_tracker.commands.terminal import console, counted, progress_bar
 from cable_tracker.commands.track import chosen_parameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.folder import output_file
-from cable_tracker.evaluation.frames import check_labels
+from cable_tracker.evaluation.judged_sequences import check_labels
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source import Source

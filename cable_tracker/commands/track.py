@@ -32,7 +32,7 @@ from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.metrics import ErrorSummary, summarise_errors
-from cable_tracker.evaluation.result_folder import (
+from cable_tracker.evaluation.tracking.result_folder import (
     BAG,
     CONTACT_SHEET,
     ESTIMATES,
@@ -40,7 +40,7 @@ from cable_tracker.evaluation.result_folder import (
     VIDEO,
     ResultFolder,
 )
-from cable_tracker.evaluation.track_recording import (
+from cable_tracker.evaluation.tracking.track_recording import (
     initial_state_for,
     start_from,
     track_recording,

@@ -1,0 +1,1 @@
+"""The commands of `cable-tracker dev`, for those who develop the package."""
