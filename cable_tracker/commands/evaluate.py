@@ -118,7 +118,7 @@ def evaluate(  # noqa: PLR0917
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
 ) -> None:
-    """Judge methods against exact ground truth, and write a report.
+    """Judge methods against ground truth and write a report.
 
     The folder holds report.html, which needs nothing else, and all numbers as CSV. The same command
     gives the same numbers, except for the times.

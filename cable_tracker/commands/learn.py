@@ -98,7 +98,9 @@ def learn(  # noqa: PLR0917
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
 ) -> None:
-    """Learn the tables of the likelihood ratio from frames in which the cable is labelled.
+    """Learn response tables from labelled recordings.
+
+    They hold how likely a response of the border filter is on a cable and beside it.
 
     The tracker uses them with the parameter `response_table`. Its parameters `working_width` and
     `filter_sigma` should be those that the tables were learnt with. The same command writes the

@@ -89,7 +89,7 @@ def loop(  # noqa: PLR0917
     ] = None,
     force: ForceOption = False,
 ) -> None:
-    """Let a simulated vehicle follow a cable by the tracker's word, over ROS.
+    """Let a simulated vehicle follow a cable, over ROS.
 
     Simulator, tracker and the example of a controller run as processes of their own. Table, plots
     and a video go into one folder. With several seeds or methods each run has a folder of its own

@@ -76,9 +76,10 @@ def track(  # noqa: PLR0917
         typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
     ] = True,
 ) -> None:
-    """Track a recording and write table, pictures, video and bag into one folder.
+    """Track a recording and write the results into a folder.
 
-    With ground truth, a table of errors is printed. The same recording, parameters and seed give
+    They are a table of estimates, pictures, a video and a bag. With ground truth, a table of
+    errors is printed. The same recording, parameters and seed give
     the same estimates, with --ros and without.
     """
     values = read_parameter_file(params) if params is not None else {}

@@ -1,4 +1,4 @@
-"""`cable-tracker bench`."""
+"""`cable-tracker dev bench`."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def bench(  # noqa: PLR0917
     ] = None,
     force: ForceOption = False,
 ) -> None:
-    """Measure how long frames take, side by side with a yardstick and with others.
+    """Measure how long frames take, beside a yardstick.
 
     All take turns in one run, so that a busy machine slows all alike; what counts are the ratios
     to the yardstick: the observation of Wirth's thesis for 500 particles, written down literally

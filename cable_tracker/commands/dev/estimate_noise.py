@@ -1,4 +1,4 @@
-"""`cable-tracker estimate-noise`."""
+"""`cable-tracker dev estimate-noise`."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ def estimate_noise(  # noqa: PLR0917
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
 ) -> None:
-    """Print how much the cable moves from frame to frame: the variances of Tables 4.2 and 4.3.
+    """Print how much the cable moves from frame to frame.
 
-    They are what the diffusion of a filter should allow for. Steps to and from
-    frames without a label do not count.
+    The variances are those of Tables 4.2 and 4.3 of Wirth's thesis, and what the diffusion of a
+    filter should allow for. Steps to and from frames without a label do not count.
     """
     states: list[FloatArray] = []
     with ExitStack() as stack:

@@ -1,4 +1,4 @@
-"""`cable-tracker experiment`."""
+"""`cable-tracker dev experiment`."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def experiment(  # noqa: PLR0917
     force: ForceOption = False,
     workers: WorkersOption = None,
 ) -> None:
-    """Run an experiment, most of them of Wirth's thesis, and write its tables and figures.
+    """Run an experiment and write its tables and figures.
 
     sequences: section 5.2.3, from the true beginning. reinitialisation: 5.2.4, a random start every
     100 frames. speed: 5.2.5, time against particles and filter size. ablation: what each part of

@@ -1,4 +1,4 @@
-"""`cable-tracker soak`."""
+"""`cable-tracker dev soak`."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ def soak(  # noqa: PLR0917
     output: Annotated[Path, typer.Option(help="Report to write, a JSON file.")] = Path("soak.json"),
     force: ForceOption = False,
 ) -> None:
-    """Feed a tracker process for a long time, inject faults, and see whether it keeps its promises.
+    """Feed a tracker for a long time, with faults.
 
-    Frames go in lockstep and at full rate. Bad frames of every class, jumping stamps, a stopped
-    input, overload, parameter storms, viewers, cameras of other quality of service; tracker and
-    replay are killed and started again. The report holds faults, recoveries, latency and memory
-    over time. Exit code 1 if a promise was broken.
+    Shows whether it keeps its promises. Frames go in lockstep and at full rate. Bad frames of every
+    class, jumping stamps, a stopped input, overload, parameter storms, viewers, cameras of other
+    quality of service; tracker and replay are killed and started again. The report holds faults,
+    recoveries, latency and memory over time. Exit code 1 if a promise was broken.
     """
     module = _ros_soak()
     settings = module.SoakSettings(

@@ -29,7 +29,7 @@ def run(monkeypatch, tmp_path):
     """Run a tiny benchmark in an empty folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(bench, "PLANS", {False: TINY, True: TINY})
-    return lambda *arguments: CliRunner().invoke(app, ["bench", *map(str, arguments)])
+    return lambda *arguments: CliRunner().invoke(app, ["dev", "bench", *map(str, arguments)])
 
 
 def test_numbers_tables_and_page(run, tmp_path):

@@ -7,7 +7,7 @@ from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
 
 def run(*arguments):
-    return CliRunner().invoke(app, ["estimate-noise", *map(str, arguments)])
+    return CliRunner().invoke(app, ["dev", "estimate-noise", *map(str, arguments)])
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from cable_tracker.evaluation.judged_sequences import scenario_sequences
 
 
 def run(*arguments):
-    return CliRunner().invoke(app, ["experiment", *map(str, arguments)])
+    return CliRunner().invoke(app, ["dev", "experiment", *map(str, arguments)])
 
 
 def test_an_experiment_writes_table_and_figure(monkeypatch, tmp_path):

@@ -30,7 +30,7 @@ def run(monkeypatch, tmp_path):
             run_soak=lambda _frames, _settings, _advance: record,
         )
         monkeypatch.setattr(command, "_ros_soak", lambda: done)
-        words = ["cable-tracker", "soak", "--size", "64x48", *arguments]
+        words = ["cable-tracker", "dev", "soak", "--size", "64x48", *arguments]
         monkeypatch.setattr(sys, "argv", words)
         try:
             cli.main()
