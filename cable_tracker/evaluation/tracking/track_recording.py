@@ -12,6 +12,7 @@ from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder
 from cable_tracker.sequences import output_topics
@@ -41,8 +42,19 @@ from cable_tracker.visualisation.overlay import draw_overlay
 TRUTH = "truth"
 
 
-def initial_state_for(source: Source, init: str) -> CableState | None:
+def initial_state_for(
+    source: Source, init: str, limits: PairLimits = DEFAULT_LIMITS
+) -> CableState | None:
     """Return where to start: from `random`, `truth`, a detector's name, or `d,alpha,w,beta`.
+
+    Parameters
+    ----------
+    source : Source
+        The recording.
+    init : str
+        These words.
+    limits : PairLimits
+        Widths and skews of the cables that a detector reports.
 
     Raises
     ------
@@ -57,12 +69,14 @@ def initial_state_for(source: Source, init: str) -> CableState | None:
     first = next(source.frames(), None)
     if first is None:
         raise RecordingError(f"{source.path}: holds no frames; record it again")
-    return _true_state(source, first) if init == TRUTH else _detected_state(source, first, init)
+    if init == TRUTH:
+        return _true_state(source, first)
+    return _detected_state(source, first, init, limits)
 
 
-def _detected_state(source: Source, first: Frame, detector: str) -> CableState:
+def _detected_state(source: Source, first: Frame, detector: str, limits: PairLimits) -> CableState:
     try:
-        found = DETECTORS[detector]().detect(decode_grey(first.image))
+        found = DETECTORS[detector](limits).detect(decode_grey(first.image))
     except FrameError as error:
         raise ParameterError(
             f"{source.path}: no start from its first frame ({error}); use --init random"
