@@ -7,6 +7,7 @@ import time
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Annotated, Optional
 
 import cv2
 import numpy as np
@@ -340,6 +341,43 @@ def test_help_and_version(run):
         outcome = run(command, "--help")
         assert outcome.code == 0
         assert "Usage" in outcome.out
+
+
+def test_the_version_is_told_without_importing_what_commands_need():
+    code = (
+        "import sys; from cable_tracker import cli; sys.argv[1:] = ['--version']\n"
+        "try: cli.main()\n"
+        "finally: print({'numpy', 'cv2', 'numba', 'rich'} & set(sys.modules), file=sys.stderr)"
+    )
+    command = [sys.executable, "-c", code]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert (result.stdout, result.stderr) == (f"cable-tracker {__version__}\n", "set()\n")
+
+
+def test_the_help_lists_every_command_with_what_it_does(run):
+    lines = [line.strip("│ ").split(maxsplit=1) for line in run("--help").out.splitlines()]
+    described = {line[0] for line in lines if len(line) == 2}
+    assert set(cli.COMMANDS) <= described
+
+
+@pytest.mark.parametrize("name", cli.COMMANDS)
+def test_every_command_is_found_and_explains_itself(run, name):
+    outcome = run(name, "--help")
+    assert outcome.code == 0
+    assert "Usage" in outcome.out
+
+
+def test_type_hints_of_commands_are_in_the_form_that_old_versions_of_typer_read():
+    def command(output: Annotated[str | None, "help"], count: int, rate: float | None) -> None: ...
+
+    assert cli.with_optional_hints(command).__annotations__ == {
+        "output": Annotated[Optional[str], "help"],  # noqa: UP045
+        "count": int,
+        "rate": Optional[float],  # noqa: UP045
+        "return": type(None),
+    }
+    written = [str(hint) for hint in command.__annotations__.values()]
+    assert not any(" | " in hint for hint in written if sys.version_info < (3, 14))
 
 
 def test_results_of_a_bag_folder_are_named_after_it():
