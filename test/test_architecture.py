@@ -6,11 +6,12 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "cable_tracker"
 
-EVERYBODY_MAY_IMPORT = {"arrays", "compilation", "errors"}
+EVERYBODY_MAY_IMPORT = {"arrays", "compilation", "errors", "libraries"}
 MAY_IMPORT = {
     "arrays": set(),
     "compilation": set(),
     "errors": set(),
+    "libraries": set(),
     "resources": set(),
     "particle_filter": set(),
     "tracking": set(),
