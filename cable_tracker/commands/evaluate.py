@@ -89,7 +89,10 @@ def evaluate(  # noqa: PLR0917
     ] = None,
     scenario: Annotated[
         list[str] | None,
-        typer.Option(help="Built-in scenario; may be given several times.  [default: all]"),
+        typer.Option(
+            help="Built-in scenario or world, or a pattern such as 'report_*'; may be given several"
+            " times.  [default: all scenarios]"
+        ),
     ] = None,
     source: Annotated[
         Path | None, typer.Option(help="A labelled recording instead of the scenarios.")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import fnmatch
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Protocol
 
@@ -20,6 +22,8 @@ from cable_tracker.sequences.sequence_file import Label, read_labels
 from cable_tracker.sequences.source import ChosenRecording, Source
 from cable_tracker.simulation.scenario import simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
+from cable_tracker.simulation.worlds.ground import photographs_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,6 +105,45 @@ class ScenarioSequence:
                 return
             truth = item.frame.truth
             yield _judged(item.frame, item.visibility if truth is not None else 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class WorldSequence:
+    """A built-in world of the simulator; each seed is another dive.
+
+    Attributes
+    ----------
+    name : str
+        A key of `WORLDS`.
+    limit : int or None
+        Use only so many frames from the beginning.
+    """
+
+    name: str
+    limit: int | None = None
+
+    @property
+    def description(self) -> str:
+        """What is hard about the world."""
+        return WORLDS[self.name].description
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames.
+
+        Raises
+        ------
+        RecordingError
+            The world needs photographs, and there are none.
+        """
+        world = WORLDS[self.name]
+        if world.photographed:
+            photographs_of(world.split)
+        return world.frame_count if self.limit is None else min(world.frame_count, self.limit)
+
+    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+        """Simulate the dive of a seed."""
+        for item in islice(simulate_world(self.name, seed), self.limit):
+            yield _judged(item.frame, item.visibility)
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,15 +257,29 @@ def label_lines(truth: Path) -> list[int]:
 
 def scenario_sequences(
     names: Sequence[str], limit: int | None = None
-) -> tuple[ScenarioSequence, ...]:
-    """Return scenarios by name, each once, in the order given; all of them if no name is given.
+) -> tuple[JudgedSequence, ...]:
+    """Return scenarios and worlds by name, each once, in the order given.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Keys of `SCENARIOS` or `WORLDS`, or patterns of them such as "report_*"; all scenarios, but
+        no world, if no name is given.
+    limit : int or None
+        Use only so many frames of each.
 
     Raises
     ------
     ParameterError
-        There is no such scenario.
+        There is no such scenario or world.
     """
-    for name in names:
-        if name not in SCENARIOS:
-            raise ParameterError(f"scenario: {name!r} is none of {' | '.join(SCENARIOS)}")
-    return tuple(ScenarioSequence(name, limit) for name in dict.fromkeys(names or SCENARIOS))
+    chosen: dict[str, JudgedSequence] = {}
+    for pattern in names or SCENARIOS:
+        scenarios = fnmatch.filter(SCENARIOS, pattern)
+        worlds = fnmatch.filter(WORLDS, pattern)
+        if not (scenarios or worlds):
+            known = " | ".join((*SCENARIOS, *WORLDS))
+            raise ParameterError(f"scenario: {pattern!r} is none of {known}")
+        chosen |= {name: ScenarioSequence(name, limit) for name in scenarios}
+        chosen |= {name: WorldSequence(name, limit) for name in worlds}
+    return tuple(chosen.values())
