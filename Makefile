@@ -109,6 +109,7 @@ $(JAZZY_VENV)/installed: setup.py setup.cfg constraints.txt constraints-jazzy.tx
 		-c $(JAZZY_VENV)/constraints.txt setuptools wheel
 	@$(JAZZY_VENV)/bin/python -m pip install --quiet --disable-pip-version-check \
 		-c $(JAZZY_VENV)/constraints.txt --no-build-isolation -e ".[ros,test]"
+	@$(JAZZY_VENV)/bin/cable-tracker warm-up
 	@touch $@
 
 lint: install
