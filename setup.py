@@ -11,6 +11,8 @@ VERSION = {}
 exec((ROOT / PACKAGE / "__init__.py").read_text(encoding="utf-8"), VERSION)
 MAINTAINER = ElementTree.parse(ROOT / "package.xml").find("maintainer")
 
+TEST = ["filterpy", "hypothesis", "particles", "pytest", "pytest-timeout", "pytest-xdist"]
+
 
 def files(folder: str, pattern: str) -> list[str]:
     """Return the files of a folder, as paths relative to this file."""
@@ -55,16 +57,12 @@ setup(
     extras_require={
         "ros": ["ros-jazzy-rclpy[fastrtps]", "ros-jazzy-common-interfaces"],
         "gui": ["nicegui>=3"],
+        "test": TEST,
         "dev": [
+            *TEST,
             "atheris; python_version < '3.13'",
-            "filterpy",
-            "hypothesis",
             "mypy",
-            "particles",
             "playwright",
-            "pytest",
-            "pytest-timeout",
-            "pytest-xdist",
             "ruff",
             "types-PyYAML",
         ],
