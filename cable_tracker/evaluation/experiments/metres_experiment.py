@@ -21,7 +21,7 @@ from cable_tracker.evaluation.experiments.flights import (
     SimulatedVehicle,
     simulated_vehicle,
 )
-from cable_tracker.evaluation.judged_sequences import ScenarioSequence, scenario_sequences
+from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metrics import state_errors
 from cable_tracker.evaluation.report import format_number
@@ -130,7 +130,7 @@ class MetresExperiment:
     """
 
     seeds: tuple[int, ...]
-    sequences: tuple[ScenarioSequence, ...] = scenario_sequences(METRES_SEQUENCES)
+    sequences: tuple[ScenarioSequence, ...] = tuple(map(ScenarioSequence, METRES_SEQUENCES))
     noise: InstrumentNoise = InstrumentNoise()  # noqa: RUF009
 
     def frame_count(self) -> int | None:

@@ -10,7 +10,7 @@ import numpy as np
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
-from cable_tracker.evaluation.judged_sequences import ScenarioSequence, scenario_sequences
+from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
 from cable_tracker.evaluation.report import format_number
@@ -124,7 +124,7 @@ class MotionExperiment:
     """
 
     seeds: tuple[int, ...]
-    sequences: tuple[ScenarioSequence, ...] = scenario_sequences(MOTION_SEQUENCES)
+    sequences: tuple[ScenarioSequence, ...] = tuple(map(ScenarioSequence, MOTION_SEQUENCES))
     settings: tuple[MotionSetting, ...] = SETTINGS
 
     def frame_count(self) -> int | None:
