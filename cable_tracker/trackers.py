@@ -10,12 +10,10 @@ import numpy as np
 from cable_tracker.cable.hypotheses.proposer import CableProposer, NoProposer
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
-from cable_tracker.compilation import uses_compiled_kernels
 from cable_tracker.detection.compiled.line_pair_proposer import CompiledLinePairProposer
-from cable_tracker.detection.line_pair_proposer import LinePairProposer
 
 PROPOSERS: Mapping[str, Callable[[], CableProposer]] = MappingProxyType(
-    {"none": NoProposer, "line_pairs": LinePairProposer}
+    {"none": NoProposer, "line_pairs": CompiledLinePairProposer}
 )
 """The detectors that the parameter `detector` can name."""
 
@@ -57,7 +55,7 @@ def warm_up(parameters: TrackerParameters) -> None:
 
 
 def make_proposer(parameters: TrackerParameters) -> CableProposer:
-    """Return the detector that parameters name."""
-    if parameters.detector == "line_pairs" and uses_compiled_kernels(parameters.kernels):
-        return CompiledLinePairProposer()
+    """Return the detector that parameters name; the bootstrap filter asks none."""
+    if parameters.filter == "bootstrap":
+        return NoProposer()
     return PROPOSERS[parameters.detector]()

@@ -7,9 +7,7 @@ from cable_tracker.cable.hypotheses.proposer import NoProposer
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.compilation import NUMBA_IS_INSTALLED
 from cable_tracker.detection.compiled.line_pair_proposer import CompiledLinePairProposer
-from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.errors import ParameterError
 from cable_tracker.trackers import PROPOSERS, make_proposer, make_tracker
 
@@ -17,17 +15,13 @@ from cable_tracker.trackers import PROPOSERS, make_proposer, make_tracker
 def test_every_detector_that_can_be_named_can_be_made():
     assert set(PARAMETERS_BY_NAME["detector"].choices) == set(PROPOSERS)
     assert isinstance(make_proposer(TrackerParameters(detector="none")), NoProposer)
-    parameters = TrackerParameters(detector="line_pairs", kernels="numpy")
-    assert isinstance(make_proposer(parameters), LinePairProposer)
-
-
-@pytest.mark.skipif(not NUMBA_IS_INSTALLED, reason="needs Numba")
-@pytest.mark.parametrize("kernels", ["auto", "compiled"])
-def test_compiled_kernels_mean_the_compiled_detector(kernels):
-    parameters = TrackerParameters(detector="line_pairs", kernels=kernels)
+    parameters = TrackerParameters(detector="line_pairs")
     assert isinstance(make_proposer(parameters), CompiledLinePairProposer)
-    none = parameters.replaced({"detector": "none"})
-    assert isinstance(make_proposer(none), NoProposer)
+
+
+def test_the_bootstrap_filter_asks_no_detector():
+    parameters = TrackerParameters(detector="line_pairs", filter="bootstrap")
+    assert isinstance(make_proposer(parameters), NoProposer)
 
 
 def test_nothing_proposes_nothing():
