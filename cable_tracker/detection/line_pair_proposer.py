@@ -16,7 +16,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.compilation import compiled, compiled_fast, compiled_inside
+from cable_tracker.compilation import compiled, compiled_fast_part, compiled_inside, compiled_part
 from cable_tracker.detection.line_pairs import plausible_pairs
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 
@@ -44,8 +44,11 @@ OFFSET_BIN = 3.0
 VOTE_SPREAD = 2
 """Bins to either side of the gradient's direction that it votes for."""
 
-MOST_LINES = 16
-MOST_CABLES = 6
+MOST_LINES = 24
+MOST_CABLES = 8
+
+SHARED_SPREAD = 0.5
+"""Share of the spread of all votes in what the votes at one angle are judged by."""
 
 
 class LinePairProposer:
@@ -67,11 +70,13 @@ class LinePairProposer:
         angles, offsets, supports = strongest_lines(
             accumulated_votes(image), offset_bin, middle, MOST_LINES
         )
-        places = best_cables(
-            angles, offsets, supports, (limits.narrowest, limits.widest), limits.most_skew
+        width, height = image.size
+        poses, scores = plausible_pairs(
+            angles, offsets, supports, limits, (float(width), float(height))
         )
+        best = np.argsort(-scores, kind="stable")[:MOST_CABLES]
         scale = 1.0 / image.reduction
-        return np.asarray(places * np.array([scale, 1.0, scale, 1.0]))
+        return np.asarray(poses[best] * np.array([scale, 1.0, scale, 1.0]))
 
 
 class _Accumulator(NamedTuple):
@@ -160,7 +165,10 @@ def _wrap_margins(votes: FloatArray) -> None:
 def strongest_lines(
     votes: FloatArray, offset_bin: float, middle: int, most: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return angles, offsets and smoothed votes of the highest peaks, best first.
+    """Return angles, offsets and clearness of the highest peaks, best first.
+
+    The votes for a line are judged by those for the others at its angle: among ripples, one more
+    line along them is nothing. Angle and offset are those of the vertex between the bins.
 
     Parameters
     ----------
@@ -171,7 +179,7 @@ def strongest_lines(
     most : int
         Number of lines at most.
     """
-    smooth = smoothed(votes)
+    smooth = clearness_of(smoothed(votes))
     inner = slice(ANGLE_MARGIN, ANGLE_MARGIN + ANGLE_BINS)
     columns = smooth.shape[1]
     cells = smooth[inner].reshape(-1)
@@ -180,13 +188,40 @@ def strongest_lines(
     angles, offsets, supports = np.empty(len(order)), np.empty(len(order)), np.empty(len(order))
     for rank in range(len(order)):
         peak = peaks[order[rank]]
-        angles[rank] = (peak // columns) * BIN
-        offsets[rank] = (peak % columns - middle) * offset_bin
+        row, column = peak // columns, peak % columns
+        around = smooth[row + ANGLE_MARGIN - 1 : row + ANGLE_MARGIN + 2]
+        turn, shift = _vertex(around[:, column]), 0.0
+        if 0 < column < columns - 1:
+            shift = _vertex(around[1, column - 1 : column + 2])
+        angles[rank] = (row + turn) * BIN
+        offsets[rank] = (column + shift - middle) * offset_bin
         supports[rank] = cells[peak]
     return angles, offsets, supports
 
 
-@compiled
+@compiled_inside
+def _vertex(values: Image) -> float:
+    """Return where the parabola through three values is highest, from -0.5 to 0.5."""
+    bend = 2.0 * values[1] - values[0] - values[2]
+    if bend <= 0.0:
+        return 0.0
+    return float(min(max(0.5 * (values[2] - values[0]) / bend, -0.5), 0.5))
+
+
+@compiled_part
+def clearness_of(smooth: Image) -> Image:
+    """Return how far votes stand above the others at their angle, in spreads; at least 0."""
+    clear = np.empty_like(smooth)
+    shared = SHARED_SPREAD * np.std(smooth)
+    for row in range(len(smooth)):
+        mean, spread = np.mean(smooth[row]), np.std(smooth[row])
+        for column in range(smooth.shape[1]):
+            excess = (smooth[row, column] - mean) / (spread + shared + 1e-6)
+            clear[row, column] = max(excess, 0.0)
+    return clear
+
+
+@compiled_part
 def smoothed(votes: FloatArray) -> Image:
     """Weigh each cell and its eight neighbours by 1/4, 1/2, 1/4 each way; mirrored at the ends."""
     height, width = votes.shape
@@ -203,14 +238,14 @@ def smoothed(votes: FloatArray) -> Image:
     return smooth
 
 
-@compiled_fast
+@compiled_fast_part
 def _fold(before: Image, here: Image, after: Image, result: Image) -> None:
     half, quarter = np.float32(0.5), np.float32(0.25)
     for x in range(len(result)):
         result[x] = half * here[x] + quarter * (before[x] + after[x])
 
 
-@compiled
+@compiled_part
 def highest_near(smooth: Image) -> Image:
     """Return the highest value within `PEAK_REACH` of each cell, but for rows at the margins."""
     height = len(smooth)
@@ -227,13 +262,13 @@ def highest_near(smooth: Image) -> Image:
     return highest
 
 
-@compiled_fast
+@compiled_fast_part
 def _raise_to(values: Image, others: Image) -> None:
     for x in range(len(values)):
         values[x] = max(values[x], others[x])
 
 
-@compiled
+@compiled_part
 def _peaks(heights: Image, highest: Image) -> IndexArray:
     """Return which cells (C,) are as high as the highest near them, shape (P,)."""
     count = 0
@@ -245,7 +280,7 @@ def _peaks(heights: Image, highest: Image) -> IndexArray:
     return peaks[:count]
 
 
-@compiled
+@compiled_part
 def highest_first(values: FloatArray, most: int) -> IndexArray:
     """Return the indices of the highest values; of equal ones the first comes first."""
     count = min(most, len(values))
@@ -259,16 +294,3 @@ def highest_first(values: FloatArray, most: int) -> IndexArray:
         order[rank] = best
         taken[best] = True
     return order
-
-
-@compiled
-def best_cables(
-    angles: FloatArray,
-    offsets: FloatArray,
-    supports: FloatArray,
-    widths: tuple[float, float],
-    most_skew: float,
-) -> FloatArray:
-    """Return d, alpha, w, beta of the best pairs of lines, at most `MOST_CABLES`, shape (K, 4)."""
-    places, scores = plausible_pairs(angles, offsets, supports, widths, most_skew)
-    return places[highest_first(scores, MOST_CABLES)]

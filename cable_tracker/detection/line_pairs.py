@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.compiled.geometry import turn_sign, wrapped_angle
-from cable_tracker.cable.model.state import PLACES, STATE_SIZE, CableState
+from cable_tracker.cable.model.geometry import borders_cross_inside, turn_sign, wrapped_angle
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.compilation import compiled
+from cable_tracker.compilation import compiled, compiled_part
 from cable_tracker.detection.border_lines import BorderLines
 from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.pair_limits import PairLimits
@@ -57,15 +57,15 @@ def pair_lines(
         Best first, at most `MOST_DETECTIONS`.
     """
     scaled = limits.scaled(image_size[0] / REFERENCE_WIDTH)
-    places, scores = plausible_pairs(
+    poses, scores = plausible_pairs(
         lines.angles,
         lines.offsets,
         lines.supports,
-        (scaled.narrowest, scaled.widest),
-        scaled.most_skew,
+        scaled,
+        (float(image_size[0]), float(image_size[1])),
     )
-    states = np.zeros((len(places), STATE_SIZE))
-    states[:, :PLACES] = places
+    states = np.zeros((len(poses), STATE_SIZE))
+    states[:, :POSE_SIZE] = poses
     if region is None:
         usable = scores >= minimum_score
     else:
@@ -86,12 +86,12 @@ def plausible_pairs(
     angles: FloatArray,
     offsets: FloatArray,
     supports: FloatArray,
-    widths: tuple[float, float],
-    most_skew: float,
+    limits: PairLimits,
+    image_size: tuple[float, float],
 ) -> tuple[FloatArray, FloatArray]:
     """Return the cables between lines whose normals are nearly opposite, and their scores.
 
-    The score is the geometric mean of the supports: one strong edge does not make a cable. A pair
+    Borders that cross inside the picture are none of one cable. The score is the geometric mean of the supports: one strong edge does not make a cable. A pair
     is only the gap between two strips where both its lines have a partner on their outer side,
     nearer than the pair is wide: its score is multiplied by `GAP_FACTOR`.
 
@@ -99,21 +99,21 @@ def plausible_pairs(
     ----------
     angles, offsets, supports : FloatArray
         Of N lines, see `BorderLines`.
-    widths : (float, float)
-        Smallest and largest w [px].
-    most_skew : float
-        Largest |beta| [rad].
+    limits : PairLimits
+        Widths and skews, widths in the px of the offsets.
+    image_size : (float, float)
+        Width and height of the picture, in the same px.
 
     Returns
     -------
-    places : FloatArray
+    poses : FloatArray
         d, alpha, w, beta of K cables [px, rad], angles in (-pi/2, pi/2], shape (K, 4).
     scores : FloatArray
         Shape (K,).
     """
     count = len(angles)
     pairs = count * (count - 1) // 2
-    places, scores = np.empty((pairs, PLACES)), np.empty(pairs)
+    poses, scores = np.empty((pairs, POSE_SIZE)), np.empty(pairs)
     ends = np.empty((pairs, 2), np.int64)
     bright = np.empty(pairs, np.bool_)
     # Width of the narrowest strip that a line borders with its darker and its brighter side.
@@ -121,31 +121,33 @@ def plausible_pairs(
     found = 0
     for first in range(count):
         for second in range(first + 1, count):
-            place = places[found]
+            pose = poses[found]
             bright[found] = _cable_between(
-                angles[first], offsets[first], angles[second], offsets[second], place
+                angles[first], offsets[first], angles[second], offsets[second], pose
             )
-            if not (widths[0] <= place[2] <= widths[1] and abs(place[3]) <= most_skew):
+            if not limits.narrowest <= pose[2] <= limits.widest:
+                continue
+            if abs(pose[3]) > limits.most_skew or borders_cross_inside(pose, image_size):
                 continue
             scores[found] = math.sqrt(supports[first] * supports[second])
             ends[found, 0], ends[found, 1] = first, second
             side = int(bright[found])
             if supports[second] >= PARTNER_SHARE * supports[first]:
-                strips[first, side] = min(strips[first, side], place[2])
+                strips[first, side] = min(strips[first, side], pose[2])
             if supports[first] >= PARTNER_SHARE * supports[second]:
-                strips[second, side] = min(strips[second, side], place[2])
+                strips[second, side] = min(strips[second, side], pose[2])
             found += 1
     for pair in range(found):
         outer = 1 - int(bright[pair])
         beside = max(strips[ends[pair, 0], outer], strips[ends[pair, 1], outer])
-        if beside < places[pair, 2]:
+        if beside < poses[pair, 2]:
             scores[pair] *= GAP_FACTOR
-    return places[:found], scores[:found]
+    return poses[:found], scores[:found]
 
 
-@compiled
+@compiled_part
 def _cable_between(
-    angle: float, offset: float, other: float, other_offset: float, place: FloatArray
+    angle: float, offset: float, other: float, other_offset: float, pose: FloatArray
 ) -> bool:
     """Fill in d, alpha, w, beta of the cable between two lines; tell whether it is bright."""
     # The normals of a strip's borders are opposite: turn the second line's round.
@@ -160,8 +162,8 @@ def _cable_between(
     middle = (left + right) / 2
     wrapped = wrapped_angle(middle)
     sign = turn_sign(middle, wrapped)
-    place[0] = sign * (offset + turned) / (2 * cos_skew)
-    place[1] = wrapped
-    place[2] = abs(turned - offset) / cos_skew
-    place[3] = sign * skew
+    pose[0] = sign * (offset + turned) / (2 * cos_skew)
+    pose[1] = wrapped
+    pose[2] = abs(turned - offset) / cos_skew
+    pose[3] = sign * skew
     return bright

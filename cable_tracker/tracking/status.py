@@ -58,6 +58,12 @@ class StatusMachine:
         """Whether a target is seen but not claimed yet, so that a search would lose it."""
         return self.status is not TrackingStatus.TRACKING and self.contrary_time > 0.0
 
+    def is_search_due(self, search_time: float) -> bool:
+        """Tell whether nothing has been claimed or seen for so long that a search starts anew."""
+        if self.status is TrackingStatus.TRACKING or self.is_confirming:
+            return False
+        return self.unclaimed_time >= search_time
+
     def after(
         self, *, rises: bool, holds: bool, dt: float, parameters: StatusTimes
     ) -> StatusMachine:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.compilation import compiled_inside, compiled_part
 
 SEARCH_SHARE = 1.0 / 3.0
 """Share of the births without knowledge of the last place right after the loss."""
@@ -52,7 +52,7 @@ def survival_probability(inside: float, rates: SurvivalRates, dt: float) -> floa
     return math.exp(-(rates.vanishing + rates.leaving * at_edge) * dt)
 
 
-@compiled
+@compiled_part
 def survival_probabilities(inside: FloatArray, rates: SurvivalRates, dt: float) -> FloatArray:
     """Return `survival_probability` for several distances to the edge [px], shape (N,)."""
     probabilities = np.empty(len(inside))

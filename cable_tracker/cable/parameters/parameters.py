@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from cable_tracker.compilation import NUMBA_IS_INSTALLED
 from cable_tracker.errors import ParameterError
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.tracking.parameter_table import (
@@ -75,17 +74,6 @@ class TrackerParameters(ParameterSet):
         "likelihood_ratio",
         ("responses", "likelihood_ratio"),
         "What a frame says about a cable: sums of responses as in the thesis, or learnt ratios.",
-    )
-    response_sampling: str = word(
-        "scan_lines",
-        ("taps", "scan_lines"),
-        "Responses: a filter across every border, as in the thesis; or along rows of the picture"
-        " once, looked up where borders cross them.",
-    )
-    kernels: str = word(
-        "auto",
-        ("auto", "compiled", "numpy"),
-        "Inner loops: compiled by Numba, or NumPy; auto compiles where Numba is installed.",
     )
     resampling: str = word(
         "systematic", tuple(RESAMPLING_SCHEMES), "How particles are drawn when resampling."
@@ -178,14 +166,14 @@ class TrackerParameters(ParameterSet):
         "px",
         1.0,
         200.0,
-        "Responses: distance between the points along a border; likelihood ratio: between the scan"
-        " lines.",
+        "Distance between the scan lines.",
     )
     filter_sigma: float = number(
-        1.6, "px", 0.5, 20.0, "Sigma of the derivative-of-Gaussian filter across a border."
-    )
-    filter_taps: int = number(
-        11, "px", 3, 101, "Responses: length of that filter; odd (an even number is raised by one)."
+        1.6,
+        "px",
+        0.5,
+        20.0,
+        "Sigma of the derivative-of-Gaussian filter across a border; it ends at 3 sigma.",
     )
     epsilon: float = number(
         1e-3,
@@ -275,7 +263,7 @@ class TrackerParameters(ParameterSet):
         "Spread of log w about its running mean; large: any width will do.",
     )
     width_time: float = number(
-        2.0, "s", 0.04, 600.0, "Time over which the usual width is averaged."
+        2.0, "s", 0.04, 600.0, "Time over which the width prior is averaged."
     )
     presence_to_track: float = number(
         0.95, "", 0.0, 1.0, "Presence above which a cable is claimed."
@@ -313,10 +301,6 @@ class TrackerParameters(ParameterSet):
 
     def check_together(self) -> None:
         """Refuse parts that do not go together."""
-        if self.kernels == "compiled" and not NUMBA_IS_INSTALLED:
-            raise ParameterError(
-                "kernels = compiled needs Numba: pip install numba, or set kernels = auto"
-            )
         if self.filter == "multi_hypothesis" and self.observation != "likelihood_ratio":
             raise ParameterError(
                 "filter = multi_hypothesis needs observation = likelihood_ratio;"

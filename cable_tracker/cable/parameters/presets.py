@@ -11,9 +11,8 @@ from cable_tracker.tracking.parameter_table import preset_of
 PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
     {
         "default": TrackerParameters(),
-        # Wirth's thesis to the letter: Tables 5.1 and 5.2, multinomial resampling, undamped rates,
-        # a point every 20 px. Only its responses are read from scan lines, which costs less and
-        # loses no more; `response_sampling` = taps is its letter.
+        # Wirth's thesis: Tables 5.1 and 5.2, multinomial resampling, undamped rates, a point every
+        # 20 px. Only its responses are read from scan lines, which costs less.
         "thesis": TrackerParameters(
             filter="bootstrap",
             observation="responses",

@@ -7,7 +7,7 @@ from enum import Enum
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.state import PLACES, STATE_SIZE, StateColumn
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, StateColumn
 from cable_tracker.simulation.trajectory import Bands, Harmonics
 
 WORLD_RATE = 25.0
@@ -97,9 +97,9 @@ def random_motion(
     steepest = np.arctan(width / (2 * NEAREST_APEX))
     places[:, StateColumn.WIDTH] = width
     places[:, StateColumn.SKEW] = np.clip(places[:, StateColumn.SKEW], -steepest, steepest)
-    states[:, :PLACES] = places
+    states[:, :POSE_SIZE] = places
     if frame_count > 1:
-        states[:, PLACES:] = np.gradient(places, 1.0 / WORLD_RATE, axis=0)
+        states[:, POSE_SIZE:] = np.gradient(places, 1.0 / WORLD_RATE, axis=0)
     return states
 
 
@@ -122,7 +122,7 @@ def _random_means(widths: tuple[float, float] | None, rng: np.random.Generator) 
 
 
 def _remembering(
-    count: int, memory: float, rng: np.random.Generator, columns: int = PLACES
+    count: int, memory: float, rng: np.random.Generator, columns: int = POSE_SIZE
 ) -> FloatArray:
     """Return noise of unit variance that forgets itself over a time [s], shape (N, columns)."""
     keep = float(np.exp(-1.0 / (WORLD_RATE * memory)))
@@ -138,8 +138,8 @@ def _inspect(means: FloatArray, count: int, rng: np.random.Generator) -> FloatAr
     haste = np.exp(np.array(INSPECTION_TAILS) * _remembering(count, SCALE_MEMORY, rng))
     steps = np.array(INSPECTION_STEPS) * haste * direction
     back = 1.0 / (WORLD_RATE * RETURN_TIME)
-    places = np.empty((count, PLACES))
-    place = np.zeros(PLACES)
+    places = np.empty((count, POSE_SIZE))
+    place = np.zeros(POSE_SIZE)
     for index in range(count):
         place = place * (1.0 - back) + steps[index]
         places[index] = means + place
