@@ -44,8 +44,11 @@ OFFSET_BIN = 3.0
 VOTE_SPREAD = 2
 """Bins to either side of the gradient's direction that it votes for."""
 
-MOST_LINES = 16
-MOST_CABLES = 6
+MOST_LINES = 24
+MOST_CABLES = 8
+
+SHARED_SPREAD = 0.5
+"""Share of the spread of all votes in what the votes at one angle are judged by."""
 
 
 class LinePairProposer:
@@ -67,9 +70,8 @@ class LinePairProposer:
         angles, offsets, supports = strongest_lines(
             accumulated_votes(image), offset_bin, middle, MOST_LINES
         )
-        places = best_cables(
-            angles, offsets, supports, (limits.narrowest, limits.widest), limits.most_skew
-        )
+        width, height = image.size
+        places = best_cables(angles, offsets, supports, limits, (float(width), float(height)))
         scale = 1.0 / image.reduction
         return np.asarray(places * np.array([scale, 1.0, scale, 1.0]))
 
@@ -160,7 +162,10 @@ def _wrap_margins(votes: FloatArray) -> None:
 def strongest_lines(
     votes: FloatArray, offset_bin: float, middle: int, most: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return angles, offsets and smoothed votes of the highest peaks, best first.
+    """Return angles, offsets and clearness of the highest peaks, best first.
+
+    The votes for a line are judged by those for the others at its angle: among ripples, one more
+    line along them is nothing. Angle and offset are those of the vertex between the bins.
 
     Parameters
     ----------
@@ -171,7 +176,7 @@ def strongest_lines(
     most : int
         Number of lines at most.
     """
-    smooth = smoothed(votes)
+    smooth = clearness_of(smoothed(votes))
     inner = slice(ANGLE_MARGIN, ANGLE_MARGIN + ANGLE_BINS)
     columns = smooth.shape[1]
     cells = smooth[inner].reshape(-1)
@@ -180,10 +185,37 @@ def strongest_lines(
     angles, offsets, supports = np.empty(len(order)), np.empty(len(order)), np.empty(len(order))
     for rank in range(len(order)):
         peak = peaks[order[rank]]
-        angles[rank] = (peak // columns) * BIN
-        offsets[rank] = (peak % columns - middle) * offset_bin
+        row, column = peak // columns, peak % columns
+        around = smooth[row + ANGLE_MARGIN - 1 : row + ANGLE_MARGIN + 2]
+        turn, shift = _vertex(around[:, column]), 0.0
+        if 0 < column < columns - 1:
+            shift = _vertex(around[1, column - 1 : column + 2])
+        angles[rank] = (row + turn) * BIN
+        offsets[rank] = (column + shift - middle) * offset_bin
         supports[rank] = cells[peak]
     return angles, offsets, supports
+
+
+@compiled_inside
+def _vertex(values: Image) -> float:
+    """Return where the parabola through three values is highest, from -0.5 to 0.5."""
+    bend = 2.0 * values[1] - values[0] - values[2]
+    if bend <= 0.0:
+        return 0.0
+    return float(min(max(0.5 * (values[2] - values[0]) / bend, -0.5), 0.5))
+
+
+@compiled
+def clearness_of(smooth: Image) -> Image:
+    """Return how far votes stand above the others at their angle, in spreads; at least 0."""
+    clear = np.empty_like(smooth)
+    shared = SHARED_SPREAD * np.std(smooth)
+    for row in range(len(smooth)):
+        mean, spread = np.mean(smooth[row]), np.std(smooth[row])
+        for column in range(smooth.shape[1]):
+            excess = (smooth[row, column] - mean) / (spread + shared + 1e-6)
+            clear[row, column] = max(excess, 0.0)
+    return clear
 
 
 @compiled
@@ -266,9 +298,9 @@ def best_cables(
     angles: FloatArray,
     offsets: FloatArray,
     supports: FloatArray,
-    widths: tuple[float, float],
-    most_skew: float,
+    limits: PairLimits,
+    image_size: tuple[float, float],
 ) -> FloatArray:
     """Return d, alpha, w, beta of the best pairs of lines, at most `MOST_CABLES`, shape (K, 4)."""
-    places, scores = plausible_pairs(angles, offsets, supports, widths, most_skew)
+    places, scores = plausible_pairs(angles, offsets, supports, limits, image_size)
     return places[highest_first(scores, MOST_CABLES)]

@@ -24,6 +24,9 @@ MOST_DETECTIONS = 8
 PARTNER_SHARE = 0.5
 """A line beside a border has at least this share of the border's support to be its partner."""
 
+SMALLEST_SKEW = 1e-6
+"""Borders that are turned by less against the centreline are parallel [rad]."""
+
 GAP_FACTOR = 0.5
 """Factor on the score of a pair that is the gap between two strips narrower than itself."""
 
@@ -61,8 +64,8 @@ def pair_lines(
         lines.angles,
         lines.offsets,
         lines.supports,
-        (scaled.narrowest, scaled.widest),
-        scaled.most_skew,
+        scaled,
+        (float(image_size[0]), float(image_size[1])),
     )
     states = np.zeros((len(places), STATE_SIZE))
     states[:, :PLACES] = places
@@ -86,12 +89,12 @@ def plausible_pairs(
     angles: FloatArray,
     offsets: FloatArray,
     supports: FloatArray,
-    widths: tuple[float, float],
-    most_skew: float,
+    limits: PairLimits,
+    image_size: tuple[float, float],
 ) -> tuple[FloatArray, FloatArray]:
     """Return the cables between lines whose normals are nearly opposite, and their scores.
 
-    The score is the geometric mean of the supports: one strong edge does not make a cable. A pair
+    Borders that cross inside the picture are none of one cable. The score is the geometric mean of the supports: one strong edge does not make a cable. A pair
     is only the gap between two strips where both its lines have a partner on their outer side,
     nearer than the pair is wide: its score is multiplied by `GAP_FACTOR`.
 
@@ -99,10 +102,10 @@ def plausible_pairs(
     ----------
     angles, offsets, supports : FloatArray
         Of N lines, see `BorderLines`.
-    widths : (float, float)
-        Smallest and largest w [px].
-    most_skew : float
-        Largest |beta| [rad].
+    limits : PairLimits
+        Widths and skews, widths in the px of the offsets.
+    image_size : (float, float)
+        Width and height of the picture, in the same px.
 
     Returns
     -------
@@ -125,7 +128,9 @@ def plausible_pairs(
             bright[found] = _cable_between(
                 angles[first], offsets[first], angles[second], offsets[second], place
             )
-            if not (widths[0] <= place[2] <= widths[1] and abs(place[3]) <= most_skew):
+            if not limits.narrowest <= place[2] <= limits.widest:
+                continue
+            if abs(place[3]) > limits.most_skew or borders_cross_inside(place, image_size):
                 continue
             scores[found] = math.sqrt(supports[first] * supports[second])
             ends[found, 0], ends[found, 1] = first, second
@@ -165,3 +170,15 @@ def _cable_between(
     place[2] = abs(turned - offset) / cos_skew
     place[3] = sign * skew
     return bright
+
+
+@compiled
+def borders_cross_inside(place: FloatArray, image_size: tuple[float, float]) -> bool:
+    """Tell whether the borders of a cable, d, alpha, w, beta, meet inside a picture."""
+    skew = abs(place[3])
+    if skew < SMALLEST_SKEW:
+        return False
+    along = math.copysign(0.5 * place[2] / math.tan(skew), place[3])
+    cos, sin = math.cos(place[1]), math.sin(place[1])
+    x, y = place[0] * cos - along * sin, place[0] * sin + along * cos
+    return abs(x) < 0.5 * image_size[0] and abs(y) < 0.5 * image_size[1]

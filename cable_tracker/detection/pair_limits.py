@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 
-@dataclass(frozen=True, slots=True)
-class PairLimits:
+class PairLimits(NamedTuple):
     """Smallest and largest cable that a detector reports.
 
     Attributes
