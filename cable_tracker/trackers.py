@@ -59,5 +59,7 @@ def warm_up(parameters: TrackerParameters) -> None:
 
 
 def make_proposer(parameters: TrackerParameters) -> CableProposer:
-    """Return the detector that parameters name."""
+    """Return the detector that parameters name; the bootstrap filter asks none."""
+    if parameters.filter == "bootstrap":
+        return NoProposer()
     return PROPOSERS[parameters.detector](parameters)

@@ -19,6 +19,11 @@ def test_every_detector_that_can_be_named_can_be_made():
     assert isinstance(make_proposer(parameters), LinePairProposer)
 
 
+def test_the_bootstrap_filter_asks_no_detector():
+    parameters = TrackerParameters(detector="line_pairs", filter="bootstrap")
+    assert isinstance(make_proposer(parameters), NoProposer)
+
+
 def test_nothing_proposes_nothing():
     image = make_working_image(np.zeros((20, 20), np.uint8), 320)
     assert NoProposer().propose(image).shape == (0, 4)

@@ -20,6 +20,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.measure.border_responses import BorderResponseModel
 from cable_tracker.cable.measure.working_image import WorkingImage, make_working_image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.initialisation import (
@@ -29,10 +30,9 @@ from cable_tracker.cable.model.initialisation import (
 )
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.cable.statistics import cable_mean_and_covariance
-from cable_tracker.cable.thesis.observation import BorderObservation
 
 SMALLEST_WEIGHT = 1e-300
 """Added to weights before they are normalised, as the manual of filterpy does."""
@@ -55,7 +55,7 @@ class CableModels:
         self, parameters: TrackerParameters, image_width: int, rng: np.random.Generator
     ) -> None:
         self._movement = CableMovement(parameters, image_width)
-        self._observation = BorderObservation(parameters)
+        self._observation = BorderResponseModel(parameters)
         self._rng = rng
         self._image: WorkingImage | None = None
         self._dt = 0.0
@@ -175,7 +175,7 @@ class LibraryMethod:
     """
 
     def __init__(self, library: str, particle_count: int, seed: int = 0) -> None:
-        values = {"particle_count": particle_count, "kernels": "numpy", "seed": seed}
+        values = {"particle_count": particle_count, "seed": seed}
         self._parameters = preset("thesis").replaced(values)
         self._make_loop = LIBRARY_LOOPS[library]
         self._rng = np.random.default_rng(seed)
@@ -191,7 +191,9 @@ class LibraryMethod:
 
     def process(self, image: Image, stamp: int) -> CableEstimate:
         """Take a frame into account: grey uint8 of shape (H, W), and its time [ns]."""
-        working = make_working_image(image, self._parameters.working_width)
+        working = make_working_image(
+            image, self._parameters.working_width, sample_spacing=self._parameters.sample_spacing
+        )
         if self._loop is None or self._models is None:
             self._models = CableModels(self._parameters, image.shape[1], self._rng)
             self._loop = self._make_loop(self._models, self._first_states(image.shape[1]))

@@ -31,7 +31,6 @@ from cable_tracker.benchmark.subjects import (
 )
 from cable_tracker.benchmark.yardstick import make_yardstick
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.compilation import NUMBA_IS_INSTALLED
 from cable_tracker.errors import ParameterError
 from cable_tracker.trackers import warm_up
 
@@ -106,8 +105,6 @@ class Benchmark:
     """
 
     def __init__(self, plan: Plan) -> None:
-        if not NUMBA_IS_INSTALLED:
-            raise ParameterError("the yardstick of the benchmark needs Numba: pip install numba")
         if 0 < plan.memory < SMALLEST_MEMORY_RUN:
             raise ParameterError(
                 f"memory is {plan.memory}: give 0, or at least {SMALLEST_MEMORY_RUN} frames"

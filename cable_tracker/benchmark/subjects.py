@@ -16,24 +16,22 @@ from cable_tracker.benchmark.round_robin import Label, Step, Subject
 from cable_tracker.benchmark.yardstick import Yardstick
 from cable_tracker.cable.hypotheses.clusters import find_clusters
 from cable_tracker.cable.hypotheses.proposer import CableProposer
+from cable_tracker.cable.measure.border_responses import BorderResponseModel
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import WorkingImage, make_working_image
 from cable_tracker.cable.model.geometry import project_borders, sample_points
 from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
-from cable_tracker.cable.statistics import cable_mean_and_covariance
-from cable_tracker.cable.thesis.evidence import border_evidence
-from cable_tracker.cable.thesis.observation import BorderObservation
 from cable_tracker.cable.tracker import CableTracker
-from cable_tracker.compilation import NUMBA_IS_INSTALLED
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.trackers import make_proposer
 
-KERNELS = ("compiled", "numpy") if NUMBA_IS_INSTALLED else ("numpy",)
+KERNELS = ("compiled",)
 BASELINES = tuple(name for name in METHODS if name not in PRESETS)
 REFERENCE_PARTICLES = 500
 SPACINGS = (5.0, 10.0, 20.0, 40.0)
@@ -74,7 +72,7 @@ def copy_subjects(yardstick: Yardstick, footages: Sequence[Footage]) -> list[Sub
 
 
 def frame_subjects(footages: Sequence[Footage], particles: Sequence[int]) -> list[Subject]:
-    """Return both presets with each kind of kernels, on whole frames, the fewest first."""
+    """Return both presets on whole frames, the fewest particles first."""
     return [
         filter_subject("frame", name, kernels, count, shown)
         for shown in footages
@@ -102,7 +100,7 @@ def filter_subject(  # noqa: PLR0917
     spacing: float | None = None,
 ) -> Subject:
     """Return a preset on whole frames, perhaps with another distance between sample points."""
-    values: dict[str, object] = {"kernels": kernels, "particle_count": count}
+    values: dict[str, object] = {"particle_count": count}
     amount = 0.0
     if spacing is not None:
         values["sample_spacing"] = spacing
@@ -141,13 +139,11 @@ def rival_subjects(shown: Footage) -> list[Subject]:
 
 
 def step_subjects(shown: Footage) -> list[Subject]:
-    """Return the steps of both presets with each kind of kernels, as far as they exist alone."""
+    """Return the steps of both presets, as far as they exist alone."""
     subjects = []
     for name in PRESETS:
         for kernels in KERNELS:
-            parameters = preset(name).replaced(
-                {"kernels": kernels, "particle_count": REFERENCE_PARTICLES}
-            )
+            parameters = preset(name).replaced({"particle_count": REFERENCE_PARTICLES})
             for step_name, step in FilterSteps(parameters, shown).steps().items():
                 label = Label(
                     "step", f"{name}: {step_name}", shown.size, kernels, REFERENCE_PARTICLES
@@ -207,8 +203,7 @@ def _working_image(frame: Image, parameters: TrackerParameters) -> WorkingImage:
 class FilterSteps:
     """The steps of a filter on one frame, with particles that it had there.
 
-    A step is what can be called alone. Where compiled kernels do several steps in one go, what is
-    called here is their form in NumPy.
+    A step is what can be called alone.
 
     Parameters
     ----------
@@ -254,24 +249,24 @@ class FilterSteps:
 
     def _thesis_steps(self) -> dict[str, Step]:
         image = self._moment.image
-        observation = BorderObservation(self._parameters)
+        observation = BorderResponseModel(self._parameters)
         states, weights = self._moment.particles.states, self._moment.particles.weights
         mean, _ = cable_mean_and_covariance(states, weights)
         return {
             "measure": lambda: observation.log_likelihoods(states, image),
             "estimate": lambda: cable_mean_and_covariance(states, weights),
-            "evidence": lambda: border_evidence(observation, mean, image),
+            "evidence": lambda: observation.evidence(mean, image),
         }
 
     def _default_steps(self) -> dict[str, Step]:
         image = self._moment.image
         observation = BorderLikelihoodRatio(self._parameters)
-        states, weights = self._moment.particles.states, self._moment.particles.weights
+        states, log_weights = self._moment.particles.states, self._moment.particles.log_weights
         proposer = make_proposer(self._parameters)
         return {
             "detector": lambda: proposer.propose(image),
             "measure": lambda: observation.measure(states, image),
-            "clusters": lambda: find_clusters(states, weights, self._width),
+            "clusters": lambda: find_clusters(states, log_weights, float(self._width)),
         }
 
 

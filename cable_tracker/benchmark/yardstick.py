@@ -13,14 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.measure.border_responses import SMALLEST_SUM
 from cable_tracker.cable.model.initialisation import StatePrior, states_from_prior
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.cable.thesis.observation import SMALLEST_SUM, derivative_of_gaussian
 from cable_tracker.compilation import compiled
 
 YARDSTICK_SEED = 7
+
+TAPS = 11
+"""Length of the thesis' filter [px]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,9 +77,20 @@ def yardstick_of(image: Image, states: FloatArray, parameters: TrackerParameters
         np.ascontiguousarray(image, np.float32),
         np.ascontiguousarray(states),
         parameters.sample_spacing,
-        derivative_of_gaussian(parameters.filter_taps, parameters.filter_sigma),
+        derivative_of_gaussian(TAPS, parameters.filter_sigma),
         parameters.epsilon,
     )
+
+
+def derivative_of_gaussian(taps: int, sigma: float) -> FloatArray:
+    """Return the filter f(x) = x / (sigma^3 sqrt(2 pi)) exp(-x^2 / (2 sigma^2)), shape (taps,).
+
+    x runs over whole pixels, symmetric about zero (thesis, section 4.4.1). The thesis writes a
+    minus in front: it convolves, where this is to be multiplied with the picture.
+    """
+    x = np.arange(taps) - (taps - 1) / 2
+    kernel: FloatArray = x / (sigma**3 * math.sqrt(2 * math.pi)) * np.exp(-(x**2) / (2 * sigma**2))
+    return kernel
 
 
 @compiled

@@ -4,26 +4,27 @@ from __future__ import annotations
 
 import copy
 import math
+from typing import Any
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.engine import Finding, TrackingEngine
-from cable_tracker.cable.hypotheses.multi_hypothesis_engine import MultiHypothesisEngine
+from cable_tracker.cable.filter import CableFilter, Finding, ParticleBelief
+from cable_tracker.cable.hypotheses.multi_hypothesis_filter import MultiHypothesisFilter
 from cable_tracker.cable.hypotheses.proposer import CableProposer, NoProposer
-from cable_tracker.cable.measure.response_table import ResponseTable, load_table
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.measure.working_image import WorkingImage, check_frame, make_working_image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initialisation import StatePrior, states_from_prior
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.cable.status import StatusMachine
-from cable_tracker.cable.succession import FrameMark, succession
-from cable_tracker.cable.thesis.bootstrap_engine import BootstrapEngine
-from cable_tracker.compilation import uses_compiled_kernels
+from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.tracking.status import StatusMachine
+from cable_tracker.tracking.succession import FrameMark, succession
 
 
 class CableTracker:
@@ -60,7 +61,8 @@ class CableTracker:
         self._proposer = proposer if proposer is not None else NoProposer()
         self._rng = np.random.default_rng(self._parameters.seed)
         self._table = load_table(self._parameters.response_table)
-        self._engine = self._make_engine(self._parameters, self._table)
+        self._filter: CableFilter[Any] | None = None
+        self._belief: ParticleBelief | None = None
         self._prior: StatePrior | None = None
         self._status = StatusMachine()
         self._frame: FrameMark | None = None
@@ -73,7 +75,7 @@ class CableTracker:
     @property
     def particles(self) -> Particles | None:
         """The present belief; None before the first frame."""
-        return self._engine.particles
+        return self._belief.particles if self._belief is not None else None
 
     def configure(
         self, parameters: TrackerParameters, proposer: CableProposer | None = None
@@ -99,20 +101,20 @@ class CableTracker:
         table = self._table
         if parameters.response_table != self._parameters.response_table:
             table = load_table(parameters.response_table)
-        engine = self._make_engine(parameters, table)
-        if self._frame is not None:
-            engine.take_over(self._engine, self._frame.size)
-        self._engine = engine
         self._parameters = parameters
         self._table = table
+        self._filter = None
+        if self._frame is not None and self._belief is not None:
+            self._filter = self._make_filter(self._frame.size)
+            self._belief = self._filter.adapted(self._belief)
         if proposer is not None:
             self._proposer = proposer
-            engine.use(proposer)
 
     def reset(self) -> None:
         """Forget everything; the next frame is like the first, with the same random numbers."""
         self._rng = np.random.default_rng(self._parameters.seed)
-        self._engine = self._make_engine(self._parameters, self._table)
+        self._filter = None
+        self._belief = None
         self._prior = None
         self._status = StatusMachine()
         self._frame = None
@@ -159,7 +161,8 @@ class CableTracker:
         has_moved = self._frame is not None
         step = succession(self._frame, frame, self._parameters.maximum_gap)
         if step.event:
-            self._engine.forget()
+            self._filter = None
+            self._belief = None
             self._status = StatusMachine()
         self._frame = frame
         working_image = make_working_image(
@@ -167,29 +170,47 @@ class CableTracker:
             self._parameters.working_width,
             self._parameters.filter_sigma,
             self._parameters.sample_spacing,
-            compiled=uses_compiled_kernels(self._parameters.kernels),
         )
         known = motion if has_moved and not step.event else None
         finding = self._find(working_image, step.dt, known)
         return self._estimate(finding, step.dt, step.event)
 
     def _find(self, image: WorkingImage, dt: float, motion: MotionAid | None) -> Finding:
+        if self._filter is None:
+            self._filter = self._make_filter(image.frame_size)
+        believed, step = self._believed(self._filter, image, dt)
+        detections = self._proposer.propose(image)
+        self._belief = self._filter.step(believed, image, step, detections, motion)
+        return self._filter.finding(self._belief, image)
+
+    def _believed(
+        self, cable_filter: CableFilter[Any], image: WorkingImage, dt: float
+    ) -> tuple[ParticleBelief, float]:
+        """Return what is believed before a frame, and how much older than the frame that is [s]."""
         prior, self._prior = self._prior, None
         if prior is not None:
             states = states_from_prior(prior, self._parameters, image.frame_size[0], self._rng)
             self._status = StatusMachine().expecting()
-            return self._engine.start(states, image, self._status)
-        return self._engine.advance(image, dt, self._status, motion)
+            return cable_filter.given_belief(states), 0.0
+        if self._belief is None:
+            return cable_filter.first_belief(), dt
+        if self._status.is_search_due(cable_filter.search_time):
+            self._status = self._status.searched()
+            return cable_filter.first_belief(), dt
+        return self._belief, dt
 
-    def _make_engine(self, parameters: TrackerParameters, table: ResponseTable) -> TrackingEngine:
+    def _make_filter(self, image_size: tuple[int, int]) -> CableFilter[Any]:
+        parameters = self._parameters
         if parameters.filter == "bootstrap":
-            return BootstrapEngine(parameters, table, self._rng)
-        return MultiHypothesisEngine(parameters, table, self._proposer, self._rng)
+            observation = make_observation(parameters, self._table)
+            return BootstrapFilter(parameters, observation, image_size[0], self._rng)
+        ratio = BorderLikelihoodRatio(parameters, self._table)
+        return MultiHypothesisFilter(parameters, ratio, image_size, self._rng)
 
     def _estimate(self, finding: Finding, dt: float, event: str) -> CableEstimate:
         assert self._frame is not None
         converged = self._has_converged(finding.covariance, self._frame.size[0])
-        self._status = finding.status.after(
+        self._status = self._status.after(
             rises=converged and finding.rises,
             holds=converged and finding.holds,
             dt=dt,

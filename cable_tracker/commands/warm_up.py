@@ -6,15 +6,11 @@ import time
 
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.terminal import console
-from cable_tracker.compilation import NUMBA_IS_INSTALLED
 from cable_tracker.trackers import warm_up
 
 
 def warm_up_command() -> None:
     """Compile the inner loops of both presets now, so that nothing has to wait for it later."""
-    if not NUMBA_IS_INSTALLED:
-        console.print("Numba is not installed: the inner loops run in NumPy, nothing to compile")
-        return
     begin = time.perf_counter()
     for parameters in PRESETS.values():
         warm_up(parameters)

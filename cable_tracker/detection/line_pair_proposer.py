@@ -16,7 +16,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.compilation import compiled, compiled_fast, compiled_inside
+from cable_tracker.compilation import compiled, compiled_fast_part, compiled_inside, compiled_part
 from cable_tracker.detection.line_pairs import plausible_pairs
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 
@@ -71,9 +71,12 @@ class LinePairProposer:
             accumulated_votes(image), offset_bin, middle, MOST_LINES
         )
         width, height = image.size
-        places = best_cables(angles, offsets, supports, limits, (float(width), float(height)))
+        poses, scores = plausible_pairs(
+            angles, offsets, supports, limits, (float(width), float(height))
+        )
+        best = np.argsort(-scores, kind="stable")[:MOST_CABLES]
         scale = 1.0 / image.reduction
-        return np.asarray(places * np.array([scale, 1.0, scale, 1.0]))
+        return np.asarray(poses[best] * np.array([scale, 1.0, scale, 1.0]))
 
 
 class _Accumulator(NamedTuple):
@@ -205,7 +208,7 @@ def _vertex(values: Image) -> float:
     return float(min(max(0.5 * (values[2] - values[0]) / bend, -0.5), 0.5))
 
 
-@compiled
+@compiled_part
 def clearness_of(smooth: Image) -> Image:
     """Return how far votes stand above the others at their angle, in spreads; at least 0."""
     clear = np.empty_like(smooth)
@@ -218,7 +221,7 @@ def clearness_of(smooth: Image) -> Image:
     return clear
 
 
-@compiled
+@compiled_part
 def smoothed(votes: FloatArray) -> Image:
     """Weigh each cell and its eight neighbours by 1/4, 1/2, 1/4 each way; mirrored at the ends."""
     height, width = votes.shape
@@ -235,14 +238,14 @@ def smoothed(votes: FloatArray) -> Image:
     return smooth
 
 
-@compiled_fast
+@compiled_fast_part
 def _fold(before: Image, here: Image, after: Image, result: Image) -> None:
     half, quarter = np.float32(0.5), np.float32(0.25)
     for x in range(len(result)):
         result[x] = half * here[x] + quarter * (before[x] + after[x])
 
 
-@compiled
+@compiled_part
 def highest_near(smooth: Image) -> Image:
     """Return the highest value within `PEAK_REACH` of each cell, but for rows at the margins."""
     height = len(smooth)
@@ -259,13 +262,13 @@ def highest_near(smooth: Image) -> Image:
     return highest
 
 
-@compiled_fast
+@compiled_fast_part
 def _raise_to(values: Image, others: Image) -> None:
     for x in range(len(values)):
         values[x] = max(values[x], others[x])
 
 
-@compiled
+@compiled_part
 def _peaks(heights: Image, highest: Image) -> IndexArray:
     """Return which cells (C,) are as high as the highest near them, shape (P,)."""
     count = 0
@@ -277,7 +280,7 @@ def _peaks(heights: Image, highest: Image) -> IndexArray:
     return peaks[:count]
 
 
-@compiled
+@compiled_part
 def highest_first(values: FloatArray, most: int) -> IndexArray:
     """Return the indices of the highest values; of equal ones the first comes first."""
     count = min(most, len(values))
@@ -291,16 +294,3 @@ def highest_first(values: FloatArray, most: int) -> IndexArray:
         order[rank] = best
         taken[best] = True
     return order
-
-
-@compiled
-def best_cables(
-    angles: FloatArray,
-    offsets: FloatArray,
-    supports: FloatArray,
-    limits: PairLimits,
-    image_size: tuple[float, float],
-) -> FloatArray:
-    """Return d, alpha, w, beta of the best pairs of lines, at most `MOST_CABLES`, shape (K, 4)."""
-    places, scores = plausible_pairs(angles, offsets, supports, limits, image_size)
-    return places[highest_first(scores, MOST_CABLES)]

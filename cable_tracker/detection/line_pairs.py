@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.compiled.geometry import turn_sign, wrapped_angle
-from cable_tracker.cable.model.state import PLACES, STATE_SIZE, CableState
+from cable_tracker.cable.model.geometry import borders_cross_inside, turn_sign, wrapped_angle
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.compilation import compiled
+from cable_tracker.compilation import compiled, compiled_part
 from cable_tracker.detection.border_lines import BorderLines
 from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.pair_limits import PairLimits
@@ -23,9 +23,6 @@ MOST_DETECTIONS = 8
 
 PARTNER_SHARE = 0.5
 """A line beside a border has at least this share of the border's support to be its partner."""
-
-SMALLEST_SKEW = 1e-6
-"""Borders that are turned by less against the centreline are parallel [rad]."""
 
 GAP_FACTOR = 0.5
 """Factor on the score of a pair that is the gap between two strips narrower than itself."""
@@ -60,15 +57,15 @@ def pair_lines(
         Best first, at most `MOST_DETECTIONS`.
     """
     scaled = limits.scaled(image_size[0] / REFERENCE_WIDTH)
-    places, scores = plausible_pairs(
+    poses, scores = plausible_pairs(
         lines.angles,
         lines.offsets,
         lines.supports,
         scaled,
         (float(image_size[0]), float(image_size[1])),
     )
-    states = np.zeros((len(places), STATE_SIZE))
-    states[:, :PLACES] = places
+    states = np.zeros((len(poses), STATE_SIZE))
+    states[:, :POSE_SIZE] = poses
     if region is None:
         usable = scores >= minimum_score
     else:
@@ -109,14 +106,14 @@ def plausible_pairs(
 
     Returns
     -------
-    places : FloatArray
+    poses : FloatArray
         d, alpha, w, beta of K cables [px, rad], angles in (-pi/2, pi/2], shape (K, 4).
     scores : FloatArray
         Shape (K,).
     """
     count = len(angles)
     pairs = count * (count - 1) // 2
-    places, scores = np.empty((pairs, PLACES)), np.empty(pairs)
+    poses, scores = np.empty((pairs, POSE_SIZE)), np.empty(pairs)
     ends = np.empty((pairs, 2), np.int64)
     bright = np.empty(pairs, np.bool_)
     # Width of the narrowest strip that a line borders with its darker and its brighter side.
@@ -124,33 +121,33 @@ def plausible_pairs(
     found = 0
     for first in range(count):
         for second in range(first + 1, count):
-            place = places[found]
+            pose = poses[found]
             bright[found] = _cable_between(
-                angles[first], offsets[first], angles[second], offsets[second], place
+                angles[first], offsets[first], angles[second], offsets[second], pose
             )
-            if not limits.narrowest <= place[2] <= limits.widest:
+            if not limits.narrowest <= pose[2] <= limits.widest:
                 continue
-            if abs(place[3]) > limits.most_skew or borders_cross_inside(place, image_size):
+            if abs(pose[3]) > limits.most_skew or borders_cross_inside(pose, image_size):
                 continue
             scores[found] = math.sqrt(supports[first] * supports[second])
             ends[found, 0], ends[found, 1] = first, second
             side = int(bright[found])
             if supports[second] >= PARTNER_SHARE * supports[first]:
-                strips[first, side] = min(strips[first, side], place[2])
+                strips[first, side] = min(strips[first, side], pose[2])
             if supports[first] >= PARTNER_SHARE * supports[second]:
-                strips[second, side] = min(strips[second, side], place[2])
+                strips[second, side] = min(strips[second, side], pose[2])
             found += 1
     for pair in range(found):
         outer = 1 - int(bright[pair])
         beside = max(strips[ends[pair, 0], outer], strips[ends[pair, 1], outer])
-        if beside < places[pair, 2]:
+        if beside < poses[pair, 2]:
             scores[pair] *= GAP_FACTOR
-    return places[:found], scores[:found]
+    return poses[:found], scores[:found]
 
 
-@compiled
+@compiled_part
 def _cable_between(
-    angle: float, offset: float, other: float, other_offset: float, place: FloatArray
+    angle: float, offset: float, other: float, other_offset: float, pose: FloatArray
 ) -> bool:
     """Fill in d, alpha, w, beta of the cable between two lines; tell whether it is bright."""
     # The normals of a strip's borders are opposite: turn the second line's round.
@@ -165,20 +162,8 @@ def _cable_between(
     middle = (left + right) / 2
     wrapped = wrapped_angle(middle)
     sign = turn_sign(middle, wrapped)
-    place[0] = sign * (offset + turned) / (2 * cos_skew)
-    place[1] = wrapped
-    place[2] = abs(turned - offset) / cos_skew
-    place[3] = sign * skew
+    pose[0] = sign * (offset + turned) / (2 * cos_skew)
+    pose[1] = wrapped
+    pose[2] = abs(turned - offset) / cos_skew
+    pose[3] = sign * skew
     return bright
-
-
-@compiled
-def borders_cross_inside(place: FloatArray, image_size: tuple[float, float]) -> bool:
-    """Tell whether the borders of a cable, d, alpha, w, beta, meet inside a picture."""
-    skew = abs(place[3])
-    if skew < SMALLEST_SKEW:
-        return False
-    along = math.copysign(0.5 * place[2] / math.tan(skew), place[3])
-    cos, sin = math.cos(place[1]), math.sin(place[1])
-    x, y = place[0] * cos - along * sin, place[0] * sin + along * cos
-    return abs(x) < 0.5 * image_size[0] and abs(y) < 0.5 * image_size[1]

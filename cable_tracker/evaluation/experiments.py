@@ -232,11 +232,10 @@ class _SpeedSetting:
     taps: int
 
     def filter(self) -> ConfiguredFilter:
-        # A shorter filter of the same sigma would be cut off; the shape is kept instead.
+        # The filter ends at three sigma, so that its sigma says how long it is.
         sigma = max(0.5, THESIS_SIGMA * self.taps / THESIS_TAPS)
         values = {
             "particle_count": self.particles,
-            "filter_taps": self.taps,
             "filter_sigma": sigma,
         }
         return ConfiguredFilter(_speed_name(self), preset("thesis").replaced(values))

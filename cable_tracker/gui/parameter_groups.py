@@ -11,7 +11,7 @@ GROUPS: tuple[tuple[str, tuple[str, ...]], ...] = (
     (
         "Filter",
         (
-            "particle_count", "seed", "filter", "observation", "response_sampling", "kernels",
+            "particle_count", "seed", "filter", "observation",
             "resampling", "resampling_threshold", "limit_handling", "ancestor_count",
         ),
     ),
@@ -26,7 +26,7 @@ GROUPS: tuple[tuple[str, tuple[str, ...]], ...] = (
     (
         "Observation",
         (
-            "working_width", "sample_spacing", "filter_sigma", "filter_taps", "epsilon",
+            "working_width", "sample_spacing", "filter_sigma", "epsilon",
             "response_table", "tempering", "missing_cost", "polarity_memory",
             "border_displacement",
         ),

@@ -15,7 +15,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.geometry import project_borders, segment_inside, wrap_angle
-from cable_tracker.cable.model.state import PLACES, StateColumn
+from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
 from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
@@ -193,11 +193,11 @@ class CrossTrackMeter:
             return Withheld(Reason.OUT_OF_VIEW, "the estimate runs past the image")
         along = _places_along(state.angle, segment)
         mean = np.array(
-            [*state.to_array()[:PLACES], altitude.metres, attitude.roll, attitude.pitch]
+            [*state.to_array()[:POSE_SIZE], altitude.metres, attitude.roll, attitude.pitch]
         )
         covariance = np.zeros((len(mean), len(mean)))
-        covariance[:PLACES, :PLACES] = estimate.covariance[:PLACES, :PLACES]
-        covariance[PLACES:, PLACES:] = np.diag(
+        covariance[:POSE_SIZE, :POSE_SIZE] = estimate.covariance[:POSE_SIZE, :POSE_SIZE]
+        covariance[POSE_SIZE:, POSE_SIZE:] = np.diag(
             np.array([altitude.sigma, attitude.sigma, attitude.sigma]) ** 2
         )
         points = np.concatenate((mean[None, :], sigma_points(mean, covariance)))
@@ -240,8 +240,8 @@ class CrossTrackMeter:
         self, points: FloatArray, along: FloatArray, camera: CameraModel
     ) -> _SeaBedLines:
         """Follow cables with what is known of the vehicle, (N, 7), down to the sea bed."""
-        sights = self._sights(points[:, PLACES:])
-        borders = project_borders(points[:, :PLACES])
+        sights = self._sights(points[:, POSE_SIZE:])
+        borders = project_borders(points[:, :POSE_SIZE])
         angles = np.column_stack((points[:, StateColumn.ANGLE], borders.angles))
         offsets = np.column_stack((points[:, StateColumn.DISTANCE], borders.offsets))
         rays = camera.rays(_points_on(angles, offsets, along))

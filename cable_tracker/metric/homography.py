@@ -16,7 +16,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import Borders, project_borders, states_from_borders
-from cable_tracker.cable.model.state import PLACES, STATE_SIZE
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.metric.calibration import CameraModel
 from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
 from cable_tracker.metric.motion import PoseChange, rotation_by
@@ -134,7 +134,7 @@ def diffusion_covariance(state: FloatArray, flight: Overflight, change: PoseChan
         change.translation + errors[:, :3],
         flight.height + errors[:, 6],
     )
-    moved = move_states(np.tile(state[:PLACES], (len(errors), 1)), mappings)
+    moved = move_states(np.tile(state[:POSE_SIZE], (len(errors), 1)), mappings)
     return mean_and_covariance(moved)[1]
 
 
@@ -159,8 +159,8 @@ class PlaneMotion:
     def moved(self, states: FloatArray) -> FloatArray:
         """Return states (N, 8) after the motion."""
         after = np.empty((len(states), STATE_SIZE))
-        after[:, :PLACES] = move_states(states, self.mapping)
-        after[:, PLACES:] = (after[:, :PLACES] - states[:, :PLACES]) / self.seconds
+        after[:, :POSE_SIZE] = move_states(states, self.mapping)
+        after[:, POSE_SIZE:] = (after[:, :POSE_SIZE] - states[:, :POSE_SIZE]) / self.seconds
         return after
 
     def sigmas(self) -> FloatArray:

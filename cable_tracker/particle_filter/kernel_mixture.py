@@ -1,76 +1,113 @@
-"""A mixture of equal kernels about weighted centres: a cloud of particles as a density."""
+"""A mixture of equal kernels about weighted centres: a cloud of particles as a density.
+
+The kernels are Student-t of four components, independent of each other. They are worked out in
+single precision, twice as many at a time. So that nothing is lost, the centres are told from one of
+them, the origin, in units of the kernels' scales.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.particle_filter.student_t import student_t_log_density
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.compilation import compiled_fast_part, compiled_part
+from cable_tracker.particle_filter.student_t import peak_density, relative_density
 
-POINTS_AT_ONCE = 4096
-"""Points whose distances to all centres are held at a time, so that memory does not grow with N."""
+DIMENSIONS = 4
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class KernelMixture:
-    """Student-t kernels with independent components.
+class KernelMixture(NamedTuple):
+    """M kernels, with two weightings of them.
 
     Attributes
     ----------
-    centres : FloatArray
-        Shape (M, k).
+    places : FloatArray
+        The centres, shape (M, 4).
     scales : FloatArray
-        Of the kernel, shape (k,); positive.
+        Of the kernels, shape (4,); positive.
     degrees_of_freedom : float
-        Of the kernel; infinite for Gaussian ones.
+        Of the kernels; infinite for Gaussian ones.
+    peak : float
+        Density of a kernel at its centre.
+    relative : Image
+        The centres from the first one, over the scales, float32, shape (4, M).
+    target, proposal : Image
+        Weights, each summing to one, float32, shape (M,).
     """
 
-    centres: FloatArray
+    places: FloatArray
     scales: FloatArray
     degrees_of_freedom: float
+    peak: float
+    relative: Image
+    target: Image
+    proposal: Image
 
-    def placed_about(self, indices: IndexArray, standard: FloatArray) -> FloatArray:
-        """Return one point about each of the centres at `indices`, shape (N, k).
 
-        `standard` holds draws of location zero and unit scale, shape (N, k).
-        """
-        return self.centres[indices] + standard * self.scales
+def kernel_mixture(
+    places: FloatArray, scales: FloatArray, degrees_of_freedom: float, target: FloatArray
+) -> KernelMixture:
+    """Return kernels about places (M, 4) with weights `target` (M,); `proposal` is even."""
+    count = len(places)
+    return KernelMixture(
+        places=places,
+        scales=scales,
+        degrees_of_freedom=degrees_of_freedom,
+        peak=peak_density(degrees_of_freedom, DIMENSIONS) / math.prod(scales.tolist()),
+        relative=np.ascontiguousarray(((places - places[0]) / scales).T, np.float32),
+        target=target.astype(np.float32),
+        proposal=np.full(count, 1.0 / count).astype(np.float32),
+    )
 
-    def log_densities(self, points: FloatArray, weights: tuple[FloatArray, ...]) -> FloatArray:
-        """Return the log-density at points (N, k) for several weightings of the same centres.
 
-        Parameters
-        ----------
-        points : FloatArray
-            Shape (N, k).
-        weights : tuple of FloatArray
-            Each of shape (M,), summing to one.
+@compiled_fast_part
+def kernels_at(point: FloatArray, mixture: KernelMixture, kernels: Image) -> None:
+    """Fill in the kernels (M,) at a point (4 or more,), over their peak."""
+    origin, scales = mixture.places[0], mixture.scales
+    first, second, third, fourth = (
+        np.float32((point[0] - origin[0]) / scales[0]),
+        np.float32((point[1] - origin[1]) / scales[1]),
+        np.float32((point[2] - origin[2]) / scales[2]),
+        np.float32((point[3] - origin[3]) / scales[3]),
+    )
+    ones, twos, threes, fours = (
+        mixture.relative[0], mixture.relative[1], mixture.relative[2], mixture.relative[3],
+    )  # fmt: skip
+    if mixture.degrees_of_freedom == 4.0:
+        one, quarter = np.float32(1.0), np.float32(0.25)
+        for index in range(len(kernels)):
+            a, b = first - ones[index], second - twos[index]
+            c, d = third - threes[index], fourth - fours[index]
+            base = one + quarter * (a * a + b * b + c * c + d * d)
+            square = base * base
+            kernels[index] = one / (square * square)
+    else:
+        for index in range(len(kernels)):
+            a, b = first - ones[index], second - twos[index]
+            c, d = third - threes[index], fourth - fours[index]
+            squared = a * a + b * b + c * c + d * d
+            kernels[index] = relative_density(squared, mixture.degrees_of_freedom, 4)
 
-        Returns
-        -------
-        FloatArray
-            Shape (len(weights), N).
-        """
-        columns = np.stack(weights, axis=1)
-        blocks = []
-        for start in range(0, len(points), POINTS_AT_ONCE):
-            kernels = self.log_kernels(points[start : start + POINTS_AT_ONCE])
-            peaks = kernels.max(axis=1, keepdims=True)
-            # Far from all centres of a positive weight the sum may vanish: that is density zero.
-            with np.errstate(divide="ignore"):
-                blocks.append((peaks + np.log(np.exp(kernels - peaks) @ columns)).T)
-        return np.concatenate(blocks, axis=1)
 
-    def log_kernels(self, points: FloatArray) -> FloatArray:
-        """Return the log-density of every kernel at every point, shape (N, M)."""
-        a, b = points / self.scales, self.centres / self.scales
-        # |a - b|^2 by one matrix product; rounding may leave a distance of zero below it.
-        squared = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1) - 2.0 * a @ b.T
-        return student_t_log_density(
-            np.maximum(squared, 0.0),
-            len(self.scales),
-            self.degrees_of_freedom,
-            float(np.log(self.scales).sum()),
-        )
+@compiled_fast_part
+def weighted_sums(kernels: Image, mixture: KernelMixture) -> tuple[float, float]:
+    """Return the sums of kernels (M,) by both weightings, `target` first."""
+    first, second = np.float32(0.0), np.float32(0.0)
+    for index in range(len(kernels)):
+        first += mixture.target[index] * kernels[index]
+        second += mixture.proposal[index] * kernels[index]
+    return float(first), float(second)
+
+
+@compiled_part
+def choose_kernel(kernels: Image, mixture: KernelMixture, factor: float, position: float) -> int:
+    """Return which kernel a position in their sums times `factor` falls on; -1 for none."""
+    cumulative = 0.0
+    for index in range(len(kernels)):
+        cumulative += factor * mixture.peak * mixture.target[index] * kernels[index]
+        if cumulative > position:
+            return index
+    return -1

@@ -69,6 +69,11 @@ class Particles:
         log_evidence : float
             Logarithm of the likelihood averaged over the prior weights; -inf in that last case.
         """
+        if log_likelihoods.shape != self.log_weights.shape:
+            raise ValueError(
+                f"log_likelihoods must have shape {self.log_weights.shape},"
+                f" not {log_likelihoods.shape}"
+            )
         # A weight of zero times an infinite likelihood is NaN here, and zero after normalisation.
         with np.errstate(invalid="ignore", over="ignore"):
             products = self.log_weights + log_likelihoods

@@ -8,23 +8,20 @@ Infinite degrees of freedom make it Gaussian.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.compilation import compiled, compiled_inside
 
 
 def student_t_stretches(
-    rng: np.random.Generator, rows: int, count: int, degrees_of_freedom: float
+    rng: np.random.Generator, count: int, columns: int, degrees_of_freedom: float
 ) -> FloatArray:
-    """Draw the factors that make Student-t numbers of normal ones, shape (rows, count).
-
-    Of shape (rows, 0) for infinite degrees of freedom: none are needed.
-    """
+    """Draw the factors that make Student-t numbers of normal ones, shape (count, columns)."""
     if math.isinf(degrees_of_freedom):
-        return np.empty((rows, 0))
-    chi_squares = rng.chisquare(degrees_of_freedom, (rows, count))
+        return np.ones((count, columns))
+    chi_squares = rng.chisquare(degrees_of_freedom, (count, columns))
     stretches: FloatArray = np.sqrt(degrees_of_freedom / chi_squares)
     return stretches
 
@@ -34,61 +31,30 @@ def standard_student_t(
 ) -> FloatArray:
     """Draw from the distribution of location zero and unit scale, shape (count, dimensions)."""
     normal = rng.standard_normal((count, dimensions))
-    stretches = student_t_stretches(rng, 1, count, degrees_of_freedom)
-    return normal * stretches.T if stretches.size else normal
+    return normal * student_t_stretches(rng, count, 1, degrees_of_freedom)
 
 
-def student_t_log_density(
-    squared_distances: FloatArray,
-    dimensions: int,
-    degrees_of_freedom: float,
-    log_determinant: float,
-) -> FloatArray:
-    """Return the log-density at given squared Mahalanobis distances, of the same shape.
+@compiled_inside
+def relative_density(squared_distance: float, degrees_of_freedom: float, dimensions: int) -> float:
+    """Return the density over its peak at a squared Mahalanobis distance."""
+    if math.isinf(degrees_of_freedom):
+        return math.exp(-0.5 * squared_distance)
+    if degrees_of_freedom == 4.0 and dimensions == 4:
+        base = 1.0 + 0.25 * squared_distance
+        square = base * base
+        return 1.0 / (square * square)
+    exponent = -0.5 * (degrees_of_freedom + dimensions)
+    return math.exp(exponent * math.log1p(squared_distance / degrees_of_freedom))
 
-    `log_determinant` is that of the Cholesky factor of the scale matrix.
-    """
-    n, nu = dimensions, degrees_of_freedom
-    if math.isinf(nu):
-        constant = -0.5 * n * math.log(2 * math.pi) - log_determinant
-        return constant - 0.5 * squared_distances
-    constant = (
-        math.lgamma((nu + n) / 2)
-        - math.lgamma(nu / 2)
-        - 0.5 * n * math.log(nu * math.pi)
-        - log_determinant
+
+@compiled
+def peak_density(degrees_of_freedom: float, dimensions: int) -> float:
+    """Return the density at the location for a unit scale."""
+    if math.isinf(degrees_of_freedom):
+        return math.pow(2.0 * math.pi, -0.5 * dimensions)
+    log_peak = (
+        math.lgamma((degrees_of_freedom + dimensions) / 2)
+        - math.lgamma(degrees_of_freedom / 2)
+        - 0.5 * dimensions * math.log(degrees_of_freedom * math.pi)
     )
-    return constant - 0.5 * (nu + n) * np.log1p(squared_distances / nu)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class StudentT:
-    """A multivariate Student-t distribution.
-
-    Attributes
-    ----------
-    location : FloatArray
-        Shape (k,).
-    factor : FloatArray
-        Lower Cholesky factor of the scale matrix, shape (k, k).
-    degrees_of_freedom : float
-        Above 0; infinite for a Gaussian.
-    """
-
-    location: FloatArray
-    factor: FloatArray
-    degrees_of_freedom: float
-
-    def placed(self, standard: FloatArray) -> FloatArray:
-        """Return the points for draws (N, k) of location zero and unit scale, shape (N, k)."""
-        return self.location + standard @ self.factor.T
-
-    def log_density(self, points: FloatArray) -> FloatArray:
-        """Return the log-density at points (N, k), shape (N,)."""
-        standard = np.linalg.solve(self.factor, (points - self.location).T)
-        return student_t_log_density(
-            (standard**2).sum(axis=0),
-            len(self.location),
-            self.degrees_of_freedom,
-            float(np.log(np.diag(self.factor)).sum()),
-        )
+    return math.exp(log_peak)

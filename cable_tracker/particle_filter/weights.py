@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from typing import NamedTuple
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.compilation import compiled
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class NormalisedWeights:
+class NormalisedWeights(NamedTuple):
     """Log-weights whose exponentials sum to one.
 
     Attributes
@@ -30,13 +31,18 @@ class NormalisedWeights:
     degenerate: bool
 
 
+@compiled
 def log_sum_exp(values: FloatArray) -> float:
     """Return log(sum(exp(values))) without overflow or underflow; -inf for weights all zero."""
-    peak = float(np.max(values))
-    if not np.isfinite(peak):
+    peak = -math.inf
+    for value in values:
+        peak = max(peak, value)
+    if not math.isfinite(peak):
         return peak
-    with np.errstate(over="ignore"):
-        return peak + float(np.log(np.sum(np.exp(values - peak))))
+    total = 0.0
+    for value in values:
+        total += math.exp(value - peak)
+    return peak + math.log(total)
 
 
 def uniform_log_weights(count: int) -> FloatArray:
@@ -44,6 +50,7 @@ def uniform_log_weights(count: int) -> FloatArray:
     return np.full(count, -np.log(count))
 
 
+@compiled
 def normalise_log_weights(log_weights: FloatArray) -> NormalisedWeights:
     """Scale weights to sum to one.
 
@@ -54,22 +61,32 @@ def normalise_log_weights(log_weights: FloatArray) -> NormalisedWeights:
     log_weights : FloatArray
         Shape (N,), N >= 1.
     """
-    cleaned = np.where(np.isnan(log_weights), -np.inf, log_weights)
-    infinite = np.isposinf(cleaned)
-    if infinite.any():
-        equal = uniform_log_weights(int(infinite.sum()))[0]
-        return NormalisedWeights(np.where(infinite, equal, -np.inf), np.inf, False)
-    peak = float(np.max(cleaned))
-    if peak == -np.inf:
-        return NormalisedWeights(uniform_log_weights(len(cleaned)), -np.inf, True)
-    # The peak goes first: a sum beside a large peak would be rounded away.
-    # A difference beyond the range of floats is -inf, which is what it means.
-    with np.errstate(over="ignore"):
-        relative = cleaned - peak
-    total = log_sum_exp(relative)
-    return NormalisedWeights(relative - total, peak + total, False)
+    peak, infinite = -math.inf, 0
+    for value in log_weights:
+        if value == math.inf:
+            infinite += 1
+        elif value > peak:
+            peak = value
+    result = np.full(len(log_weights), -math.inf)
+    if infinite:
+        result[log_weights == math.inf] = -math.log(infinite)
+        return NormalisedWeights(result, math.inf, False)
+    if peak == -math.inf:
+        result[:] = -math.log(len(log_weights))
+        return NormalisedWeights(result, -math.inf, True)
+    total = 0.0
+    for value in log_weights:
+        if not math.isnan(value):
+            total += math.exp(value - peak)
+    log_total = math.log(total)
+    for row in range(len(log_weights)):
+        if not math.isnan(log_weights[row]):
+            # The peak goes first: a sum beside a large peak would be rounded away.
+            result[row] = log_weights[row] - peak - log_total
+    return NormalisedWeights(result, peak + log_total, False)
 
 
+@compiled
 def effective_sample_size(log_weights: FloatArray) -> float:
     """Return N_eff = 1 / sum(weight^2) of normalised weights (thesis, section 3.3.3).
 
@@ -77,6 +94,10 @@ def effective_sample_size(log_weights: FloatArray) -> float:
     """
     # Relative to the largest weight, so that equal weights give N without a rounding error, which
     # would make a filter resample that has no reason to.
-    relative = np.exp(log_weights - np.max(log_weights))
-    size = np.sum(relative) ** 2 / np.sum(relative**2)
-    return float(np.clip(size, 1.0, len(log_weights)))
+    peak = log_weights.max()
+    total, squares = 0.0, 0.0
+    for value in log_weights:
+        relative = math.exp(value - peak)
+        total += relative
+        squares += relative * relative
+    return min(max(total * total / squares, 1.0), float(len(log_weights)))

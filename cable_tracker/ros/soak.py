@@ -85,11 +85,10 @@ MOST = {
     "particle_count": MOST_PARTICLES,
     "working_width": WIDEST_IMAGE,
     "ancestor_count": 512,
-    "filter_taps": 31,
 }
 LEAST = {"sample_spacing": 5.0}
 """A storm must not make frames slower than the promise of an answer allows: a thousand particles
-with 101 taps at every pixel are legal, and take seconds."""
+with scan lines at every pixel are legal, and take long."""
 
 
 @dataclass(frozen=True, slots=True)

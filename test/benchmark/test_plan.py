@@ -14,12 +14,6 @@ def test_goals_need_the_reference_size_and_count_in_every_plan(each):
     assert REFERENCE_PARTICLES in each.particles
 
 
-def test_without_numba_there_is_no_yardstick(monkeypatch):
-    monkeypatch.setattr(plan, "NUMBA_IS_INSTALLED", False)
-    with pytest.raises(ParameterError, match="pip install numba"):
-        Benchmark(QUICK)
-
-
 def test_too_few_frames_say_nothing_about_memory():
     with pytest.raises(ParameterError, match="memory is 3: give 0, or at least 50"):
         Benchmark(Plan(memory=3))

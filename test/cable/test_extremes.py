@@ -11,16 +11,16 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from cable_tracker.cable.measure.border_responses import BorderResponseModel
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import project_borders, wrap_states
 from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
-from cable_tracker.cable.statistics import cable_mean_and_covariance
-from cable_tracker.cable.thesis.observation import BorderObservation
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.weights import normalise_log_weights
@@ -175,6 +175,6 @@ def test_particles_stay_within_their_limits(name, states, dt, seed):
 @settings(deadline=None)
 def test_the_likelihood_of_any_cable_is_a_number(states):
     image = make_working_image(draw_cable(), 320, 1.6)
-    likelihoods = BorderObservation(preset("thesis")).log_likelihoods(wrap_states(states), image)
+    likelihoods = BorderResponseModel(preset("thesis")).log_likelihoods(wrap_states(states), image)
     assert np.isfinite(likelihoods).all()
     assert np.isfinite(project_borders(states).offsets).all()

@@ -21,6 +21,7 @@ from cable_tracker.detection.line_pair_proposer import (
     LinePairProposer,
     accumulated_votes,
     accumulator_layout,
+    clearness_of,
     highest_first,
     highest_near,
     smoothed,
@@ -133,6 +134,16 @@ def test_every_strong_ridge_votes_near_its_direction(rng, size):
     assert expected.sum() > 0
     np.testing.assert_array_equal(votes[:margin], votes[-2 * margin : -margin])
     np.testing.assert_array_equal(votes[-margin:], votes[margin : 2 * margin])
+
+
+def test_a_line_across_ripples_is_clearer_than_the_ripples(rng):
+    votes = rng.exponential(1.0, (30, 41)).astype(np.float32)
+    votes[10] += 30.0 * rng.random(41).astype(np.float32)
+    votes[20, 15] += 20.0
+    clear = clearness_of(votes)
+    assert votes[10].max() > votes[20, 15]
+    assert np.unravel_index(clear.argmax(), clear.shape) == (20, 15)
+    assert (clear >= 0.0).all()
 
 
 def test_the_accumulator_is_smoothed_and_searched_as_a_picture_would_be(rng):

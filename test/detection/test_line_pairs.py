@@ -5,7 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.model.geometry import Borders, project_borders, states_from_borders
+from cable_tracker.cable.model.geometry import (
+    Borders,
+    borders_cross_inside,
+    project_borders,
+    states_from_borders,
+)
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.detection.border_lines import BorderLines
@@ -40,7 +45,7 @@ CABLES = st.builds(
     angle=st.floats(-1.57, 1.57),
     width=st.floats(9, 110),
     skew=st.floats(-0.2, 0.2),
-)
+).filter(lambda cable: not borders_cross_inside(cable.to_array(), SIZE))
 
 
 @given(truth=CABLES, dark=st.booleans(), swap=st.booleans(), turns=st.integers(-1, 1))
@@ -66,7 +71,11 @@ def test_the_score_is_the_geometric_mean_of_the_supports():
 def test_a_cable_between_two_lines_has_the_lines_as_borders(angle, turn, offsets):
     other = angle + np.pi + turn
     places, _ = plausible_pairs(
-        np.array([angle, other]), np.array(offsets), np.ones(2), (0.0, 1e3), 0.3
+        np.array([angle, other]),
+        np.array(offsets),
+        np.ones(2),
+        PairLimits(0.0, 1e3, 0.3),
+        (0.0, 0.0),
     )
     # The second line with its normal turned round; left comes first along the normal.
     turned = np.array([[angle, offsets[0]], [angle + turn, -offsets[1]]])
@@ -134,6 +143,13 @@ def test_limits_cover_what_a_tracker_follows_and_what_it_starts_from():
     limits = pair_limits(parameters)
     assert (limits.narrowest, limits.widest) == (4.0, 200.0)
     assert np.rad2deg(limits.most_skew) == pytest.approx(25.0)
+
+
+@pytest.mark.parametrize(("width", "found"), [(30.0, 0), (90.0, 1)])
+def test_borders_that_cross_inside_the_picture_are_no_cable(width, found):
+    # They meet w / (2 tan beta) from the centre, which is 120 px high.
+    cable = CableState(0.0, 0.0, width, np.deg2rad(12.0))
+    assert len(pair_lines(lines_of(cable), SIZE, None, 0.1, LIMITS)) == found
 
 
 @pytest.mark.parametrize("width", [7.0, 130.0])

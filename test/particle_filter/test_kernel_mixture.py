@@ -7,71 +7,67 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.particle_filter import kernel_mixture
-from cable_tracker.particle_filter.kernel_mixture import KernelMixture
-from cable_tracker.particle_filter.student_t import StudentT
+from cable_tracker.particle_filter.kernel_mixture import (
+    choose_kernel,
+    kernel_mixture,
+    kernels_at,
+    weighted_sums,
+)
+from cable_tracker.particle_filter.student_t import peak_density, relative_density
 
-SCALES = np.array([0.5, 2.0, 0.1])
+SCALES = np.array([0.5, 2.0, 0.1, 1.0])
 
 
-def mixture(rng, centres=7, tail=4.0) -> KernelMixture:
-    return KernelMixture(rng.normal(0.0, 3.0, (centres, 3)), SCALES, tail)
+def literal_kernels(mixture, point) -> np.ndarray:
+    """Densities of all kernels at a point, written down from their definition."""
+    return np.array(
+        [
+            peak_density(mixture.degrees_of_freedom, 4)
+            / np.prod(mixture.scales)
+            * relative_density(
+                float((((point - place) / mixture.scales) ** 2).sum()),
+                mixture.degrees_of_freedom,
+                4,
+            )
+            for place in mixture.places
+        ]
+    )
 
 
-def brute_force(mixture, points, weights) -> np.ndarray:
-    kernels = [
-        StudentT(centre, np.diag(mixture.scales), mixture.degrees_of_freedom).log_density(points)
-        for centre in mixture.centres
-    ]
-    return np.log(np.exp(np.array(kernels)).T @ weights)
+def looked_at(mixture, point) -> np.ndarray:
+    kernels = np.empty(len(mixture.places), np.float32)
+    kernels_at(point, mixture, kernels)
+    return kernels
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from([1.0, 4.0, 50.0, math.inf]))
 def test_the_density_is_the_weighted_sum_of_the_kernels(seed, tail):
     rng = np.random.default_rng(seed)
-    cloud = mixture(rng, tail=tail)
-    points = cloud.centres[rng.integers(0, 7, 9)] + rng.standard_normal((9, 3)) * SCALES
-    first, second = rng.dirichlet(np.ones(7), 2)
-    densities = cloud.log_densities(points, (first, second))
-    assert densities.shape == (2, 9)
-    for density, weights in zip(densities, (first, second), strict=True):
-        np.testing.assert_allclose(density, brute_force(cloud, points, weights), atol=1e-6)
-
-
-def test_more_points_than_are_looked_at_in_one_go(rng, monkeypatch):
-    cloud, points, weights = mixture(rng), rng.normal(0.0, 3.0, (10, 3)), np.full(7, 1 / 7)
-    at_once = cloud.log_densities(points, (weights,))
-    monkeypatch.setattr(kernel_mixture, "POINTS_AT_ONCE", 3)
-    np.testing.assert_allclose(cloud.log_densities(points, (weights,)), at_once)
+    target = rng.dirichlet(np.ones(7))
+    mixture = kernel_mixture(rng.normal(0.0, 3.0, (7, 4)), SCALES, tail, target)
+    for _ in range(5):
+        point = mixture.places[rng.integers(7)] + rng.standard_normal(4) * SCALES
+        expected = literal_kernels(mixture, point)
+        kernels = looked_at(mixture, point)
+        np.testing.assert_allclose(kernels * mixture.peak, expected, rtol=1e-3, atol=1e-9)
+        sums = np.array(weighted_sums(kernels, mixture)) * mixture.peak
+        np.testing.assert_allclose(sums, [expected @ target, expected.mean()], rtol=1e-3)
 
 
 @pytest.mark.parametrize("tail", [4.0, math.inf])
-def test_points_far_away_have_a_small_density_and_no_warning(rng, tail):
-    cloud = mixture(rng, tail=tail)
-    with np.errstate(all="raise", under="ignore"):
-        density = cloud.log_densities(np.full((1, 3), 1e6), (np.full(7, 1 / 7),))
-    assert np.isfinite(density).all()
-    assert density.max() < -50.0
+def test_points_far_away_have_hardly_any_density(rng, tail):
+    mixture = kernel_mixture(rng.normal(0.0, 3.0, (7, 4)), SCALES, tail, np.full(7, 1 / 7))
+    kernels = looked_at(mixture, np.full(4, 1e4))
+    assert ((kernels >= 0.0) & (kernels < 1e-15)).all()
 
 
-def test_centres_without_a_weight_count_nothing(rng):
-    cloud = KernelMixture(np.array([[0.0], [1e6]]), np.ones(1), math.inf)
-    densities = cloud.log_densities(np.array([[1e6]]), (np.array([1.0, 0.0]),))
-    assert densities[0, 0] == -math.inf
-
-
-def test_draws_agree_with_the_density(rng, draw_standard):
-    cloud = KernelMixture(np.array([[-1.0, 0.0], [2.0, 1.0]]), np.array([0.5, 1.0]), 4.0)
-    weights = np.array([0.3, 0.7])
-    draws = cloud.placed_about(rng.choice(2, 40_000, p=weights), draw_standard(40_000, 2, 4.0))
-    in_box = (np.abs(draws[:, 0] - 0.5) < 2.0) & (np.abs(draws[:, 1] - 0.5) < 1.0)
-    ratios = in_box / np.exp(cloud.log_densities(draws, (weights,))[0])
-    error = ratios.std() / np.sqrt(len(ratios))
-    assert ratios.mean() == pytest.approx(8.0, abs=5 * error)
-    assert error < 0.5
-
-
-def test_each_point_is_drawn_about_its_own_centre(draw_standard):
-    cloud = KernelMixture(np.array([[0.0], [100.0]]), np.full(1, 0.01), math.inf)
-    draws = cloud.placed_about(np.array([1, 0, 1]), draw_standard(3, 1, math.inf))
-    np.testing.assert_allclose(draws[:, 0], [100.0, 0.0, 100.0], atol=0.1)
+def test_a_kernel_is_chosen_by_its_share_of_the_sum(rng):
+    target = np.array([0.2, 0.5, 0.3])
+    mixture = kernel_mixture(np.zeros((3, 4)), SCALES, 4.0, target)
+    kernels = looked_at(mixture, np.zeros(4))
+    total = 0.7 * mixture.peak
+    chosen = [
+        choose_kernel(kernels, mixture, 0.7, share * total) for share in (0.1, 0.3, 0.69, 0.71)
+    ]
+    assert chosen == [0, 1, 1, 2]
+    assert choose_kernel(kernels, mixture, 0.7, 1.1 * total) == -1

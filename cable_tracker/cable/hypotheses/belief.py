@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.clusters import Cluster, find_clusters
-from cable_tracker.cable.hypotheses.leaving import RememberedCable
-from cable_tracker.cable.hypotheses.usual_width import UsualWidth
+from cable_tracker.cable.hypotheses.clusters import Clusters, find_clusters
+from cable_tracker.cable.hypotheses.survival_and_birth import RememberedCable
+from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.particle_filter.particles import Particles
@@ -21,39 +21,48 @@ class Belief:
     ----------
     particles : Particles
         Where the cable is, given that there is one; angles in (-pi/2, pi/2].
-    clusters : tuple of Cluster
-        Of the particles, heaviest first.
+    clusters : Clusters
+        Of the particles.
+    covariance : FloatArray
+        Of the leading cluster, in the chart about its mean, shape (8, 8).
+    effective_size : float
+        N_eff of all particles.
     presence : float
         Probability that there is a cable in view.
-    bright : float
+    p_bright : float
         Probability that it is brighter than the bottom.
     memory : RememberedCable or None
         Where a cable was last tracked.
-    usual_width : UsualWidth or None
+    width_prior : WidthPrior or None
         How wide it was.
-    evidence : float
+    border_evidence : float
         Mean log-likelihood ratio per point of the weaker border, over the leading cluster.
-    seen : float
-        Points inside the image of the border that has fewer, over the leading cluster.
+    visible_length : float
+        Length inside the image of the shorter border, over the leading cluster [distances of the
+        scan lines].
     """
 
     particles: Particles
-    clusters: tuple[Cluster, ...]
+    clusters: Clusters
+    covariance: FloatArray
+    effective_size: float
     presence: float
-    bright: float = 0.5
+    p_bright: float = 0.5
     memory: RememberedCable | None = None
-    usual_width: UsualWidth | None = None
-    evidence: float = 0.0
-    seen: float = 0.0
+    width_prior: WidthPrior | None = None
+    border_evidence: float = 0.0
+    visible_length: float = 0.0
 
     @property
     def reference_angle(self) -> float:
         """Angle of the leading cluster [rad]: the middle of the chart."""
-        return float(self.clusters[0].mean[StateColumn.ANGLE])
+        return float(self.clusters.means[0, StateColumn.ANGLE])
 
 
 def initial_belief(states: FloatArray, presence: float, image_width: int) -> Belief:
     """Return a belief of equally weighted states (N, 8)."""
     particles = Particles.equally_weighted(wrap_states(states))
-    clusters = find_clusters(particles.states, particles.weights, image_width)
-    return Belief(particles, tuple(clusters), presence)
+    clusters, covariance = find_clusters(
+        particles.states, particles.log_weights, float(image_width)
+    )
+    return Belief(particles, clusters, covariance, float(len(states)), presence)

@@ -6,16 +6,15 @@ a cable and its shadow, come out as two clusters, and a mean is never taken acro
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import math
+from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.model.geometry import unwrap_states, wrap_state
-from cable_tracker.cable.model.state import PLACES, StateColumn
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.cable.model.geometry import turn_sign, unwrap_state, wrapped_angle
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
+from cable_tracker.compilation import compiled, compiled_part
 
 RADII = np.array([24.0, np.deg2rad(12.0), 30.0, np.deg2rad(10.0)])
 """Half-axes of the ellipsoid that a cluster fills at most: d, alpha, w, beta [px at the reference
@@ -24,135 +23,258 @@ width, rad]."""
 MOST_CLUSTERS = 5
 
 SMALLEST_MASS = 1e-9
-"""What has less than this share of the weight is not worth a name."""
+"""What has less than this share of the weight is no cluster."""
 
 CENTRINGS = 2
 """How often a cluster is gathered anew about its own mean."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Cluster:
-    """A cluster of particles.
+NONE = -1
+"""Label of particles that belong to no cluster."""
+
+
+class Clusters(NamedTuple):
+    """K clusters of N particles, heaviest first.
 
     Attributes
     ----------
-    mass : float
-        Sum of their weights.
-    mean : FloatArray
-        Their weighted mean, shape (8,); its angle is not wrapped.
-    members : BoolArray
-        Which particles belong to it, shape (N,).
+    labels : IndexArray
+        Which cluster a particle belongs to, `NONE` for none, shape (N,).
+    masses : FloatArray
+        Sums of their weights, shape (K,).
+    means : FloatArray
+        Their weighted means, shape (K, 8); the angles are not wrapped.
+    rest : float
+        Sum of the weights of the particles that belong to none.
     """
 
-    mass: float
-    mean: FloatArray
-    members: BoolArray
-
-    @property
-    def state(self) -> FloatArray:
-        """The mean with its angle in (-pi/2, pi/2], shape (8,)."""
-        return wrap_state(self.mean)
-
-    def covariance(self, states: FloatArray, weights: FloatArray) -> FloatArray:
-        """Return the covariance (8, 8) of its particles, of all states (N, 8) and weights (N,)."""
-        chart = unwrap_states(states[self.members], float(self.mean[StateColumn.ANGLE]))
-        share = weights[self.members] / self.mass
-        return weighted_covariance(chart, share, self.mean)
+    labels: IndexArray
+    masses: FloatArray
+    means: FloatArray
+    rest: float
 
 
-def find_clusters(states: FloatArray, weights: FloatArray, image_width: int) -> list[Cluster]:
-    """Return the clusters of particles, heaviest first; at least one.
-
-    Parameters
-    ----------
-    states : FloatArray
-        Shape (N, 8).
-    weights : FloatArray
-        Shape (N,), summing to one.
-    image_width : int
-        Width of the frames [px].
-    """
-    with np.errstate(divide="ignore"):
-        log_weights = np.log(weights)
-    return clusters_of(find_groups(states, log_weights, image_width), states, weights)
-
-
-def clusters_of(
-    groups: Sequence[BoolArray], states: FloatArray, weights: FloatArray
-) -> list[Cluster]:
-    """Return the groups of particles as clusters, heaviest first, without those that weigh nothing.
-
-    Parameters
-    ----------
-    groups : sequence of BoolArray
-        Members of each, shape (N,).
-    states, weights : FloatArray
-        Shapes (N, 8) and (N,); the weights sum to one.
-    """
-    clusters = []
-    for members in groups:
-        mass = float(weights[members].sum())
-        if mass <= SMALLEST_MASS:
-            continue
-        heaviest = states[members][int(np.argmax(weights[members]))]
-        chart = unwrap_states(states[members], float(heaviest[StateColumn.ANGLE]))
-        clusters.append(Cluster(mass, weighted_mean(chart, weights[members] / mass), members))
-    return sorted(clusters, key=lambda cluster: -cluster.mass)
-
-
-def find_groups(
-    states: FloatArray,
-    log_weights: FloatArray,
-    image_width: int,
-    anchor: FloatArray | None = None,
-) -> list[BoolArray]:
-    """Return the members of each cluster, shape (N,), in the order in which they were found.
-
-    However light what is left, it gathers: in logarithms no weight is too small to compare.
+@compiled
+def find_clusters(
+    states: FloatArray, log_weights: FloatArray, image_width: float
+) -> tuple[Clusters, FloatArray]:
+    """Return the clusters of particles, at least one, and the covariance (8, 8) of the first.
 
     Parameters
     ----------
     states : FloatArray
         Shape (N, 8).
     log_weights : FloatArray
-        Shape (N,); particles of weight zero (-inf) belong to none.
-    image_width : int
+        Shape (N,), the exponentials sum to one.
+    image_width : float
         Width of the frames [px].
-    anchor : FloatArray or None
-        Where the first cluster is looked for, shape (8,); at the heaviest particle if None.
+    """
+    weights = np.exp(log_weights)
+    labels, count = find_groups(states, np.log(weights), image_width, np.empty((0, 8)))
+    clusters = clusters_of(states, weights, labels, count)
+    return clusters, leading_covariance(states, weights, clusters)
+
+
+@compiled_part
+def clusters_of(
+    states: FloatArray, weights: FloatArray, groups: IndexArray, count: int
+) -> Clusters:
+    """Return groups of particles as clusters, without those that weigh nothing."""
+    order, masses, means = group_means(states, weights, groups, count)
+    rank = np.full(count, NONE, np.int64)
+    for index in range(len(order)):
+        rank[order[index]] = index
+    labels = np.full(len(groups), NONE, np.int64)
+    rest = 0.0
+    for row in range(len(groups)):
+        if groups[row] != NONE:
+            labels[row] = rank[groups[row]]
+        if labels[row] == NONE:
+            rest += weights[row]
+    return Clusters(labels, masses, means, rest)
+
+
+@compiled_part
+def leading_covariance(states: FloatArray, weights: FloatArray, clusters: Clusters) -> FloatArray:
+    """Return the covariance (8, 8) of the first cluster, in its mean's chart."""
+    return group_covariance(
+        states, weights, clusters.labels, 0, clusters.masses[0], clusters.means[0], 8
+    )
+
+
+@compiled_part
+def find_groups(
+    states: FloatArray, log_weights: FloatArray, image_width: float, anchors: FloatArray
+) -> tuple[IndexArray, int]:
+    """Return the group of each particle (N,), `NONE` for none, and the number of groups.
+
+    `anchors` (0 or 1, 8) says where the first group is looked for.
     """
     scale = image_width / REFERENCE_WIDTH
-    radii = RADII * np.array([scale, 1.0, scale, 1.0])
-    left = log_weights.copy()
-    groups: list[BoolArray] = []
-    if anchor is not None:
-        _take(_gather(states, left, radii, anchor), left, groups)
-    while len(groups) < MOST_CLUSTERS and np.isfinite(left).any():
-        heaviest = states[int(np.argmax(left))]
-        _take(_gather(states, left, radii, heaviest), left, groups)
-    return groups
-
-
-def _take(members: BoolArray, left: FloatArray, groups: list[BoolArray]) -> None:
-    if members.any():
-        groups.append(members)
-        left[members] = -np.inf
-
-
-def _gather(
-    states: FloatArray, log_weights: FloatArray, radii: FloatArray, centre: FloatArray
-) -> BoolArray:
-    possible = np.isfinite(log_weights)
-    mean = centre
-    members = np.zeros(len(states), bool)
-    for _ in range(CENTRINGS):
-        chart = unwrap_states(states, float(mean[StateColumn.ANGLE]))
-        apart = (chart[:, :PLACES] - mean[:PLACES]) / radii
-        gathered = ((apart**2).sum(axis=1) <= 1.0) & possible
-        if not gathered.any():
-            # The mean of a ring may lie on none of its particles; they stay together.
+    radii = np.array([RADII[0] * scale, RADII[1], RADII[2] * scale, RADII[3]])
+    labels = np.full(len(states), NONE, np.int64)
+    gathered = np.empty(len(states), np.bool_)
+    count = 0
+    if len(anchors):
+        count += _take(states, log_weights, radii, anchors[0], labels, gathered, count)
+    while count < MOST_CLUSTERS:
+        heaviest = _heaviest(log_weights, labels, NONE)
+        if heaviest < 0:
             break
-        members = gathered
-        weights = np.exp(log_weights[members] - log_weights[members].max())
-        mean = weighted_mean(chart[members], weights / weights.sum())
-    return members
+        count += _take(states, log_weights, radii, states[heaviest], labels, gathered, count)
+    return labels, count
+
+
+@compiled_part
+def _heaviest(log_weights: FloatArray, labels: IndexArray, label: int) -> int:
+    """Return the heaviest particle with a label; -1 if all of them weigh nothing."""
+    heaviest, most = -1, -math.inf
+    for row in range(len(labels)):
+        if labels[row] == label and log_weights[row] > most:
+            heaviest, most = row, log_weights[row]
+    return heaviest
+
+
+@compiled_part
+def _take(
+    states: FloatArray,
+    log_weights: FloatArray,
+    radii: FloatArray,
+    centre: FloatArray,
+    labels: IndexArray,
+    members: BoolArray,
+    label: int,
+) -> int:
+    """Label the particles about a centre; return 1 if there are any, else 0."""
+    mean = centre[:4].copy()
+    found = False
+    for _ in range(CENTRINGS):
+        if not _gather(states, log_weights, radii, mean, labels, members, found):
+            break
+        found = True
+        _centre(states, log_weights, members, mean)
+    if not found:
+        return 0
+    for row in range(len(labels)):
+        if members[row]:
+            labels[row] = label
+    return 1
+
+
+@compiled_part
+def _gather(
+    states: FloatArray,
+    log_weights: FloatArray,
+    radii: FloatArray,
+    mean: FloatArray,
+    labels: IndexArray,
+    members: BoolArray,
+    keep: bool,
+) -> bool:
+    """Mark the free particles about a mean. If there is none, `keep` leaves the marks as they are.
+
+    The mean of a ring may lie on none of its particles; they stay together.
+    """
+    gathered = np.zeros(len(labels), np.bool_)
+    any_gathered = False
+    for row in range(len(labels)):
+        if labels[row] != NONE or log_weights[row] == -math.inf:
+            continue
+        shifted = states[row, 1] - mean[1]
+        wrapped = wrapped_angle(shifted)
+        sign = turn_sign(shifted, wrapped)
+        a = (sign * states[row, 0] - mean[0]) / radii[0]
+        b = wrapped / radii[1]
+        c = (states[row, 2] - mean[2]) / radii[2]
+        d = (sign * states[row, 3] - mean[3]) / radii[3]
+        if a * a + b * b + c * c + d * d <= 1.0:
+            gathered[row] = True
+            any_gathered = True
+    if any_gathered or not keep:
+        members[:] = gathered
+    return any_gathered
+
+
+@compiled_part
+def _centre(
+    states: FloatArray, log_weights: FloatArray, members: BoolArray, mean: FloatArray
+) -> None:
+    """Move a mean (4,) to that of its members, in the chart about its angle."""
+    reference = mean[1]
+    most = -math.inf
+    for row in range(len(members)):
+        if members[row]:
+            most = max(most, log_weights[row])
+    total = 0.0
+    sums = np.zeros(4)
+    for row in range(len(members)):
+        if not members[row]:
+            continue
+        weight = math.exp(log_weights[row] - most)
+        shifted = states[row, 1] - reference
+        wrapped = wrapped_angle(shifted)
+        sign = turn_sign(shifted, wrapped)
+        total += weight
+        sums[0] += weight * sign * states[row, 0]
+        sums[1] += weight * (wrapped + reference)
+        sums[2] += weight * states[row, 2]
+        sums[3] += weight * sign * states[row, 3]
+    for column in range(4):
+        mean[column] = sums[column] / total
+
+
+@compiled_part
+def group_means(
+    states: FloatArray, weights: FloatArray, labels: IndexArray, count: int
+) -> tuple[IndexArray, FloatArray, FloatArray]:
+    """Return labels, masses and means of the groups that weigh something, heaviest first.
+
+    Shapes (K,), (K,), (K, 8). A mean is taken in the chart about the heaviest member.
+    """
+    masses, means = np.zeros(count), np.zeros((count, 8))
+    heaviest = np.full(count, -1, np.int64)
+    for row in range(len(labels)):
+        label = labels[row]
+        if label != NONE:
+            masses[label] += weights[row]
+            if heaviest[label] < 0 or weights[row] > weights[heaviest[label]]:
+                heaviest[label] = row
+    place = np.empty(8)
+    for row in range(len(labels)):
+        label = labels[row]
+        if label != NONE and masses[label] > SMALLEST_MASS:
+            unwrap_state(states[row], states[heaviest[label], 1], place)
+            share = weights[row] / masses[label]
+            for column in range(8):
+                means[label, column] += share * place[column]
+    order = np.argsort(-masses, kind="mergesort")
+    order = order[masses[order] > SMALLEST_MASS]
+    return order, masses[order], means[order]
+
+
+@compiled_part
+def group_covariance(
+    states: FloatArray,
+    weights: FloatArray,
+    labels: IndexArray,
+    label: int,
+    mass: float,
+    mean: FloatArray,
+    size: int,
+) -> FloatArray:
+    """Return the covariance of the first `size` components of a group, in its mean's chart."""
+    covariance = np.zeros((size, size))
+    deviation = np.empty(8)
+    for row in range(len(labels)):
+        if labels[row] != label:
+            continue
+        unwrap_state(states[row], mean[1], deviation)
+        share = weights[row] / mass
+        for first in range(size):
+            deviation[first] -= mean[first]
+            for second in range(first + 1):
+                covariance[first, second] += share * deviation[first] * deviation[second]
+    for first in range(size):
+        for second in range(first):
+            covariance[second, first] = covariance[first, second]
+    return covariance

@@ -1,19 +1,21 @@
 """The random numbers of a frame, drawn in a few calls: row by row those of each particle.
 
-A particle finds its own in its row, whatever it is drawn from. So the order in which particles are
-drawn does not matter, and both twins of the filter use the same ones.
+A particle finds its own in its row, whatever it is drawn from, so that the order in which particles
+are drawn does not matter.
 """
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.leaving import TAIL
-from cable_tracker.cable.model.state import PLACES, STATE_SIZE
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
+from cable_tracker.particle_filter.student_t import student_t_stretches
+
+BIRTH_TAIL = 4.0
+"""Degrees of freedom of the Student-t about where the cable was."""
 
 
 class FrameNoise(NamedTuple):
@@ -24,9 +26,9 @@ class FrameNoise(NamedTuple):
     normal : FloatArray
         Standard normal, shape (N, 8): columns of the state.
     stretches : FloatArray
-        Factors that give them heavy tails, shape (N, 2): for the places, for the rates.
+        Factors that give them heavy tails, shape (N, 2): for the pose, for the rates.
     uniform : FloatArray
-        From 0 to 1, shape (N, 8): where in the search box. For a particle whose place is proposed,
+        From 0 to 1, shape (N, 8): where in the search box. For a particle whose pose is proposed,
         column 0 says which ancestor gives it its rates.
     about_memory : FloatArray
         Student-t, shape (B, 4): how far from where the cable was last seen.
@@ -37,16 +39,6 @@ class FrameNoise(NamedTuple):
     uniform: FloatArray
     about_memory: FloatArray
 
-    def of_places(self, rows: slice) -> FloatArray:
-        """Return Student-t noise of unit scale for d, alpha, w, beta, shape (n, 4)."""
-        noise: FloatArray = self.normal[rows, :PLACES] * self.stretches[rows, :1]
-        return noise
-
-    def of_rates(self, rows: slice) -> FloatArray:
-        """Return Student-t noise of unit scale for the rates, shape (n, 4)."""
-        noise: FloatArray = self.normal[rows, PLACES:] * self.stretches[rows, 1:]
-        return noise
-
 
 def draw_frame_noise(
     rng: np.random.Generator, count: int, births: int, degrees_of_freedom: float
@@ -56,13 +48,10 @@ def draw_frame_noise(
     `degrees_of_freedom` are those of the movement; infinite ones stretch nothing.
     """
     normal = rng.standard_normal((count, STATE_SIZE))
-    if math.isinf(degrees_of_freedom):
-        stretches = np.ones((count, 2))
-    else:
-        stretches = np.sqrt(degrees_of_freedom / rng.chisquare(degrees_of_freedom, (count, 2)))
+    stretches = student_t_stretches(rng, count, 2, degrees_of_freedom)
     return FrameNoise(
         normal,
         stretches,
         rng.random((count, STATE_SIZE)),
-        rng.standard_t(TAIL, (births, PLACES)),
+        rng.standard_t(BIRTH_TAIL, (births, POSE_SIZE)),
     )

@@ -23,37 +23,42 @@ B. Ristic et al. (2013), "A tutorial on Bernoulli filters": the probability of e
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.filter import CableFilter, Finding, ParticleBelief, equal_states
+from cable_tracker.cable.hypotheses.ancestors import plan_draw, surviving_ancestors
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief
-from cable_tracker.cable.hypotheses.clusters import (
-    SMALLEST_MASS,
-    Cluster,
-    clusters_of,
-    find_clusters,
-    find_groups,
+from cable_tracker.cable.hypotheses.conclusion import Conclusion, draw_and_conclude
+from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
+from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.prior import MINIMUM_DENSITY, Prior
+from cable_tracker.cable.hypotheses.proposals import (
+    ProposalConfig,
+    ProposalInputs,
+    SampleCounts,
+    empty_sample,
 )
-from cable_tracker.cable.hypotheses.frame_noise import FrameNoise, draw_frame_noise
-from cable_tracker.cable.hypotheses.leaving import BirthDensity, remember, survival_probabilities
-from cable_tracker.cable.hypotheses.mixture_sample import Drawn, MixtureSample, Proposal
-from cable_tracker.cable.hypotheses.prior_density import MINIMUM_DENSITY, Prior
-from cable_tracker.cable.hypotheses.usual_width import width_seen
-from cable_tracker.cable.measure.likelihood_ratio import (
-    BorderLikelihoodRatio,
-    bright_shares,
-    marginal_log_ratios,
+from cable_tracker.cable.hypotheses.survival_and_birth import (
+    BirthDensity,
+    birth_density_of,
+    draw_births,
+    remember,
+    survival_rates,
 )
+from cable_tracker.cable.hypotheses.width_prior import WidthPrior, updated_width_prior
+from cable_tracker.cable.measure.border_points import frame_scan
+from cable_tracker.cable.measure.border_responses import MINIMUM_POINTS
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.cable.model.geometry import unwrap_states, wrap_states
+from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, wrap_state, wrap_states
 from cable_tracker.cable.model.initialisation import search_box
 from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.cable.model.movement import CableMovement
-from cable_tracker.cable.model.state import PLACES, STATE_SIZE, StateColumn
+from cable_tracker.cable.model.movement import CableMovement, state_limits
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import (
     REFERENCE_RATE,
     REFERENCE_WIDTH,
@@ -64,25 +69,16 @@ from cable_tracker.particle_filter.existence import (
     predict_existence,
     update_existence,
 )
-from cable_tracker.particle_filter.kernel_mixture import KernelMixture
+from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
-from cable_tracker.particle_filter.student_t import StudentT
-from cable_tracker.particle_filter.weights import (
-    effective_sample_size,
-    log_sum_exp,
-    normalise_log_weights,
-)
 
 GIVEN_PRESENCE = 0.9
-"""Probability that there is a cable where somebody said that there is one."""
+"""Probability that there is a cable where it was told that there is one."""
 
 LEAST_PRESENCE, MOST_PRESENCE = 1e-3, 1.0 - 1e-5
 """The probability that there is a cable stays between these, so that it can turn again in time.
 Close to 1, for a new cable beside the one that is tracked is hardly ever the one to follow."""
-
-SMALLEST_CLUSTER_SHARE = 0.06
-"""Share of the ancestors that every cluster has, however light: so it can prove itself."""
 
 MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
 """A cable is remembered while it is present, and in one cluster, by so much."""
@@ -95,9 +91,6 @@ LOST_DETECTOR_SHARE = 0.3
 
 LARGEST_BIRTH_SHARE = 0.8
 """Share of the particles of the prior that are born at most."""
-
-LEAST_SURVIVING = 1e-300
-"""Weight of an ancestor that cannot have survived: of none could a mixture be made."""
 
 FIRST_POWER = 0.3
 """The first round looks at the frame through the likelihood to this power, the last one at it as it
@@ -122,61 +115,18 @@ BORDER_TURN = float(np.deg2rad(0.25))
 POLARITY_DOUBT = 0.02
 """The probability that the cable is bright stays this far from 0 and 1."""
 
+SMALLEST_HYPOTHESIS = 0.01
+"""Clusters with a smaller share are not reported."""
 
-@dataclass(frozen=True, slots=True)
-class Shares:
-    """Numbers of particles by where they are drawn from.
+NO_ANCHOR = np.empty((0, STATE_SIZE))
 
-    Attributes
-    ----------
-    survivors, births, detections : int
-        Of the first round.
-    refined : tuple of int
-        Of each further round.
-    """
-
-    survivors: int
-    births: int
-    detections: int
-    refined: tuple[int, ...]
+_SIGNS = np.ones(STATE_SIZE)
+_SIGNS[list(SIGN_CHANGING_COLUMNS)] = -1.0
+TURNED_SIGNS = np.outer(_SIGNS, _SIGNS)
+"""Factors on a covariance (8, 8) when the normal is turned round."""
 
 
-class Survivors(NamedTuple):
-    """What the particles of the frame before, M of them, have become.
-
-    Attributes
-    ----------
-    places, rates : FloatArray
-        Where they have drifted, and how fast they move, shape (M, 4).
-    target : FloatArray
-        Their weights, shape (M,), summing to one.
-    survival : float
-        Probability that the cable is still in view.
-    """
-
-    places: FloatArray
-    rates: FloatArray
-    target: FloatArray
-    survival: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class View:
-    """A frame, and how the cable in it is expected to look.
-
-    Attributes
-    ----------
-    image : WorkingImage
-        The frame.
-    bright : float
-        Probability that the cable is brighter than the bottom.
-    """
-
-    image: WorkingImage
-    bright: float
-
-
-class MultiHypothesisFilter:
+class MultiHypothesisFilter(CableFilter[Belief]):
     """See the module.
 
     Parameters
@@ -198,67 +148,79 @@ class MultiHypothesisFilter:
         image_size: tuple[int, int],
         rng: np.random.Generator,
     ) -> None:
+        width, height = image_size
         self._parameters = parameters
         self._observation = observation
         self._image_size = image_size
         self._rng = rng
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
-        self._movement = CableMovement(parameters, image_size[0])
-        self._box = search_box(parameters, image_size[0])
-        self._refined = tuple(
-            int(parameters.refinement_share * parameters.particle_count * weight)
-            for weight in round_weights(parameters.refinement_rounds)
+        self._movement = CableMovement(parameters, width)
+        self._box = search_box(parameters, width)
+        self._rates = survival_rates(parameters, width)
+        self._frame_size = (float(width), float(height))
+        unit = np.array([width / REFERENCE_WIDTH, 1.0] * 2)
+        self._smallest_kernel = SMALLEST_KERNEL * unit
+        rounds = parameters.refinement_rounds
+        self._refined = np.array(
+            [
+                int(parameters.refinement_share * parameters.particle_count * weight)
+                for weight in round_weights(rounds)
+            ],
+            np.int64,
         )
-        self._unit = np.array([image_size[0] / REFERENCE_WIDTH, 1.0] * 2)
-        self._smallest_kernel = SMALLEST_KERNEL * self._unit
-
-    @cached_property
-    def displacement(self) -> FloatArray:
-        """The covariance (8, 8) of what the likelihood does not know.
-
-        Growth, shadow and the roundness of a cable shift each border as a whole, by the same in
-        frame after frame; particles agree on the wrong place then.
-        """
-        border = self._parameters.border_displacement * self._image_size[0] / REFERENCE_WIDTH
-        turn = self._parameters.border_displacement * BORDER_TURN
-        variances = np.zeros(STATE_SIZE)
-        # d and alpha are means of the two borders, w is their difference, beta half of it.
-        variances[:PLACES] = [border**2 / 2, turn**2 / 2, 2 * border**2, turn**2 / 2]
-        return np.diag(variances)
-
-    def leading_covariance(self, belief: Belief) -> FloatArray:
-        """Return the covariance (8, 8) of the leading cluster, in the chart about its mean."""
-        return belief.clusters[0].covariance(belief.particles.states, belief.particles.weights)
-
-    def effective_sample_size(self, belief: Belief) -> float:
-        """Return N_eff of all particles."""
-        return effective_sample_size(belief.particles.log_weights)
+        limits = state_limits(parameters, width)
+        self._config = ProposalConfig(
+            image_width=float(width),
+            degrees_of_freedom=self._movement.degrees_of_freedom,
+            lower=limits.lower,
+            upper=limits.upper,
+            detection_sigmas=DETECTION_SIGMAS * unit,
+            smallest_sigmas=SMALLEST_SIGMAS * unit,
+            powers=np.array([annealing_power(number, rounds) for number in range(rounds)]),
+            widenings=np.array([widening_in(number) for number in range(rounds)]),
+            most_refined=MOST_REFINED,
+            smallest_refined=SMALLEST_REFINED,
+        )
+        self._rules = CorrectionRules(
+            parameters.evidence_of_bottom, parameters.evidence_limit, parameters.evidence_repeated
+        )
+        self._sample = empty_sample(parameters.particle_count)
+        self._displacement = displacement_covariance(parameters, width)
 
     def first_belief(self) -> Belief:
         """Return what is believed of a cable of which nothing is known."""
         states = self._box.draw(self._parameters.particle_count, self._rng)
         return initial_belief(states, LEAST_PRESENCE, self._image_size[0])
 
-    def belief_given(self, states: FloatArray) -> Belief:
-        """Return what is believed of a cable that somebody said is there, states (N, 8)."""
+    def given_belief(self, states: FloatArray) -> Belief:
+        """Return what is believed of a cable that was told to be there, states (N, 8)."""
         return initial_belief(states, GIVEN_PRESENCE, self._image_size[0])
 
-    def adapted(self, belief: Belief) -> Belief:
-        """Return the belief with the number of particles that the parameters want."""
+    def adapted(self, belief: ParticleBelief) -> Belief:
+        """Return the belief of any filter as this one's, with as many particles as wanted."""
+        if not isinstance(belief, Belief):
+            return self.given_belief(equal_states(belief, self._parameters, self._rng))
         count = self._parameters.particle_count
         if belief.particles.count == count:
             return belief
         indices = self._resample(belief.particles.weights, count, self._rng)
-        particles = belief.particles.selected(indices)
-        clusters = find_clusters(particles.states, particles.weights, self._image_size[0])
-        return replace(belief, particles=particles, clusters=tuple(clusters))
-
-    def aid_by(self, motion: MotionAid | None) -> None:
-        """Let cables move as odometry says until told otherwise; None: by their own rates."""
-        self._movement.aid_by(motion)
+        states = belief.particles.states[indices]
+        fresh = initial_belief(states, belief.presence, self._image_size[0])
+        return replace(
+            belief,
+            particles=fresh.particles,
+            clusters=fresh.clusters,
+            covariance=fresh.covariance,
+            effective_size=fresh.effective_size,
+        )
 
     def step(
-        self, belief: Belief, image: WorkingImage, dt: float, detections: FloatArray
+        self,
+        belief: Belief,
+        image: WorkingImage,
+        dt: float,
+        detections: FloatArray,
+        motion: MotionAid | None = None,
     ) -> Belief:
         """Return the belief after one more frame.
 
@@ -272,335 +234,210 @@ class MultiHypothesisFilter:
             Time between the two [s]; 0 for a belief about this very frame.
         detections : FloatArray
             d, alpha, w, beta of cables that a detector sees in it [px, rad], shape (K, 4).
+        motion : MotionAid or None
+            How odometry says that the cable has moved; None: by its own rates.
         """
-        view = View(image, belief.bright)
-        prior = self._predict(belief, dt)
-        shares = self._shares(prior.existence, len(detections))
-        noise = self._noise(shares)
-        sample = self._first_round(prior, shares, noise, view, detections)
-        for number, count in enumerate(shares.refined):
-            sample = self._refine(sample, prior, noise, view, number=number, count=count)
-        return self._conclude(belief, prior, sample, dt)
-
-    def _predict(self, belief: Belief, dt: float) -> Prior:
-        survivors = self._survivors(belief, dt)
-        count = len(survivors.target)
-        # Without movement the kernel would be a point: the first frame after a given prior.
-        sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE))
         memory = belief.memory.aged(dt) if belief.memory is not None else None
-        usual_width = belief.usual_width.aged(dt) if belief.usual_width is not None else None
-        return Prior(
-            kernels=KernelMixture(
-                survivors.places,
-                np.maximum(sigmas[:PLACES], self._smallest_kernel),
-                self._movement.degrees_of_freedom,
-            ),
-            target=survivors.target,
-            proposal=np.full(count, 1.0 / count),
-            rates=survivors.rates,
-            rate_sigmas=sigmas[PLACES:],
-            births=BirthDensity(self._box, memory, self._parameters.memory_time, self._image_size),
-            existence=predict_existence(
-                belief.presence,
-                survivors.survival,
-                -math.expm1(-self._parameters.appearance_rate * dt),
-            ),
-            reference_angle=belief.reference_angle,
-            usual_width=usual_width,
-            parameters=self._parameters,
-            leader_shift=self._shift_of(belief.clusters[0].mean, dt),
+        width_prior = belief.width_prior.aged(dt) if belief.width_prior is not None else None
+        births = birth_density_of(self._box, memory, self._parameters.memory_time, self._image_size)
+        prior, existence = self._predict(belief, dt, motion, births, width_prior)
+        counts = self._sample_counts(existence, births, len(detections))
+        noise = draw_frame_noise(
+            self._rng,
+            self._parameters.particle_count,
+            counts.births,
+            self._movement.degrees_of_freedom,
         )
+        inputs = ProposalInputs(
+            prior=prior,
+            noise=noise,
+            scan=frame_scan(image),
+            model=self._observation.model_for(image),
+            p_bright=belief.p_bright,
+            reference_angle=belief.reference_angle,
+            ancestors=self._resample(self._even(prior), counts.survivors, self._rng),
+            detected=detections,
+        )
+        anchors = self._anchor(belief, dt, motion)
+        found = draw_and_conclude(self._sample, inputs, counts, self._config, anchors, self._rules)
+        before = replace(belief, memory=memory, width_prior=width_prior)
+        if not len(found.clusters.masses):
+            return self._spread(before, births)
+        presence = update_existence(existence, found.log_evidence, LEAST_PRESENCE, MOST_PRESENCE)
+        return self._concluded(belief, before, found, presence, dt)
 
-    def _shift_of(self, state: FloatArray, dt: float) -> FloatArray:
-        """Return how far a state (8,) is expected to move in d, alpha, w, beta, shape (4,)."""
-        if not self._movement.is_aided:
-            return np.asarray(state[PLACES:] * self._movement.effective_time(dt))
-        moved: FloatArray = self._movement.expected(state[None, :], dt)[0, :PLACES]
-        return moved - state[:PLACES]
-
-    def _survivors(self, belief: Belief, dt: float) -> Survivors:
-        """Choose the particles that go on, and let them drift."""
-        indices, weights = self._ancestors(belief)
-        ancestors = unwrap_states(belief.particles.states[indices], belief.reference_angle)
-        survival = survival_probabilities(ancestors, self._image_size, self._parameters, dt)
-        surviving = np.maximum(weights * survival, LEAST_SURVIVING)
-        drifted = self._movement.centres(ancestors, dt, self._rng)
-        total = float(surviving.sum())
-        places, rates = (np.ascontiguousarray(part) for part in np.hsplit(drifted, [PLACES]))
-        return Survivors(places, rates, surviving / total, total)
-
-    def _ancestors(self, belief: Belief) -> tuple[IndexArray, FloatArray]:
-        """Choose the particles that go on: their indices and weights, shape (M,).
-
-        Every cluster has some, light ones more than their weight; the weights make up for it.
-        """
-        weights = belief.particles.weights
-        groups = [cluster.members for cluster in belief.clusters]
-        groups.append(~np.any(groups, axis=0))
-        masses = np.array([weights[members].sum() for members in groups])
-        kept = np.flatnonzero(masses > SMALLEST_MASS)
-        counts = self._ancestor_counts(masses[kept], belief.particles.count)
-        chosen = []
-        for group, number in zip(kept, counts, strict=True):
-            members = np.flatnonzero(groups[group])
-            shares = weights[members] / masses[group]
-            chosen.append(members[self._resample(shares, int(number), self._rng)])
-        target = np.repeat(masses[kept] / counts, counts)
-        return np.concatenate(chosen), target / target.sum()
-
-    def _ancestor_counts(self, masses: FloatArray, particles: int) -> IndexArray:
-        """Return how many ancestors clusters of some masses (G,) have, shape (G,)."""
-        wanted = np.maximum(masses, SMALLEST_CLUSTER_SHARE)
-        count = min(self._parameters.ancestor_count, particles)
-        counts: IndexArray = np.rint(wanted / wanted.sum() * count).astype(np.int64)
-        return np.maximum(counts, 1)
-
-    def _shares(self, existence: PredictedExistence, detections: int) -> Shares:
+    def _predict(
+        self,
+        belief: Belief,
+        dt: float,
+        motion: MotionAid | None,
+        births: BirthDensity,
+        width_prior: WidthPrior | None,
+    ) -> tuple[Prior, PredictedExistence]:
         parameters = self._parameters
-        count = parameters.particle_count
+        particles = belief.particles
+        draw = plan_draw(
+            particles.log_weights,
+            belief.clusters,
+            min(parameters.ancestor_count, particles.count),
+            parameters.resampling,
+            self._rng,
+        )
+        ancestors, target, survival = surviving_ancestors(
+            particles.states,
+            particles.log_weights,
+            belief.clusters.labels,
+            draw,
+            belief.reference_angle,
+            self._frame_size,
+            self._rates,
+            dt,
+        )
+        drifted = self._movement.centres(ancestors, dt, self._rng, motion)
+        # Without movement the kernel would be a point: the first frame after a given prior.
+        sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
+        birth = -math.expm1(-parameters.appearance_rate * dt)
+        existence = predict_existence(belief.presence, survival, birth)
+        prior = Prior(
+            kernels=kernel_mixture(
+                np.ascontiguousarray(drifted[:, :POSE_SIZE]),
+                np.maximum(sigmas[:POSE_SIZE], self._smallest_kernel),
+                self._movement.degrees_of_freedom,
+                target,
+            ),
+            rates=np.ascontiguousarray(drifted[:, POSE_SIZE:]),
+            rate_sigmas=np.ascontiguousarray(sigmas[POSE_SIZE:]),
+            survived=max(existence.survived, MINIMUM_DENSITY),
+            born=max(existence.born, MINIMUM_DENSITY),
+            log_width=width_prior.log_width if width_prior is not None else 0.0,
+            width_spread=width_prior.spread(parameters) if width_prior is not None else math.inf,
+            births=births,
+        )
+        return prior, existence
+
+    @staticmethod
+    def _even(prior: Prior) -> FloatArray:
+        count = len(prior.rates)
+        return np.full(count, 1.0 / count)
+
+    def _sample_counts(
+        self, existence: PredictedExistence, birth_density: BirthDensity, detections: int
+    ) -> SampleCounts:
+        parameters = self._parameters
+        count, refined = parameters.particle_count, int(self._refined.sum())
         detector_share = parameters.detector_share if detections else 0.0
         if detector_share > 0.0 and existence.total < 0.5:
             detector_share = max(detector_share, LOST_DETECTOR_SHARE)
-        detected = min(int(count * detector_share), max(count - sum(self._refined) - 1, 0))
-        rest = count - sum(self._refined) - detected
+        detected = min(int(count * detector_share), max(count - refined - 1, 0))
+        rest = count - refined - detected
         born = existence.born / max(existence.total, MINIMUM_DENSITY)
         births = int(rest * min(max(born, parameters.search_share), LARGEST_BIRTH_SHARE))
-        return Shares(rest - births, births, detected, self._refined)
-
-    def _noise(self, shares: Shares) -> FrameNoise:
-        count, tail = self._parameters.particle_count, self._movement.degrees_of_freedom
-        return draw_frame_noise(self._rng, count, shares.births, tail)
-
-    def _first_round(
-        self,
-        prior: Prior,
-        shares: Shares,
-        noise: FrameNoise,
-        view: View,
-        detections: FloatArray,
-    ) -> MixtureSample:
-        ancestors = self._resample(prior.proposal, shares.survivors, self._rng)
-        rows = slice(0, shares.survivors)
-        places = prior.kernels.placed_about(ancestors, noise.of_places(rows))
-        survivors = np.hstack((places, prior.rates_about(ancestors, noise.of_rates(rows))))
-        rows = slice(rows.stop, rows.stop + shares.births)
-        births = prior.births.placed(noise.uniform[rows], noise.about_memory)
-        states = np.concatenate((survivors, births))
-        proposals: tuple[tuple[int, Proposal], ...] = ()
-        if shares.detections:
-            mixture = self._about_detections(detections, prior.reference_angle)
-            about = np.arange(shares.detections) % len(detections)
-            rows = slice(rows.stop, rows.stop + shares.detections)
-            places = mixture.placed_about(about, noise.of_places(rows))
-            found = self._with_rates(places, prior, noise, rows)
-            states = np.concatenate((states, found))
-            proposals = ((shares.detections, mixture),)
-        drawn = self._look(unwrap_states(states, prior.reference_angle), prior, view)
-        return MixtureSample(drawn, shares.survivors, shares.births, proposals)
-
-    def _about_detections(self, detections: FloatArray, reference_angle: float) -> KernelMixture:
-        states = np.zeros((len(detections), STATE_SIZE))
-        states[:, :PLACES] = detections
-        centres = unwrap_states(states, reference_angle)[:, :PLACES]
-        tail = self._movement.degrees_of_freedom
-        return KernelMixture(centres, DETECTION_SIGMAS * self._unit, tail)
-
-    def _with_rates(
-        self, places: FloatArray, prior: Prior, noise: FrameNoise, rows: slice
-    ) -> FloatArray:
-        states = np.zeros((len(places), STATE_SIZE))
-        states[:, :PLACES] = places
-        states = unwrap_states(states, prior.reference_angle)
-        states[:, PLACES:] = prior.rates_from(states, noise.uniform[rows], noise.of_rates(rows))
-        return states
-
-    def _look(self, states: FloatArray, prior: Prior, view: View) -> Drawn:
-        evidence = self._observation.measure(states, view.image)
-        width_factors = prior.log_width_factors(states)
-        log_ratios = marginal_log_ratios(evidence.log_ratios, view.bright) + width_factors
-        possible = self._movement.is_within_limits(states)
-        return Drawn(
-            states,
-            prior.log_densities(states),
-            np.where(possible, log_ratios, -np.inf),
-            width_factors,
-            evidence,
+        return SampleCounts(
+            survivors=rest - births,
+            births=births,
+            remembered=birth_density.remembered_of(births),
+            detections=detected,
+            refined=self._refined,
         )
 
-    def _refine(
-        self,
-        sample: MixtureSample,
-        prior: Prior,
-        noise: FrameNoise,
-        view: View,
-        *,
-        number: int,
-        count: int,
-    ) -> MixtureSample:
-        """Draw `count` more particles about the best ones so far, in round `number`."""
-        power = annealing_power(number, self._parameters.refinement_rounds)
-        normalised = normalise_log_weights(sample.log_weights(power))
-        if normalised.degenerate or count == 0:
-            return sample
-        masses, peaks = self._peaks(
-            sample.drawn.states, np.exp(normalised.log_weights), widening_in(number)
-        )
-        proposals = tuple(zip(allot(count, masses), peaks, strict=True))
-        start = len(sample.drawn.states)
-        standard = noise.of_places(slice(start, start + count))
-        parts = np.split(standard, np.cumsum([drawn for drawn, _ in proposals])[:-1])
-        places = np.concatenate(
-            [peak.placed(part) for (_, peak), part in zip(proposals, parts, strict=True)]
-        )
-        states = self._with_rates(places, prior, noise, slice(start, start + count))
-        return sample.extended(self._look(states, prior, view), proposals)
-
-    def _peaks(
-        self, states: FloatArray, weights: FloatArray, widening: float
-    ) -> tuple[FloatArray, list[StudentT]]:
-        """Return masses and shapes of the clusters that a round draws about, heaviest first."""
-        clusters = find_clusters(states, weights, self._image_size[0])[:MOST_REFINED]
-        worthy = [clusters[0], *(each for each in clusters[1:] if each.mass >= SMALLEST_REFINED)]
-        smallest = np.diag((SMALLEST_SIGMAS * self._unit) ** 2)
-        peaks = []
-        for cluster in worthy:
-            spread = cluster.covariance(states, weights)[:PLACES, :PLACES]
-            factor = np.linalg.cholesky(widening * spread + smallest).astype(np.float64)
-            tail = self._movement.degrees_of_freedom
-            peaks.append(StudentT(cluster.mean[:PLACES], factor, tail))
-        return np.array([cluster.mass for cluster in worthy]), peaks
-
-    def _conclude(self, before: Belief, prior: Prior, sample: MixtureSample, dt: float) -> Belief:
-        states = wrap_states(sample.drawn.states)
-        groups = self._groups(before, prior, sample)
-        if not groups:
-            return self._spread(before, prior)
-        log_weights = self._balanced(sample, groups, prior)
-        presence = update_existence(
-            prior.existence, log_sum_exp(log_weights), LEAST_PRESENCE, MOST_PRESENCE
-        )
-        particles = Particles(states, normalise_log_weights(log_weights).log_weights)
-        weights = particles.weights
-        # Balancing may leave all named groups light and the rest heavy.
-        clusters = clusters_of(groups, states, weights)
-        clusters = clusters or find_clusters(states, weights, self._image_size[0])
-        leader = clusters[0]
-        evidence = sample.drawn.evidence
-        shares = bright_shares(evidence.log_ratios, before.bright)
-        weaker = np.where(
-            shares >= 0.5, evidence.weaker_borders[:, 0], evidence.weaker_borders[:, 1]
-        )
-        within = weights * leader.members / leader.mass
-        return self._belief_of(
-            before,
-            prior,
-            dt,
-            particles,
-            tuple(clusters),
-            presence=presence,
-            clearness=float(within @ weaker),
-            seen=float(within @ evidence.seen),
-            brightness=float(weights @ shares),
-        )
-
-    def _belief_of(
-        self,
-        before: Belief,
-        prior: Prior,
-        dt: float,
-        particles: Particles,
-        clusters: tuple[Cluster, ...],
-        *,
-        presence: float,
-        clearness: float,
-        seen: float,
-        brightness: float,
-    ) -> Belief:
-        """Put the belief together, and remember the cable if it is there."""
-        leader = clusters[0]
-        memory, usual_width = prior.births.memory, prior.usual_width
-        if presence >= MEMORY_PRESENCE and leader.mass >= MEMORY_MASS:
-            memory = remember(leader.state, self._image_size, self._parameters)
-            width = float(leader.mean[StateColumn.WIDTH])
-            usual_width = width_seen(before.usual_width, width, dt, self._parameters)
-        return Belief(
-            particles=particles,
-            clusters=clusters,
-            presence=presence,
-            bright=self._polarity(before.bright, brightness, presence, dt),
-            memory=memory,
-            usual_width=usual_width,
-            evidence=clearness,
-            seen=seen,
-        )
-
-    def _groups(self, before: Belief, prior: Prior, sample: MixtureSample) -> list[BoolArray]:
-        """Return the members of each cluster; the one that leads has the first choice."""
-        return find_groups(
-            wrap_states(sample.drawn.states),
-            sample.log_weights(1.0),
-            self._image_size[0],
-            self._anchor(before, prior),
-        )
-
-    def _anchor(self, before: Belief, prior: Prior) -> FloatArray | None:
-        """Return where the cluster that leads is expected, shape (8,); None if none leads."""
-        if before.presence < 0.5:
-            return None
-        anchor: FloatArray = before.clusters[0].mean.copy()
-        anchor[:PLACES] += prior.leader_shift
+    def _anchor(self, belief: Belief, dt: float, motion: MotionAid | None) -> FloatArray:
+        """Return where the cluster that leads is expected, shape (1, 8); (0, 8) if none leads."""
+        if belief.presence < 0.5:
+            return NO_ANCHOR
+        anchor: FloatArray = belief.clusters.means[:1].copy()
+        anchor[:, :POSE_SIZE] = self._movement.expected(anchor, dt, motion)[:, :POSE_SIZE]
         return anchor
 
-    def _balanced(self, sample: MixtureSample, groups: list[BoolArray], prior: Prior) -> FloatArray:
-        """Return log-weights (N,) in which frame after frame does not count as independent.
-
-        Particles of one group compete by their likelihood. Between groups, and for whether there is
-        a cable at all, what counts is how much better the frame is explained, less what any bottom
-        explains as well, up to a limit, and in full only once: a furrow that is there in this frame
-        is there in the next.
-        """
-        log_weights, log_prior = sample.log_weights(1.0), sample.log_weights(0.0)
-        log_survived = log_prior + sample.drawn.densities.log_share_of_survivors()
-        balanced = log_weights.copy()
-        rest = ~np.any(groups, axis=0)
-        for members in (*groups, rest):
-            posterior_mass = log_sum_exp(log_weights[members]) if members.any() else -math.inf
-            if posterior_mass == -math.inf:
-                continue
-            prior_mass = log_sum_exp(log_prior[members])
-            evidence = posterior_mass - prior_mass
-            survived = min(math.exp(log_sum_exp(log_survived[members]) - prior_mass), 1.0)
-            shares = np.exp(log_weights[members] - posterior_mass)
-            misfit = float(shares @ sample.drawn.width_factors[members])
-            balanced[members] += self._counted(evidence, misfit, survived) - evidence
-        return balanced
-
-    def _counted(self, evidence: float, misfit: float, survived: float) -> float:
-        """Return what of the evidence for a group counts, of which a share survived.
-
-        `misfit` is what its width speaks against it: the clearest rope is no cable.
-        """
-        parameters = self._parameters
-        limit = parameters.evidence_limit + misfit
-        new = min(evidence - parameters.evidence_of_bottom, limit)
-        return new * (survived * parameters.evidence_repeated + (1.0 - survived))
-
-    def _spread(self, before: Belief, prior: Prior) -> Belief:
-        """Return what is left to believe when every particle is impossible: a new search."""
-        states = prior.births.draw(self._parameters.particle_count, self._rng)
-        spread = initial_belief(states, LEAST_PRESENCE, self._image_size[0])
-        return replace(
-            spread,
-            bright=before.bright,
-            memory=prior.births.memory,
-            usual_width=prior.usual_width,
+    def _concluded(
+        self, belief: Belief, before: Belief, found: Conclusion, presence: float, dt: float
+    ) -> Belief:
+        """Put the belief together, and remember the cable if it is there."""
+        memory, width_prior = before.memory, before.width_prior
+        leader = found.clusters.means[0]
+        if presence >= MEMORY_PRESENCE and found.clusters.masses[0] >= MEMORY_MASS:
+            memory = remember(wrap_state(leader), self._image_size, self._parameters)
+            width = float(leader[StateColumn.WIDTH])
+            width_prior = updated_width_prior(belief.width_prior, width, dt, self._parameters)
+        return Belief(
+            particles=Particles(found.states, found.log_weights),
+            clusters=found.clusters,
+            covariance=found.covariance,
+            effective_size=found.effective_size,
+            presence=presence,
+            p_bright=self._polarity(belief.p_bright, found.p_bright, presence, dt),
+            memory=memory,
+            width_prior=width_prior,
+            border_evidence=found.border_evidence,
+            visible_length=found.visible_length,
         )
 
-    def _polarity(self, before: float, seen: float, presence: float, dt: float) -> float:
+    def _spread(self, before: Belief, births: BirthDensity) -> Belief:
+        """Return what is left to believe when every particle is impossible: a new search."""
+        states = draw_births(births, self._parameters.particle_count, self._rng)
+        return replace(
+            initial_belief(states, LEAST_PRESENCE, self._image_size[0]),
+            p_bright=before.p_bright,
+            memory=before.memory,
+            width_prior=before.width_prior,
+        )
+
+    def _polarity(self, before: float, found: float, presence: float, dt: float) -> float:
         memory = self._parameters.polarity_memory ** (dt * REFERENCE_RATE)
-        now = presence * seen + (1.0 - presence) * before
-        bright = memory * now + (1.0 - memory) * 0.5
-        return float(min(max(bright, POLARITY_DOUBT), 1.0 - POLARITY_DOUBT))
+        now = presence * found + (1.0 - presence) * before
+        p_bright = memory * now + (1.0 - memory) * 0.5
+        return float(min(max(p_bright, POLARITY_DOUBT), 1.0 - POLARITY_DOUBT))
+
+    def finding(self, belief: Belief, image: WorkingImage) -> Finding:
+        """Return what a belief says about the frame that it came from."""
+        parameters = self._parameters
+        mean, covariance = self._leading_estimate(belief)
+        visible = belief.visible_length >= MINIMUM_POINTS
+        return Finding(
+            mean=mean,
+            covariance=covariance,
+            effective_sample_size=belief.effective_size,
+            evidence=belief.border_evidence,
+            rises=visible
+            and belief.presence >= parameters.presence_to_track
+            and belief.border_evidence >= parameters.evidence_to_track,
+            holds=visible
+            and belief.presence >= parameters.presence_to_lose
+            and belief.border_evidence >= parameters.evidence_to_lose,
+            presence=belief.presence,
+            hypotheses=_hypotheses(belief),
+        )
+
+    def _leading_estimate(self, belief: Belief) -> tuple[FloatArray, FloatArray]:
+        """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters."""
+        leader, covariance = belief.clusters.means[0], belief.covariance
+        mean = wrap_state(leader)
+        turns = round((leader[StateColumn.ANGLE] - mean[StateColumn.ANGLE]) / math.pi)
+        if turns % 2:
+            covariance = covariance * TURNED_SIGNS
+        return mean, covariance + self._displacement
+
+
+def _hypotheses(belief: Belief) -> tuple[Hypothesis, ...]:
+    states = wrap_states(belief.clusters.means)
+    return tuple(
+        Hypothesis(mass, CableState.from_array(states[index]))
+        for index, mass in enumerate(belief.clusters.masses.tolist())
+        if index == 0 or mass >= SMALLEST_HYPOTHESIS
+    )
+
+
+def displacement_covariance(parameters: TrackerParameters, image_width: int) -> FloatArray:
+    """Return the covariance (8, 8) of what the likelihood does not know.
+
+    Growth, shadow and the roundness of a cable shift each border as a whole, by the same in frame
+    after frame; particles agree on the wrong place then.
+    """
+    border = parameters.border_displacement * image_width / REFERENCE_WIDTH
+    turn = parameters.border_displacement * BORDER_TURN
+    variances = np.zeros(STATE_SIZE)
+    # d and alpha are means of the two borders, w is their difference, beta half of it.
+    variances[:POSE_SIZE] = [border**2 / 2, turn**2 / 2, 2 * border**2, turn**2 / 2]
+    return np.diag(variances)
 
 
 def annealing_power(number: int, rounds: int) -> float:
@@ -621,10 +458,3 @@ def round_weights(rounds: int) -> list[float]:
         return []
     parts = [1.0] * (rounds - 1) + [1.5]
     return [part / sum(parts) for part in parts]
-
-
-def allot(count: int, masses: FloatArray) -> list[int]:
-    """Split a number in proportion to masses (K,); what rounding leaves goes to the first."""
-    counts = [int(count * share) for share in masses / masses.sum()]
-    counts[0] += count - sum(counts)
-    return counts

@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.cable.model.state import PLACES
+from cable_tracker.cable.model.state import POSE_SIZE
 
 
 class CableProposer(Protocol):
@@ -24,4 +24,4 @@ class NoProposer:
 
     def propose(self, image: WorkingImage) -> FloatArray:
         """Return no cables, shape (0, 4)."""
-        return np.empty((0, PLACES))
+        return np.empty((0, POSE_SIZE))

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.leaving import support
-from cable_tracker.cable.measure.likelihood_ratio import BorderPoints, measure_points
+from cable_tracker.cable.measure.border_points import measure_points
 from cable_tracker.cable.measure.response_table import (
     PointMeasures,
     ResponseHistograms,
@@ -14,7 +13,7 @@ from cable_tracker.cable.measure.response_table import (
     table_from_histograms,
 )
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.cable.model.geometry import project_borders
+from cable_tracker.cable.model.geometry import image_reach
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 
@@ -64,7 +63,7 @@ class ResponseCounts:
         The polarity of the cable in the frame is that which most of its border speaks for.
         """
         true = state.to_array()[None, :]
-        points = _measure(true, image).measures
+        points = measure_points(true, image).measures
         if not len(points.responses):
             return
         is_bright = float(points.responses.sum() + points.contrasts.sum()) >= 0.0
@@ -84,7 +83,7 @@ class ResponseCounts:
         return table_from_histograms(self._border, self._background, source)
 
     def _count_elsewhere(self, states: FloatArray, image: WorkingImage) -> None:
-        points = _measure(states, image).measures
+        points = measure_points(states, image).measures
         # A line has no polarity of its own.
         self._background.add(points)
         self._background.add(points.negative())
@@ -97,7 +96,7 @@ class ResponseCounts:
         states[:, StateColumn.WIDTH] += share * true[StateColumn.WIDTH]
         outward = np.where(moved == 0, -0.5, 0.5)
         states[:, StateColumn.DISTANCE] += outward * share * true[StateColumn.WIDTH]
-        crossed = _measure(states, image)
+        crossed = measure_points(states, image)
         wrong = crossed.borders % 2 == moved[crossed.borders // 2]
         points = crossed.measures
         chosen = PointMeasures(
@@ -109,13 +108,9 @@ class ResponseCounts:
         scale = image.frame_size[0] / REFERENCE_WIDTH
         states = np.zeros((RANDOM_CABLES, STATE_SIZE))
         angles = self._rng.uniform(-np.pi / 2, np.pi / 2, RANDOM_CABLES)
-        reach = support(angles, image.frame_size)
+        reach = image_reach(angles, image.frame_size)
         states[:, StateColumn.ANGLE] = angles
         states[:, StateColumn.DISTANCE] = reach * self._rng.uniform(-1.0, 1.0, RANDOM_CABLES)
         states[:, StateColumn.WIDTH] = scale * self._rng.uniform(*WIDTHS, RANDOM_CABLES)
         states[:, StateColumn.SKEW] = self._rng.uniform(-MOST_SKEW, MOST_SKEW, RANDOM_CABLES)
         return states
-
-
-def _measure(states: FloatArray, image: WorkingImage) -> BorderPoints:
-    return measure_points(project_borders(states), image)

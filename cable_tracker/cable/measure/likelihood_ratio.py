@@ -7,36 +7,39 @@ costs a bounded amount there. Neighbouring points are not independent, so the su
 
 from __future__ import annotations
 
-import functools
-from dataclasses import dataclass
+import math
+from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image, IndexArray
-from cable_tracker.cable.measure.response_table import PointMeasures, ResponseTable, load_table
-from cable_tracker.cable.measure.scanned_gradients import Channel, ScanLines
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.measure.border_points import (
+    BorderLine,
+    FrameScan,
+    border_line,
+    border_offset,
+    contrast_depths,
+    frame_scan,
+    measure_point,
+)
+from cable_tracker.cable.measure.response_table import (
+    COARSE,
+    ResponseTable,
+    contrast_bin,
+    load_table,
+    response_bin,
+    slope_bin,
+)
+from cable_tracker.cable.measure.scanned_gradients import ScanLines
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.cable.model.geometry import Borders, project_borders
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.compilation import compiled, compiled_inside, compiled_part
 
 TEMPERED_SPACING = 5.0
 """Spacing of the points that the parameter `tempering` is given for [px at the reference width]."""
 
-BEHIND = 0.25
-"""The inside is looked at so deep behind the border, as a share of the cable's width ..."""
 
-NEAREST, FARTHEST_BEHIND, FARTHEST_MIDDLE = 3.0, 12.0, 40.0
-"""... and in the middle, within these limits [px at the reference width]."""
-
-OUTSIDE = 6.0
-"""The outside is looked at so far from the border [px at the reference width]."""
-
-SMALLEST_RESPONSE = 1.0
-"""Added to a response before its slope is divided by it [robust scales]: noise has no ridge."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CableEvidence:
+class CableEvidence(NamedTuple):
     """What a frame says about each of N cables, bright ones in column 0, dark ones in column 1.
 
     Attributes
@@ -45,21 +48,37 @@ class CableEvidence:
         Tempered log-likelihood ratio, cable against no cable, shape (N, 2).
     weaker_borders : FloatArray
         Mean log-likelihood ratio per point of the weaker border, not tempered, shape (N, 2).
-    seen : FloatArray
+    visible_lengths : FloatArray
         Length inside the image of the shorter border [distances of the scan lines], shape (N,).
     """
 
     log_ratios: FloatArray
     weaker_borders: FloatArray
-    seen: FloatArray
+    visible_lengths: FloatArray
 
-    def joined(self, other: CableEvidence) -> CableEvidence:
-        """Return the evidence on these cables and then on others."""
-        return CableEvidence(
-            np.concatenate((self.log_ratios, other.log_ratios)),
-            np.concatenate((self.weaker_borders, other.weaker_borders)),
-            np.concatenate((self.seen, other.seen)),
-        )
+
+def empty_evidence(count: int) -> CableEvidence:
+    """Return room for the evidence on some cables."""
+    return CableEvidence(np.empty((count, 2)), np.empty((count, 2)), np.empty(count))
+
+
+class RatioModel(NamedTuple):
+    """What turns measures into log-likelihood ratios, for frames of one size.
+
+    Attributes
+    ----------
+    edges, contrasts : Image
+        The tables for bright and for dark cables, shapes (96, 15, 2) and (24, 25, 2).
+    tempering : float
+        Power of one point's ratio.
+    missing : float
+        Log-likelihood ratio of a point that a border lacks.
+    """
+
+    edges: Image
+    contrasts: Image
+    tempering: float
+    missing: float
 
 
 class BorderLikelihoodRatio:
@@ -79,9 +98,12 @@ class BorderLikelihoodRatio:
     """
 
     def __init__(self, parameters: TrackerParameters, table: ResponseTable | None = None) -> None:
-        self._table = table if table is not None else load_table(parameters.response_table)
+        chosen = table if table is not None else load_table(parameters.response_table)
         self._tempering = parameters.tempering
-        self._missing = parameters.missing_cost * self._table.absent
+        self._model = RatioModel(
+            chosen.edges_of_both, chosen.contrasts_of_both, 0.0,
+            parameters.missing_cost * chosen.absent,
+        )  # fmt: skip
 
     def log_likelihoods(self, states: FloatArray, observation: WorkingImage) -> FloatArray:
         """Return the log-likelihood ratio of each cable, either polarity as likely; shape (N,)."""
@@ -89,184 +111,126 @@ class BorderLikelihoodRatio:
 
     def measure(self, states: FloatArray, image: WorkingImage) -> CableEvidence:
         """Measure cables, shape (N, 4) or more columns."""
-        blocks = [self._measure_block(block, image) for block in project_borders(states).blocks()]
-        return functools.reduce(CableEvidence.joined, blocks)
+        evidence = empty_evidence(len(states))
+        rows = np.array(states, np.float64, order="C")
+        _measure_all(rows, frame_scan(image), self.model_for(image), evidence)
+        return evidence
 
-    def _measure_block(self, borders: Borders, image: WorkingImage) -> CableEvidence:
-        points = measure_points(borders, image)
-        counts = points.per_border(points.lengths)
-        # A border that runs through the picture has as many points as the picture is high. Points
-        # beyond the edge cannot be seen, but a cable that has none is not to be believed for free.
-        expected = image.size[1] / image.line_spacing
-        missing = self._missing * np.maximum(expected - counts, 0.0)
-        # Bright, dark; cables; left, right.
-        ratios = self._table.look_up(points.measures)
-        totals = np.stack(
-            [points.per_border(column * points.lengths) + missing for column in ratios.T]
-        )
-        per_point = totals / np.maximum(counts, expected)
-        return CableEvidence(
-            self._tempering_in(image) * totals.sum(axis=2).T,
-            per_point.min(axis=2).T,
-            counts.min(axis=1),
-        )
+    def evidence(self, state: FloatArray, image: WorkingImage) -> float:
+        """Return the mean log-likelihood ratio per point of a cable's weaker border; state (8,)."""
+        return float(self.measure(state[None, :], image).weaker_borders.max())
 
-    def _tempering_in(self, image: WorkingImage) -> float:
-        return self._tempering * image.line_spacing / image.scale / TEMPERED_SPACING
+    def model_for(self, image: WorkingImage) -> RatioModel:
+        """Return the model for a frame."""
+        tempering = self._tempering * image.line_spacing / image.scale / TEMPERED_SPACING
+        return self._model._replace(tempering=tempering)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class BorderPoints:
-    """Where the borders of N cables cross the scan lines of a frame, inside it: P points.
-
-    Attributes
-    ----------
-    measures : PointMeasures
-        What is there, each of shape (P,).
-    borders : IndexArray
-        Which border it is of: twice the number of the cable, plus one for the right; shape (P,).
-    lengths : FloatArray
-        Length of border that the point stands for [distances of the scan lines], shape (P,). At
-        least 1; more where the border runs aslant.
-    count : int
-        N.
-    """
-
-    measures: PointMeasures
-    borders: IndexArray
-    lengths: FloatArray
-    count: int
-
-    def per_border(self, values: FloatArray) -> FloatArray:
-        """Return the sum of values (P,) along each border, shape (N, 2): left, right."""
-        sums: FloatArray = np.bincount(self.borders, values, minlength=2 * self.count).astype(
-            np.float64, copy=False
-        )
-        return sums.reshape(self.count, 2)
+@compiled
+def _measure_all(
+    states: FloatArray, scan: FrameScan, model: RatioModel, evidence: CableEvidence
+) -> None:
+    measure_into(states, 0, len(states), scan, model, evidence)
 
 
-def measure_points(borders: Borders, image: WorkingImage) -> BorderPoints:
-    """Measure the frame where borders cross its scan lines.
+@compiled_part
+def measure_into(
+    states: FloatArray,
+    start: int,
+    stop: int,
+    scan: FrameScan,
+    model: RatioModel,
+    evidence: CableEvidence,
+) -> None:
+    """Fill in the evidence on the states from `start` to `stop`."""
+    log_ratios, weaker, visible = evidence
+    for cable in range(start, stop):
+        state = states[cable]
+        depths = contrast_depths(state, scan)
+        log_ratios[cable, 0], log_ratios[cable, 1] = 0.0, 0.0
+        weaker[cable, 0], weaker[cable, 1] = np.inf, np.inf
+        visible[cable] = np.inf
+        for side in (-1.0, 1.0):
+            normal = state[1] + side * state[3]
+            offset = border_offset(state, side) * scan.reduction
+            cos, sin = math.cos(normal), math.sin(normal)
+            if abs(cos) >= abs(sin):
+                crossing = border_line(cos, sin, offset, -side, depths, scan.scale)
+                bright, dark, length = _sum_border(scan.rows, crossing, model)
+            else:
+                crossing = border_line(sin, cos, offset, -side, depths, scan.scale)
+                bright, dark, length = _sum_border(scan.columns, crossing, model)
+            # A border that runs through the picture has as many points as the picture is high.
+            # Points beyond the edge cannot be seen, but a cable without is not believed for free.
+            lacking = model.missing * max(scan.expected - length, 0.0)
+            whole = max(length, scan.expected)
+            log_ratios[cable, 0] += model.tempering * (bright + lacking)
+            log_ratios[cable, 1] += model.tempering * (dark + lacking)
+            weaker[cable, 0] = min(weaker[cable, 0], (bright + lacking) / whole)
+            weaker[cable, 1] = min(weaker[cable, 1], (dark + lacking) / whole)
+            visible[cable] = min(visible[cable], length)
 
-    Steep borders are measured where they cross rows, flat ones where they cross columns.
-    """
-    cos, sin = np.cos(borders.angles).ravel(), np.sin(borders.angles).ravel()
-    offsets = borders.offsets.ravel() * image.reduction
-    widths = np.abs(borders.offsets[:, 1] - borders.offsets[:, 0]) * image.reduction
-    steep = np.abs(cos) >= np.abs(sin)
-    parts = []
-    for lines, along, across, chosen in (
-        (image.scanned.rows, cos, sin, steep),
-        (image.scanned.columns, sin, cos, ~steep),
-    ):
-        numbers = np.flatnonzero(chosen)
-        crossing = _Crossing(along[chosen], across[chosen], offsets[chosen])
-        parts.append(_measure_crossings(crossing, numbers, widths, lines, image.scale))
-    measures = [part.measures for part in parts]
-    return BorderPoints(
-        PointMeasures(
-            np.concatenate([each.responses for each in measures]),
-            np.concatenate([each.slopes for each in measures]),
-            np.concatenate([each.contrasts for each in measures]),
-        ),
-        np.concatenate([part.borders for part in parts]),
-        np.concatenate([part.lengths for part in parts]),
-        len(borders.angles),
+
+@compiled_inside
+def _sum_border(
+    lines: ScanLines, crossing: BorderLine, model: RatioModel
+) -> tuple[float, float, float]:
+    """Return the summed ratios of a bright and of a dark border, and its length in view."""
+    last = float(lines.smooth.shape[1] - 1)
+    middle = last / 2
+    bright, dark = np.float32(0.0), np.float32(0.0)
+    count = 0
+    for number in range(len(lines.places)):
+        line = np.uint64(number)
+        place = crossing.start + crossing.step * lines.places[line]
+        # Written so that a place that is no number is outside.
+        if not abs(place) <= middle:
+            continue
+        count += 1
+        response, slope, contrast = measure_point(lines, line, place + middle, last, crossing)
+        row, column = response_bin(response), slope_bin(slope)
+        coarse, cell = row // np.uint64(COARSE), contrast_bin(contrast)
+        bright += model.edges[row, column, 0] + model.contrasts[coarse, cell, 0]
+        dark += model.edges[row, column, 1] + model.contrasts[coarse, cell, 1]
+    return (
+        float(bright) * crossing.length,
+        float(dark) * crossing.length,
+        count * crossing.length,
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Crossing:
-    """Borders that cross scan lines: normal along and across the lines, offset [px]; shape (B,)."""
+@compiled_inside
+def marginal_log_ratio(first: float, second: float) -> float:
+    """Return the log-likelihood ratio of a cable whose polarity is not known.
 
-    along: FloatArray
-    across: FloatArray
-    offsets: FloatArray
-
-
-def _measure_crossings(
-    crossing: _Crossing, numbers: IndexArray, widths: FloatArray, lines: ScanLines, scale: float
-) -> BorderPoints:
-    middle = (lines.smooth.shape[1] - 1) / 2
-    places = (crossing.offsets[:, None] - crossing.across[:, None] * lines.places) / crossing.along[
-        :, None
-    ]
-    of, line = np.nonzero(np.abs(places) <= middle)
-    position = places[of, line] + middle
-    # Inward: from the left border to the right, from the right border to the left.
-    inward = np.where(numbers % 2 == 0, 1.0, -1.0)[of]
-    along, across = crossing.along[of], crossing.across[of]
-    values = _read_between(lines.gradients, line, position)
-    responses = (
-        inward * (along * values[:, Channel.ALONG] + across * values[:, Channel.ACROSS])
-    ).astype(np.float32)
-    slopes = (scale * values[:, Channel.SLOPE] / along).astype(np.float32)
-    # Steps of one pixel inwards are so long along the scan line.
-    stretch = inward / along
-    without = _read_nearest(lines.smooth, line, position - OUTSIDE * scale * stretch)
-    width = widths[numbers[of] // 2]
-    behind, middle_of_cable = (
-        _read_nearest(lines.smooth, line, position + depth * stretch) - without
-        for depth in (
-            np.clip(BEHIND * width, NEAREST * scale, FARTHEST_BEHIND * scale),
-            np.clip(width / 2, NEAREST * scale, FARTHEST_MIDDLE * scale),
-        )
-    )
-    return BorderPoints(
-        PointMeasures(
-            responses,
-            slopes / (np.abs(responses) + np.float32(SMALLEST_RESPONSE)),
-            agreed_contrast(behind, middle_of_cable),
-        ),
-        numbers[of],
-        1.0 / np.abs(along),
-        len(widths),
-    )
-
-
-def agreed_contrast(behind: Image, middle: Image) -> Image:
-    """Return how much brighter the inside is than the outside; 0 where its parts disagree.
-
-    A furrow has dark borders too, but what lies between them is bottom: the inside is looked at
-    close behind the border and in the middle of the cable, and the smaller contrast counts.
+    `first` and `second` are those of a bright and of a dark cable, plus the logarithms of how
+    likely it is to be the one or the other.
     """
-    smaller = np.sign(behind) * np.minimum(np.abs(behind), np.abs(middle))
-    return np.where(behind * middle > 0.0, smaller, 0.0).astype(np.float32)
+    higher, less = max(first, second), min(first, second)
+    return higher + math.log1p(math.exp(less - higher))
 
 
-def _read_between(gradients: Image, line: IndexArray, position: FloatArray) -> Image:
-    """Read gradients at P places inside the lines, linearly along them; shape (P, 3)."""
-    left = np.minimum(position.astype(np.int64), gradients.shape[1] - 2)
-    share = (position - left).astype(np.float32)[:, None]
-    values: Image = gradients[line, left] * (1 - share) + gradients[line, left + 1] * share
-    return values
-
-
-def _read_nearest(values: Image, line: IndexArray, position: FloatArray) -> Image:
-    """Read values at P places; beyond the ends of a line its last values go on."""
-    nearest = np.clip(position + 0.5, 0, values.shape[1] - 1).astype(np.int64)
-    read: Image = values[line, nearest]
-    return read
-
-
-def marginal_log_ratios(log_ratios: FloatArray, bright: float) -> FloatArray:
+@compiled
+def marginal_log_ratios(log_ratios: FloatArray, p_bright: float) -> FloatArray:
     """Return the log-likelihood ratios (N,) of cables whose polarity is not known.
 
     Parameters
     ----------
     log_ratios : FloatArray
         Of bright and of dark cables, shape (N, 2).
-    bright : float
+    p_bright : float
         Probability that the cable is brighter than the bottom, above 0 and below 1.
     """
-    result: FloatArray = np.logaddexp(
-        np.log(bright) + log_ratios[:, 0], np.log1p(-bright) + log_ratios[:, 1]
-    )
+    log_bright, log_dark = math.log(p_bright), math.log1p(-p_bright)
+    result = np.empty(len(log_ratios))
+    for row in range(len(log_ratios)):
+        result[row] = marginal_log_ratio(
+            log_bright + log_ratios[row, 0], log_dark + log_ratios[row, 1]
+        )
     return result
 
 
-def bright_shares(log_ratios: FloatArray, bright: float) -> FloatArray:
-    """Return the posterior probability that each cable is a bright one, shape (N,)."""
-    log_odds = np.log(bright) - np.log1p(-bright) + log_ratios[:, 0] - log_ratios[:, 1]
-    shares: FloatArray = 1.0 / (1.0 + np.exp(np.clip(-log_odds, -700.0, 700.0)))
-    return shares
+@compiled_inside
+def bright_share(log_odds: float) -> float:
+    """Return the posterior probability that a cable is a bright one, from its log-odds."""
+    return 1.0 / (1.0 + math.exp(min(max(-log_odds, -700.0), 700.0)))

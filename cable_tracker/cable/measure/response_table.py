@@ -18,7 +18,8 @@ from typing import Any
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import FloatArray, Image, IndexArray
+from cable_tracker.compilation import compiled, compiled_inside
 from cable_tracker.errors import ParameterError
 
 RESPONSE_LIMIT = 12.0
@@ -39,6 +40,12 @@ CONTRAST_BINS = 25
 
 COARSE = 4
 """So many bins of the response are one where it stands beside the contrast."""
+
+RESPONSE_MIDDLE, CONTRAST_MIDDLE = np.float32(RESPONSE_LIMIT), np.float32(CONTRAST_LIMIT)
+RESPONSE_FACTOR = np.float32(RESPONSE_BINS / (2 * RESPONSE_LIMIT))
+SLOPE_FACTOR = np.float32(SLOPE_BINS / SLOPE_LIMIT)
+CONTRAST_FACTOR = np.float32(CONTRAST_BINS / (2 * CONTRAST_LIMIT))
+"""What numbers are shifted by, and bins per unit, in single precision as in the kernels."""
 
 EDGE_SHAPE = (RESPONSE_BINS, SLOPE_BINS)
 CONTRAST_SHAPE = (RESPONSE_BINS // COARSE, CONTRAST_BINS)
@@ -82,24 +89,53 @@ class PointMeasures:
         """Return what would be measured in a negative of the picture."""
         return PointMeasures(-self.responses, self.slopes, -self.contrasts)
 
-    def edge_cells(self) -> Image:
-        """Return flat indices into the table of edges, int32."""
-        rows = _bins(self.responses, RESPONSE_LIMIT, RESPONSE_BINS)
-        columns = np.abs(self.slopes) * np.float32(SLOPE_BINS / SLOPE_LIMIT)
-        cells: Image = rows * SLOPE_BINS + np.minimum(columns, SLOPE_BINS - 1).astype(np.int32)
-        return cells
+    def cells(self) -> tuple[IndexArray, IndexArray]:
+        """Return flat indices into the tables of edges and of contrasts, of the points' shape."""
+        shape = np.shape(self.responses)
+        edges, contrasts = _cells_of(
+            *(np.array(each, np.float32).ravel() for each in self._columns())
+        )
+        return edges.reshape(shape), contrasts.reshape(shape)
 
-    def contrast_cells(self) -> Image:
-        """Return flat indices into the table of contrasts, int32."""
-        rows = _bins(self.responses, RESPONSE_LIMIT, CONTRAST_SHAPE[0])
-        cells: Image = rows * CONTRAST_BINS + _bins(self.contrasts, CONTRAST_LIMIT, CONTRAST_BINS)
-        return cells
+    def _columns(self) -> tuple[Image, Image, Image]:
+        return self.responses, self.slopes, self.contrasts
 
 
-def _bins(values: Image, limit: float, count: int) -> Image:
-    scaled = (values + np.float32(limit)) * np.float32(count / (2 * limit))
-    bins: Image = np.clip(scaled, 0, count - 1).astype(np.int32)
-    return bins
+@compiled_inside
+def _bin(value: np.float32, shift: np.float32, factor: np.float32, count: int) -> np.uint64:
+    scaled = (value + shift) * factor
+    return np.uint64(np.int32(min(max(scaled, np.float32(0.0)), np.float32(count - 1))))
+
+
+@compiled_inside
+def response_bin(response: np.float32) -> np.uint64:
+    """Return the row of a response in the table of edges; over `COARSE`, in that of contrasts."""
+    return _bin(response, RESPONSE_MIDDLE, RESPONSE_FACTOR, RESPONSE_BINS)
+
+
+@compiled_inside
+def slope_bin(slope: np.float32) -> np.uint64:
+    """Return the column of the size of a slope in the table of edges."""
+    return _bin(slope, np.float32(0.0), SLOPE_FACTOR, SLOPE_BINS)
+
+
+@compiled_inside
+def contrast_bin(contrast: np.float32) -> np.uint64:
+    """Return the column of a contrast in the table of contrasts."""
+    return _bin(contrast, CONTRAST_MIDDLE, CONTRAST_FACTOR, CONTRAST_BINS)
+
+
+@compiled
+def _cells_of(responses: Image, slopes: Image, contrasts: Image) -> tuple[IndexArray, IndexArray]:
+    """Return flat indices (P,) into both tables; all are float32 of shape (P,)."""
+    edges, contrast_cells = np.empty(len(responses), np.int64), np.empty(len(responses), np.int64)
+    for point in range(len(responses)):
+        row = np.int64(response_bin(responses[point]))
+        edges[point] = row * SLOPE_BINS + np.int64(slope_bin(abs(slopes[point])))
+        contrast_cells[point] = (row // COARSE) * CONTRAST_BINS + np.int64(
+            contrast_bin(contrasts[point])
+        )
+    return edges, contrast_cells
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,9 +179,10 @@ class ResponseTable:
 
         float32, shape (P, 2).
         """
+        edges, contrasts = points.cells()
         ratios: Image = (
-            self.edges_of_both.reshape(-1, 2)[points.edge_cells()]
-            + self.contrasts_of_both.reshape(-1, 2)[points.contrast_cells()]
+            self.edges_of_both.reshape(-1, 2)[edges]
+            + self.contrasts_of_both.reshape(-1, 2)[contrasts]
         )
         return ratios
 
@@ -187,11 +224,12 @@ class ResponseHistograms:
 
     def add(self, points: PointMeasures) -> None:
         """Count some points."""
-        self.edges += _counts(points.edge_cells(), EDGE_SHAPE)
-        self.contrasts += _counts(points.contrast_cells(), CONTRAST_SHAPE)
+        edges, contrasts = points.cells()
+        self.edges += _counts(edges, EDGE_SHAPE)
+        self.contrasts += _counts(contrasts, CONTRAST_SHAPE)
 
 
-def _counts(cells: Image, shape: tuple[int, int]) -> FloatArray:
+def _counts(cells: IndexArray, shape: tuple[int, int]) -> FloatArray:
     counts = np.bincount(cells.reshape(-1), minlength=shape[0] * shape[1])
     return counts.reshape(shape).astype(np.float64)
 

@@ -16,11 +16,13 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
+from cable_tracker.compilation import compiled, compiled_fast_part, compiled_part
 
 GAUSSIAN_MAD = 1.4826
 """Standard deviation of a Gaussian over its median absolute deviation."""
@@ -36,9 +38,6 @@ SCALE_STEP = 8
 
 REACH = 3.0
 """Filters end at so many sigma."""
-
-NOTHING = np.array([1.0], np.float32)
-DIFFERENCE = np.array([-0.5, 0.0, 0.5], np.float32)
 
 
 class Channel(IntEnum):
@@ -95,8 +94,7 @@ def _gaussian(x: FloatArray, sigma: float) -> FloatArray:
     return normalised
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ScanLines:
+class ScanLines(NamedTuple):
     """What is known along parallel scan lines.
 
     Rows are scanned to the right, columns upwards: u is the coordinate along a line, v that of the
@@ -153,7 +151,7 @@ def scan_frame(pixels: Image, spacing: int, kernels: ScanKernels) -> ScannedFram
     Parameters
     ----------
     pixels : Image
-        Grey levels, uint8 or float32, shape (h, w).
+        Grey levels, float32, shape (h, w), one piece of memory that may be written to.
     spacing : int
         Distance between the lines [px].
     kernels : ScanKernels
@@ -162,64 +160,253 @@ def scan_frame(pixels: Image, spacing: int, kernels: ScanKernels) -> ScannedFram
     height, width = pixels.shape
     rows, columns = line_indices(height, spacing), line_indices(width, spacing)
     # Columns are scanned upwards: the rows of this one are the columns of that, from below.
-    turned = pixels[::-1].T
-    row_gradients, row_smooth = _scan(pixels, rows, kernels)
-    column_gradients, column_smooth = _scan(turned, columns, kernels)
-    # Rows run down where v runs up.
-    row_gradients[..., Channel.ACROSS] *= -1.0
-    scale = _robust_scale((row_gradients, column_gradients))
-    contrast_scale = _contrast_scale((row_smooth, column_smooth), kernels.contrast_lag)
-    gradient_factor, factor = np.float32(1.0 / scale), np.float32(1.0 / contrast_scale)
+    turned = np.asarray(cv2.rotate(pixels, cv2.ROTATE_90_CLOCKWISE))
+    along_rows, along_columns, scale, contrast_scale = _scan_both(
+        pixels, turned, rows, columns, kernels.gaussian, kernels.derivative, kernels.region,
+        kernels.contrast_lag,
+    )  # fmt: skip
     return ScannedFrame(
-        ScanLines(row_gradients * gradient_factor, row_smooth * factor, (height - 1) / 2 - rows),
-        ScanLines(
-            column_gradients * gradient_factor, column_smooth * factor, columns - (width - 1) / 2
-        ),
+        ScanLines(*along_rows, (height - 1) / 2 - rows),
+        ScanLines(*along_columns, columns - (width - 1) / 2),
         scale,
         contrast_scale,
     )
 
 
-def _scan(pixels: Image, lines: IndexArray, kernels: ScanKernels) -> tuple[Image, Image]:
-    smooth = _filter_across(pixels, lines, kernels.gaussian)
-    along = _filter_along(smooth, kernels.derivative)
-    across = _filter_along(_filter_across(pixels, lines, kernels.derivative), kernels.gaussian)
-    region = _filter_along(_filter_across(pixels, lines, kernels.region), kernels.region)
-    slope = _filter_along(np.sqrt(along * along + across * across), DIFFERENCE)
-    return np.stack((along, across, slope), axis=-1), region
+@compiled
+def _scan_both(
+    pixels: Image,
+    turned: Image,
+    rows: IndexArray,
+    columns: IndexArray,
+    gaussian: Image,
+    derivative: Image,
+    region: Image,
+    lag: int,
+) -> tuple[tuple[Image, Image], tuple[Image, Image], float, float]:
+    """Return gradients and smooth grey levels of rows and of columns, and the two scales."""
+    # Rows run down where v runs up.
+    along_rows = _scan(pixels, rows, np.float32(-1.0), gaussian, derivative, region)
+    along_columns = _scan(turned, columns, np.float32(1.0), gaussian, derivative, region)
+    scale = _scale_gradients(along_rows[0], along_columns[0])
+    contrast_scale = _scale_contrast(along_rows[1], along_columns[1], lag)
+    return along_rows, along_columns, scale, contrast_scale
 
 
-def _filter_across(pixels: Image, lines: IndexArray, kernel: Image) -> Image:
-    """Correlate down the columns, at some rows only; rows beyond the edge are mirrored."""
+@compiled_fast_part
+def _scan(
+    pixels: Image,
+    lines: IndexArray,
+    sign: np.float32,
+    gaussian: Image,
+    derivative: Image,
+    region: Image,
+) -> tuple[Image, Image]:
+    """Return gradients (L, n, 3) and smooth grey levels (L, n), not scaled; `sign` turns v up."""
+    width = pixels.shape[1]
+    radius, region_radius = len(gaussian) // 2, len(region) // 2
+    margin = max(radius, region_radius)
+    smooth = np.empty(width + 2 * margin, np.float32)
+    slope = np.empty(width + 2 * margin, np.float32)
+    wide = np.empty(width + 2 * margin, np.float32)
+    modulus = np.empty(width + 2, np.float32)
+    along = np.empty(width, np.float32)
+    across = np.empty(width, np.float32)
+    gradients = np.empty((len(lines), width, 3), np.float32)
+    levels = np.empty((len(lines), width), np.float32)
+    for line in range(len(lines)):
+        row = lines[line]
+        _fold_across(pixels, row, gaussian, derivative, smooth[margin:], slope[margin:])
+        _sum_across(pixels, row, region, wide[margin:])
+        _mirror_ends(smooth, margin, width)
+        _mirror_ends(slope, margin, width)
+        _mirror_ends(wide, margin, width)
+        _antisymmetric_along(smooth, margin, derivative, along)
+        _symmetric_along(slope, margin, gaussian, across)
+        _symmetric_along(wide, margin, region, levels[line])
+        for x in range(width):
+            across[x] *= sign
+            modulus[x + 1] = np.sqrt(along[x] * along[x] + across[x] * across[x])
+        _mirror_ends(modulus, 1, width)
+        for x in range(width):
+            gradients[line, x, 0] = along[x]
+            gradients[line, x, 1] = across[x]
+            gradients[line, x, 2] = np.float32(0.5) * (modulus[x + 2] - modulus[x])
+    return gradients, levels
+
+
+@compiled_fast_part
+def _fold_across(
+    pixels: Image, row: int, gaussian: Image, derivative: Image, smooth: Image, slope: Image
+) -> None:
+    """Apply the symmetric and the antisymmetric filter down the columns at a row."""
+    height, width = pixels.shape
+    radius = len(gaussian) // 2
+    here, centre = pixels[row], gaussian[radius]
+    for x in range(width):
+        smooth[x] = centre * np.float32(here[x])
+        slope[x] = np.float32(0.0)
+    for tap in range(1, radius + 1):
+        before, after = pixels[mirrored(row - tap, height)], pixels[mirrored(row + tap, height)]
+        weight, change = gaussian[radius + tap], derivative[radius + tap]
+        for x in range(width):
+            first, second = np.float32(before[x]), np.float32(after[x])
+            smooth[x] += weight * (second + first)
+            slope[x] += change * (second - first)
+
+
+@compiled_fast_part
+def _sum_across(pixels: Image, row: int, kernel: Image, sums: Image) -> None:
+    height, width = pixels.shape
     radius = len(kernel) // 2
-    rows = mirrored(lines[:, None] + np.arange(-radius, radius + 1), pixels.shape[0])
-    answers: Image = kernel @ pixels[rows].astype(np.float32)
-    return answers
+    here, centre = pixels[row], kernel[radius]
+    for x in range(width):
+        sums[x] = centre * np.float32(here[x])
+    for tap in range(1, radius + 1):
+        before, after = pixels[mirrored(row - tap, height)], pixels[mirrored(row + tap, height)]
+        weight = kernel[radius + tap]
+        for x in range(width):
+            sums[x] += weight * (np.float32(before[x]) + np.float32(after[x]))
 
 
-def _filter_along(lines: Image, kernel: Image) -> Image:
-    return np.asarray(
-        cv2.sepFilter2D(lines, cv2.CV_32F, kernel, NOTHING, borderType=cv2.BORDER_REFLECT_101)
-    )
-
-
-def mirrored(indices: IndexArray, length: int) -> IndexArray:
-    """Fold indices beyond either end back inside, the end itself not repeated; any shape."""
+@compiled_part
+def mirrored(index: int, length: int) -> int:
+    """Fold an index beyond either end back inside, the end itself not repeated."""
     period = max(2 * (length - 1), 1)
-    folded = np.mod(indices, period)
-    inside: IndexArray = np.where(folded < length, folded, period - folded)
-    return inside
+    folded = index % period
+    return folded if folded < length else period - folded
 
 
-def _robust_scale(families: tuple[Image, ...]) -> float:
-    samples = [each[:, ::SCALE_STEP, : Channel.SLOPE].ravel() for each in families]
-    return max(GAUSSIAN_MAD * float(np.median(np.abs(np.concatenate(samples)))), NOISE_FLOOR)
+@compiled_part
+def _mirror_ends(padded: Image, margin: int, width: int) -> None:
+    for step in range(1, margin + 1):
+        padded[margin - step] = padded[margin + mirrored(-step, width)]
+        padded[margin + width - 1 + step] = padded[margin + mirrored(width - 1 + step, width)]
 
 
-def _contrast_scale(families: tuple[Image, ...], lag: int) -> float:
-    samples = []
-    for smooth in families:
-        first = smooth[:, : -lag or None : SCALE_STEP]
-        second = smooth[:, lag::SCALE_STEP]
-        samples.append(np.abs(second - first[:, : second.shape[1]]).ravel())
-    return max(GAUSSIAN_MAD * float(np.median(np.concatenate(samples))), SMALLEST_CONTRAST)
+@compiled_fast_part
+def _symmetric_along(padded: Image, margin: int, kernel: Image, answers: Image) -> None:
+    radius = len(kernel) // 2
+    width = len(answers)
+    here, centre = padded[margin:], kernel[radius]
+    for x in range(width):
+        answers[x] = centre * here[x]
+    for tap in range(1, radius + 1):
+        weight = kernel[radius + tap]
+        before, after = padded[margin - tap :], padded[margin + tap :]
+        for x in range(width):
+            answers[x] += weight * (after[x] + before[x])
+
+
+@compiled_fast_part
+def _antisymmetric_along(padded: Image, margin: int, kernel: Image, answers: Image) -> None:
+    radius = len(kernel) // 2
+    width = len(answers)
+    for x in range(width):
+        answers[x] = np.float32(0.0)
+    for tap in range(1, radius + 1):
+        weight = kernel[radius + tap]
+        before, after = padded[margin - tap :], padded[margin + tap :]
+        for x in range(width):
+            answers[x] += weight * (after[x] - before[x])
+
+
+@compiled_part
+def _scale_gradients(rows: Image, columns: Image) -> float:
+    """Divide gradients by their robust scale, in place, and return it."""
+    scale = max(GAUSSIAN_MAD * _median(_moduli(rows, columns)), NOISE_FLOOR)
+    _multiply(rows.reshape(-1), np.float32(1.0 / scale))
+    _multiply(columns.reshape(-1), np.float32(1.0 / scale))
+    return scale
+
+
+@compiled_part
+def _scale_contrast(rows: Image, columns: Image, lag: int) -> float:
+    """Divide smooth grey levels by the robust scale of their contrast, in place; return it."""
+    scale = max(GAUSSIAN_MAD * _median(_differences(rows, columns, lag)), SMALLEST_CONTRAST)
+    _multiply(rows.reshape(-1), np.float32(1.0 / scale))
+    _multiply(columns.reshape(-1), np.float32(1.0 / scale))
+    return scale
+
+
+@compiled_part
+def _multiply(values: Image, factor: np.float32) -> None:
+    for index in range(len(values)):
+        values[index] *= factor
+
+
+@compiled_part
+def _median(values: Image) -> float:
+    """Return the median of numbers that are not negative, as NumPy does."""
+    middle = len(values) // 2
+    upper = _at_rank(values, middle)
+    if len(values) % 2:
+        return float(upper)
+    below, lower = _below(values, upper)
+    return float(((lower if below == middle else upper) + upper) / np.float32(2.0))
+
+
+@compiled_part
+def _at_rank(values: Image, rank: int) -> np.float32:
+    """Return which of the numbers (none negative) has so many before it in ascending order.
+
+    Such floats are in the order of their bits, which are found one by one, from the highest: to
+    count is faster than to sort, for it takes no branch.
+    """
+    bits = np.zeros(1, np.uint32)
+    for bit in range(30, -1, -1):
+        bits[0] |= np.uint32(1 << bit)
+        if _count_below(values, bits.view(np.float32)[0]) > rank:
+            bits[0] ^= np.uint32(1 << bit)
+    value: np.float32 = bits.view(np.float32)[0]
+    return value
+
+
+@compiled_fast_part
+def _count_below(values: Image, limit: np.float32) -> np.float32:
+    count = np.float32(0.0)
+    for index in range(len(values)):
+        count += np.float32(1.0) if values[index] < limit else np.float32(0.0)
+    return count
+
+
+@compiled_part
+def _below(values: Image, limit: np.float32) -> tuple[int, np.float32]:
+    """Return how many numbers are below a limit, and the largest of them."""
+    count, largest = 0, np.float32(0.0)
+    for value in values:
+        if value < limit:
+            count += 1
+            largest = max(largest, value)
+    return count, largest
+
+
+@compiled_part
+def _moduli(rows: Image, columns: Image) -> Image:
+    samples = np.empty(_samples(rows, 0) * 2 + _samples(columns, 0) * 2, np.float32)
+    count = 0
+    for gradients in (rows, columns):
+        for line in range(gradients.shape[0]):
+            for place in range(0, gradients.shape[1], SCALE_STEP):
+                samples[count] = abs(gradients[line, place, 0])
+                samples[count + 1] = abs(gradients[line, place, 1])
+                count += 2
+    return samples[:count]
+
+
+@compiled_part
+def _differences(rows: Image, columns: Image, lag: int) -> Image:
+    samples = np.empty(_samples(rows, lag) + _samples(columns, lag), np.float32)
+    count = 0
+    for smooth in (rows, columns):
+        for line in range(smooth.shape[0]):
+            for place in range(0, smooth.shape[1] - lag, SCALE_STEP):
+                samples[count] = abs(smooth[line, place + lag] - smooth[line, place])
+                count += 1
+    return samples[:count]
+
+
+@compiled_part
+def _samples(lines: Image, lag: int) -> int:
+    places = max(lines.shape[1] - lag, 0)
+    return int(lines.shape[0] * (-(-places // SCALE_STEP)))

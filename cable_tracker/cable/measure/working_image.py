@@ -9,7 +9,6 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.compiled.scanned_gradients import scan_frame as compiled_scan_frame
 from cable_tracker.cable.measure.scanned_gradients import ScannedFrame, scan_frame, scan_kernels
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.errors import FrameError
@@ -35,28 +34,24 @@ MAXIMUM_SIDE = 32_766
 
 @dataclass(frozen=True, eq=False)
 class WorkingImage:
-    """A frame made ready for measuring. What nobody reads is not worked out.
+    """A frame made ready for measuring. What is not asked for is not worked out.
 
     Attributes
     ----------
     frame : Image
-        Grey levels, uint8 or float32, shape (H, W). Whoever keeps this longer than the frame is
-        valid must copy it.
+        Grey levels, uint8 or float32, shape (H, W), not copied: valid as long as the frame.
     size : (int, int)
         Width and height of the picture, at most those of the frame [px].
     filter_sigma : float
         Sigma of the Gaussian for the gradients [px at the reference width].
     sample_spacing : float
         Distance between scan lines [px at the reference width].
-    compiled : bool
-        Whether compiled loops work out what is asked for.
     """
 
     frame: Image
     size: tuple[int, int]
     filter_sigma: float = 1.6
     sample_spacing: float = 16.0
-    compiled: bool = False
 
     @property
     def frame_size(self) -> tuple[int, int]:
@@ -66,12 +61,8 @@ class WorkingImage:
     @cached_property
     def pixels(self) -> Image:
         """Grey levels, float32, shape (h, w); those of a reduced uint8 frame are whole numbers."""
-        return np.ascontiguousarray(self._reduced(self.frame), dtype=np.float32)
-
-    @cached_property
-    def averaged(self) -> Image:
-        """Grey levels, float32, shape (h, w), not rounded."""
-        return self._reduced(np.asarray(self.frame, dtype=np.float32))
+        # A copy, for frames of messages cannot be written to, and would be compiled for anew.
+        return np.array(self._reduced(self.frame), dtype=np.float32, order="C")
 
     def _reduced(self, frame: Image) -> Image:
         if self.size == self.frame_size:
@@ -101,9 +92,6 @@ class WorkingImage:
             REGION_SIGMA * self.scale,
             max(1, round(CONTRAST_LAG * self.scale)),
         )
-        if self.compiled:
-            grey = np.ascontiguousarray(self._reduced(self.frame))
-            return compiled_scan_frame(grey, self.line_spacing, kernels)
         return scan_frame(self.pixels, self.line_spacing, kernels)
 
     def to_working(self, points: FloatArray) -> FloatArray:
@@ -144,8 +132,6 @@ def make_working_image(
     working_width: int,
     filter_sigma: float = 1.6,
     sample_spacing: float = 16.0,
-    *,
-    compiled: bool = False,
 ) -> WorkingImage:
     """Reduce a wider frame to the working width by averaging over areas.
 
@@ -155,11 +141,11 @@ def make_working_image(
         Grey levels, uint8 or float32, shape (H, W).
     working_width : int
         Wanted width [px].
-    filter_sigma, sample_spacing, compiled : float, float, bool
+    filter_sigma, sample_spacing : float
         See `WorkingImage`.
     """
     height, width = image.shape
     size = (width, height)
     if width > working_width:
         size = (working_width, max(1, round(height * working_width / width)))
-    return WorkingImage(image, size, filter_sigma, sample_spacing, compiled)
+    return WorkingImage(image, size, filter_sigma, sample_spacing)

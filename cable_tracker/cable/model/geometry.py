@@ -7,16 +7,13 @@ the right, y up. A line is given in Hesse normal form, ``x cos(angle) + y sin(an
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.state import StateColumn
-
-CABLES_AT_ONCE = 512
-"""Cables measured in one go, so that it all stays in the cache and memory does not grow with N."""
+from cable_tracker.compilation import compiled, compiled_inside
 
 SIGN_CHANGING_COLUMNS = (
     StateColumn.DISTANCE,
@@ -42,62 +39,78 @@ class Borders:
     angles: FloatArray
     offsets: FloatArray
 
-    def blocks(self) -> Iterator[Borders]:
-        """Go through them, at most `CABLES_AT_ONCE` at a time; without a cable, one empty block."""
-        for start in range(0, max(len(self.angles), 1), CABLES_AT_ONCE):
-            block = slice(start, start + CABLES_AT_ONCE)
-            yield Borders(self.angles[block], self.offsets[block])
-
 
 def wrap_angle(angle: FloatArray) -> FloatArray:
     """Wrap the angle of a line's normal to (-pi/2, pi/2]; any shape, any whole number of turns."""
     return np.pi / 2 - np.mod(np.pi / 2 - angle, np.pi)
 
 
-def wrap_states(states: FloatArray) -> FloatArray:
-    """Write each cable with its normal angle in (-pi/2, pi/2].
+@compiled_inside
+def wrapped_angle(angle: float) -> float:
+    """Wrap the angle of a normal to (-pi/2, pi/2]; `wrap_angle` for a single one, in kernels."""
+    # Without the remainder of a division, which takes longer than all the rest.
+    wrapped: float = angle - math.pi * np.rint(angle / math.pi)
+    if wrapped <= -math.pi / 2:
+        return wrapped + math.pi
+    return wrapped - math.pi if wrapped > math.pi / 2 else wrapped
+
+
+SMALLEST_SKEW = 1e-6
+"""Borders that are turned by less against the centreline are parallel [rad]."""
+
+
+@compiled_inside
+def borders_cross_inside(pose: FloatArray, image_size: tuple[float, float]) -> bool:
+    """Tell whether the borders of d, alpha, w, beta meet inside a picture: then it is no cable."""
+    skew = abs(pose[3])
+    if skew < SMALLEST_SKEW:
+        return False
+    along = math.copysign(0.5 * pose[2] / math.tan(skew), pose[3])
+    cos, sin = math.cos(pose[1]), math.sin(pose[1])
+    x, y = pose[0] * cos - along * sin, pose[0] * sin + along * cos
+    return abs(x) < 0.5 * image_size[0] and abs(y) < 0.5 * image_size[1]
+
+
+@compiled_inside
+def turn_sign(angle: float, wrapped: float) -> float:
+    """Return -1 if an odd number of half turns lies between two ways of writing it, else 1."""
+    turns = 0.5 * np.rint((angle - wrapped) / math.pi)
+    return 1.0 if turns == np.floor(turns) else -1.0
+
+
+@compiled_inside
+def unwrap_state(state: FloatArray, reference_angle: float, result: FloatArray) -> None:
+    """Fill in the way to write a cable (8,) whose normal is within pi/2 of an angle [rad].
 
     (d, alpha) and (-d, alpha +- pi) are one line. Turning the normal round also exchanges the
     borders and the sense of "up the cable", so that the skew, its rate and the distance rate change
-    their signs too.
-
-    Parameters
-    ----------
-    states : FloatArray
-        Shape (N, 8).
-
-    Returns
-    -------
-    FloatArray
-        Shape (N, 8), the same cables.
+    their signs too. `result` may be `state`.
     """
-    wrapped = wrap_angle(states[:, StateColumn.ANGLE])
-    half_turns = np.rint((states[:, StateColumn.ANGLE] - wrapped) / np.pi)
-    sign = np.where(np.mod(half_turns, 2.0) == 0.0, 1.0, -1.0)
-    result = states.copy()
-    result[:, StateColumn.ANGLE] = wrapped
-    for column in SIGN_CHANGING_COLUMNS:
-        result[:, column] *= sign
-    return result
+    angle = state[1] - reference_angle
+    wrapped = wrapped_angle(angle)
+    sign = turn_sign(angle, wrapped)
+    result[0] = sign * state[0]
+    result[1] = wrapped + reference_angle
+    result[2] = state[2]
+    result[3] = sign * state[3]
+    result[4] = sign * state[4]
+    result[5] = state[5]
+    result[6] = state[6]
+    result[7] = sign * state[7]
 
 
-def wrap_state(state: FloatArray) -> FloatArray:
-    """Write one cable, shape (8,), with its normal angle in (-pi/2, pi/2]; see `wrap_states`."""
-    angle = float(state[StateColumn.ANGLE])
-    wrapped = math.pi / 2 - (math.pi / 2 - angle) % math.pi
-    result = state.copy()
-    result[StateColumn.ANGLE] = wrapped
-    if round((angle - wrapped) / math.pi) % 2:
-        for column in SIGN_CHANGING_COLUMNS:
-            result[column] = -result[column]
-    return result
+@compiled
+def unwrap_in_place(states: FloatArray, reference_angle: float) -> None:
+    """Write cables (N, 8) with their normal angle within pi/2 of a reference angle [rad]."""
+    for row in range(len(states)):
+        unwrap_state(states[row], reference_angle, states[row])
 
 
 def unwrap_states(states: FloatArray, reference_angle: float) -> FloatArray:
     """Write each cable with its normal angle within pi/2 of a reference angle.
 
     In this chart the cables around the reference can be averaged like vectors, also those that lie
-    on both sides of the wrap.
+    on both sides of the wrap; see `unwrap_state`.
 
     Parameters
     ----------
@@ -111,11 +124,21 @@ def unwrap_states(states: FloatArray, reference_angle: float) -> FloatArray:
     FloatArray
         Shape (N, 8), the same cables, angles in (reference - pi/2, reference + pi/2].
     """
-    shifted = states.copy()
-    shifted[:, StateColumn.ANGLE] -= reference_angle
-    chart = wrap_states(shifted)
-    chart[:, StateColumn.ANGLE] += reference_angle
+    # A copy of one kind of array, whatever comes in: for every kind, Numba compiles anew.
+    chart = np.array(states, np.float64, order="C")
+    unwrap_in_place(chart, float(reference_angle))
     return chart
+
+
+def wrap_states(states: FloatArray) -> FloatArray:
+    """Write each cable, shape (N, 8), with its normal angle in (-pi/2, pi/2]."""
+    return unwrap_states(states, 0.0)
+
+
+def wrap_state(state: FloatArray) -> FloatArray:
+    """Write one cable, shape (8,), with its normal angle in (-pi/2, pi/2]."""
+    wrapped: FloatArray = wrap_states(state[None, :])[0]
+    return wrapped
 
 
 def project_borders(states: FloatArray) -> Borders:
@@ -227,3 +250,16 @@ def image_to_pixel(points: FloatArray, image_size: tuple[int, int]) -> FloatArra
     """Turn points (..., 2) of the image frame into pixel coordinates (column, row from the top)."""
     width, height = image_size
     return np.stack(((width - 1) / 2 + points[..., 0], (height - 1) / 2 - points[..., 1]), axis=-1)
+
+
+def image_reach(angles: FloatArray, image_size: tuple[int, int]) -> FloatArray:
+    """Return the largest |d| at which lines still meet the image [px], of the angles' shape."""
+    width, height = image_size
+    reach: FloatArray = (np.abs(np.cos(angles)) * width + np.abs(np.sin(angles)) * height) / 2
+    return reach
+
+
+@compiled_inside
+def reach_at(angle: float, width: float, height: float) -> float:
+    """Return the largest |d| at which a line still meets an image, in kernels; `image_reach`."""
+    return (abs(math.cos(angle)) * width + abs(math.sin(angle)) * height) / 2

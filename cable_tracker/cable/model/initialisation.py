@@ -9,7 +9,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.movement import clip_to_limits, state_limits
-from cable_tracker.cable.model.state import PLACES, STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import (
     REFERENCE_RATE,
     REFERENCE_WIDTH,
@@ -82,13 +82,6 @@ class SearchBox:
         """Return the cables for numbers from 0 to 1, both of shape (N, 8)."""
         return self.lower + uniform * (self.upper - self.lower)
 
-    def log_density_of_places(self, states: FloatArray) -> FloatArray:
-        """Return the log-density of d, alpha, w, beta, shape (N,); -inf outside the box."""
-        lower, upper = self.lower[:PLACES], self.upper[:PLACES]
-        places = states[:, :PLACES]
-        inside = ((places >= lower) & (places <= upper)).all(axis=1)
-        return np.where(inside, -np.log(upper - lower).sum(), -np.inf)
-
 
 def search_box(parameters: TrackerParameters, image_width: int) -> SearchBox:
     """Return the box for frames of a given width [px]."""
@@ -106,7 +99,7 @@ def search_box(parameters: TrackerParameters, image_width: int) -> SearchBox:
          np.deg2rad(parameters.initial_skew_maximum), distance_rate, angle_rate, 0.0, 0.0]
     )  # fmt: skip
     # A range of zero is a density without end.
-    upper[:PLACES] = np.maximum(upper[:PLACES], lower[:PLACES] + SMALLEST_RANGE)
+    upper[:POSE_SIZE] = np.maximum(upper[:POSE_SIZE], lower[:POSE_SIZE] + SMALLEST_RANGE)
     return SearchBox(lower, upper)
 
 

@@ -10,14 +10,13 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.cable.model.state import PLACES, StateColumn
+from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
 from cable_tracker.cable.parameters.parameters import (
     REFERENCE_RATE,
     REFERENCE_WIDTH,
     TrackerParameters,
 )
-from cable_tracker.particle_filter.normal import standard_normals
-from cable_tracker.particle_filter.student_t import standard_student_t, student_t_stretches
+from cable_tracker.particle_filter.student_t import standard_student_t
 
 DOUBT_STRIDE = 4
 """One in so many states does not follow odometry."""
@@ -94,10 +93,10 @@ def effective_time(parameters: TrackerParameters, dt: float) -> float:
 def variances_per_frame(
     parameters: TrackerParameters, image_width: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return what places and rates gain in a reference frame, (4,) each [px², rad², per frame]."""
+    """Return the variances that pose and rates gain in a reference frame, (4,) each [px², rad²]."""
     pixel = (image_width / REFERENCE_WIDTH) ** 2
     radian = np.deg2rad(1.0) ** 2
-    places = np.array(
+    pose = np.array(
         [
             parameters.distance_variance * pixel,
             parameters.angle_variance * radian,
@@ -113,7 +112,7 @@ def variances_per_frame(
             parameters.skew_rate_variance * radian,
         ]
     )
-    return places, rates
+    return pose, rates
 
 
 def variances_over(
@@ -125,11 +124,11 @@ def variances_over(
     second is 25 times as large, its variance 625 times. Over a longer gap the changes of the rates
     within it move the cable too, so that the prior widens as it would have done frame by frame.
     """
-    places, rates = per_frame
+    pose, rates = per_frame
     frames = dt * REFERENCE_RATE
     carried = _carried_by_rates(frames, parameters.rate_damping)
     kept = _kept_by_rates(frames, parameters.rate_damping)
-    return np.concatenate((places * frames + rates * carried, rates * kept * REFERENCE_RATE**2))
+    return np.concatenate((pose * frames + rates * carried, rates * kept * REFERENCE_RATE**2))
 
 
 def _kept_by_rates(frames: float, damping: float) -> float:
@@ -141,7 +140,7 @@ def _kept_by_rates(frames: float, damping: float) -> float:
 
 
 def _carried_by_rates(frames: float, damping: float) -> float:
-    """Return what rates that changed after the first of some frames add to the variance of places.
+    """Return the variance of the pose from rates that changed after the first of some frames.
 
     The integral of ((1 - a^s) / (1 - a))^2 over s from 0 to frames - 1; s^2 without damping.
     """
@@ -179,87 +178,89 @@ class CableMovement:
         self._limit = (
             reflect_at_limits if parameters.limit_handling == "reflect" else clip_to_limits
         )
-        self._aid: MotionAid | None = None
 
     @property
     def degrees_of_freedom(self) -> float:
         """Of the diffusion's Student-t distribution; infinite for a Gaussian."""
         return self._parameters.diffusion_degrees_of_freedom or math.inf
 
-    @property
-    def is_aided(self) -> bool:
-        """Whether states move by what odometry says."""
-        return self._aid is not None
+    def propagate(
+        self,
+        states: FloatArray,
+        dt: float,
+        rng: np.random.Generator,
+        motion: MotionAid | None = None,
+    ) -> FloatArray:
+        """Draw the states `dt` seconds later, shape (N, 8), within the limits.
 
-    def aid_by(self, motion: MotionAid | None) -> None:
-        """Move states by what odometry says until told otherwise; None: by their own rates."""
-        self._aid = motion
-
-    def propagate(self, states: FloatArray, dt: float, rng: np.random.Generator) -> FloatArray:
-        """Draw the states `dt` seconds later, shape (N, 8), within the limits."""
-        moved = self.centres(states, dt, rng)
-        sigmas = self.diffusion_sigmas(dt)
-        moving = np.flatnonzero(sigmas)  # The others need no random numbers.
-        noise = standard_normals(rng, len(moving), len(states))
-        stretches = student_t_stretches(rng, 2, len(states), self.degrees_of_freedom)
-        if stretches.size:
-            noise *= stretches[moving // PLACES]
-        moved[:, moving] += (noise * sigmas[moving, None]).T
+        `motion` is how odometry says that they have moved; None: by their own rates.
+        """
+        moved = self.centres(states, dt, rng, motion)
+        sigmas = self.diffusion_sigmas(dt, motion).reshape(2, POSE_SIZE)
+        for part, columns in enumerate((slice(0, POSE_SIZE), slice(POSE_SIZE, None))):
+            noise = standard_student_t(rng, len(states), POSE_SIZE, self.degrees_of_freedom)
+            moved[:, columns] += noise * sigmas[part]
         return self._limit(wrap_states(moved), self._limits)
 
-    def effective_time(self, dt: float) -> float:
-        """Return for how long an undamped rate would have to last; see `effective_time` [s]."""
-        return effective_time(self._parameters, dt)
-
-    def centres(self, states: FloatArray, dt: float, rng: np.random.Generator) -> FloatArray:
+    def centres(
+        self,
+        states: FloatArray,
+        dt: float,
+        rng: np.random.Generator,
+        motion: MotionAid | None = None,
+    ) -> FloatArray:
         """Draw what the diffusion over `dt` seconds is about, shape (N, 8).
 
         Without odometry, where the rates take the states. With it, where it says that they are; but
         one in `DOUBT_STRIDE` goes on by its rates, and astray as usual. So a filter that is beside
         the cable still finds it, and wrong odometry does not take everything along.
         """
-        moved = self.expected(states, dt)
-        if self._aid is None:
+        moved = self.expected(states, dt, motion)
+        if motion is None:
             return moved
         doubting = slice(DOUBT_STRIDE - 1, None, DOUBT_STRIDE)
-        moved[doubting] = self._astray(states[doubting], dt, rng)
+        moved[doubting] = self._astray(states[doubting], dt, rng, motion)
         return moved
 
-    def expected(self, states: FloatArray, dt: float) -> FloatArray:
+    def expected(
+        self, states: FloatArray, dt: float, motion: MotionAid | None = None
+    ) -> FloatArray:
         """Return where odometry or else the rates take states in `dt` seconds, shape (N, 8)."""
-        if self._aid is None:
+        if motion is None:
             return self.drift(states, dt)
-        moved = self._aid.moved(states)
+        moved = motion.moved(states)
         # Rates that the model never changes would stay for ever as odometry has left them.
-        fixed = PLACES + np.flatnonzero(self._per_frame[1] == 0.0)
+        fixed = POSE_SIZE + np.flatnonzero(self._per_frame[1] == 0.0)
         moved[:, fixed] = states[:, fixed]
         return moved
 
-    def _astray(self, states: FloatArray, dt: float, rng: np.random.Generator) -> FloatArray:
+    def _astray(
+        self, states: FloatArray, dt: float, rng: np.random.Generator, motion: MotionAid
+    ) -> FloatArray:
         """Drift by the rates, and diffuse by what odometry has taken off the diffusion."""
         usual = variances_over(self._per_frame, self._parameters, dt)
-        taken_off = np.sqrt(np.maximum(usual - self.diffusion_sigmas(dt) ** 2, 0.0))
+        taken_off = np.sqrt(np.maximum(usual - self.diffusion_sigmas(dt, motion) ** 2, 0.0))
         tail = self.degrees_of_freedom
-        noise = [standard_student_t(rng, len(states), PLACES, tail) for _ in range(2)]
+        noise = [standard_student_t(rng, len(states), POSE_SIZE, tail) for _ in range(2)]
         return self.drift(states, dt) + np.hstack(noise) * taken_off
 
     def drift(self, states: FloatArray, dt: float) -> FloatArray:
         """Return where the rates alone take the states in `dt` seconds, shape (N, 8)."""
         moved = states.copy()
-        moved[:, :PLACES] += states[:, PLACES:] * effective_time(self._parameters, dt)
-        moved[:, PLACES:] *= rate_damping_over(self._parameters, dt)
+        moved[:, :POSE_SIZE] += states[:, POSE_SIZE:] * effective_time(self._parameters, dt)
+        moved[:, POSE_SIZE:] *= rate_damping_over(self._parameters, dt)
         return moved
 
-    def diffusion_sigmas(self, dt: float) -> FloatArray:
+    def diffusion_sigmas(self, dt: float, motion: MotionAid | None = None) -> FloatArray:
         """Return the scale of the diffusion over `dt` seconds, shape (8,).
 
         Odometry leaves less unknown, never more.
         """
         sigmas: FloatArray = np.sqrt(variances_over(self._per_frame, self._parameters, dt))
-        return sigmas if self._aid is None else np.minimum(sigmas, self._aid.sigmas())
+        return sigmas if motion is None else np.minimum(sigmas, motion.sigmas())
 
     def is_within_limits(self, states: FloatArray) -> BoolArray:
         """Tell which states lie in the box of limits, shape (N,)."""
-        places = states[:, :PLACES]
-        inside = (places >= self._limits.lower) & (places <= self._limits.upper)
+        pose = states[:, :POSE_SIZE]
+        inside = (pose >= self._limits.lower) & (pose <= self._limits.upper)
         return np.asarray(inside.all(axis=1))

@@ -29,8 +29,8 @@ STATE_SYMBOLS = ("d", "alpha", "w", "beta", "v_d", "v_alpha", "v_w", "v_beta")
 
 STATE_SIZE = len(StateColumn)
 
-PLACES = 4
-"""The first columns say where the cable is, as many others how fast each of them changes."""
+POSE_SIZE = 4
+"""Pose components: the first columns, d, alpha, w, beta; as many rates follow."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.errors import ParameterError
+from cable_tracker.tracking.parameter_table import preset_of
 
 PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
     {
         "default": TrackerParameters(),
-        # Wirth's thesis to the letter: Tables 5.1 and 5.2, multinomial resampling, undamped rates,
-        # a point every 20 px. Only its responses are read from scan lines, which costs less and
-        # loses no more; `response_sampling` = taps is its letter.
+        # Wirth's thesis: Tables 5.1 and 5.2, multinomial resampling, undamped rates, a point every
+        # 20 px. Only its responses are read from scan lines, which costs less.
         "thesis": TrackerParameters(
             filter="bootstrap",
             observation="responses",
@@ -55,6 +54,4 @@ def preset(name: str) -> TrackerParameters:
     ParameterError
         There is no such preset.
     """
-    if name not in PRESETS:
-        raise ParameterError(f"preset: {name!r} is none of {' | '.join(PRESETS)}")
-    return PRESETS[name]
+    return preset_of(PRESETS, name)

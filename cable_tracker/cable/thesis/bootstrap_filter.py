@@ -1,92 +1,51 @@
-"""The cycle of the thesis' filter: resample if needed, move, weigh, estimate."""
+"""The filter of the thesis: resample if needed, move, weigh, estimate (chapter 4)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.kernels import make_likelihood_ratio
+from cable_tracker.cable.filter import CableFilter, Finding, ParticleBelief, equal_states
+from cable_tracker.cable.measure.border_responses import BorderResponseModel
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.response_table import ResponseTable
-from cable_tracker.cable.measure.scan_lines import ScanLineObservation
 from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.initialisation import random_states
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.statistics import cable_mean_and_covariance
-from cable_tracker.cable.thesis.evidence import border_evidence
-from cable_tracker.cable.thesis.observation import BorderObservation
-from cable_tracker.particle_filter.filter import ParticleFilter
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.particle_filter.weights import effective_sample_size
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Sight:
-    """What the particles say after one frame.
-
-    Attributes
-    ----------
-    mean : FloatArray
-        The estimate, shape (8,), columns of `StateColumn`; its angle in (-pi/2, pi/2].
-    covariance : FloatArray
-        Of the particles, shape (8, 8).
-    effective_sample_size : float
-        N_eff.
-    evidence : float
-        How clearly the frame shows the weaker border of the estimate.
-    """
-
-    mean: FloatArray
-    covariance: FloatArray
-    effective_sample_size: float
-    evidence: float
-
-
-class BootstrapFilter(Protocol):
-    """Particles that move by themselves and are weighed by the frame."""
-
-    @property
-    def particles(self) -> Particles:
-        """The present belief."""
-        ...
-
-    def resample(self, count: int) -> None:
-        """Replace the particles by `count` equally weighted ones drawn from them."""
-        ...
-
-    def predict(self, dt: float, motion: MotionAid | None = None) -> None:
-        """Resample if needed, and move every particle `dt` seconds ahead, as odometry says."""
-        ...
-
-    def look(self, image: WorkingImage) -> Sight:
-        """Weigh every particle by a frame, and estimate."""
-        ...
-
-
-Observation: TypeAlias = BorderObservation | ScanLineObservation | BorderLikelihoodRatio
+Observation: TypeAlias = BorderResponseModel | BorderLikelihoodRatio
 
 
 def make_observation(parameters: TrackerParameters, table: ResponseTable) -> Observation:
     """Return the observation model that the parameters name."""
     if parameters.observation == "likelihood_ratio":
-        return make_likelihood_ratio(parameters, table)
-    if parameters.response_sampling == "scan_lines":
-        return ScanLineObservation(parameters)
-    return BorderObservation(parameters)
+        return BorderLikelihoodRatio(parameters, table)
+    return BorderResponseModel(parameters)
 
 
-class NumpyBootstrapFilter:
-    """The filter in plain NumPy, with any observation model.
+@dataclass(frozen=True, slots=True, eq=False)
+class BootstrapBelief:
+    """What the filter of the thesis believes: weighted particles, and nothing else."""
+
+    particles: Particles
+
+
+class BootstrapFilter(CableFilter[BootstrapBelief]):
+    """Sequential importance resampling with either observation model.
 
     Parameters
     ----------
-    particles : Particles
-        The prior.
     parameters : TrackerParameters
         All of them.
     observation : Observation
@@ -99,51 +58,70 @@ class NumpyBootstrapFilter:
 
     def __init__(
         self,
-        particles: Particles,
         parameters: TrackerParameters,
         observation: Observation,
         image_width: int,
         rng: np.random.Generator,
     ) -> None:
+        self.search_time = parameters.search_time
+        self._parameters = parameters
         self._observation = observation
+        self._width = image_width
+        self._rng = rng
         self._movement = CableMovement(parameters, image_width)
-        self._filter: ParticleFilter[WorkingImage] = ParticleFilter(
-            particles,
-            movement=self._movement,
-            observation=observation,
-            resampling=RESAMPLING_SCHEMES[parameters.resampling],
-            resampling_threshold=parameters.resampling_threshold,
-            rng=rng,
-        )
+        self._resample = RESAMPLING_SCHEMES[parameters.resampling]
 
-    @property
-    def particles(self) -> Particles:
-        """The present belief."""
-        return self._filter.particles
+    def first_belief(self) -> BootstrapBelief:
+        """Return particles all over the search box."""
+        return self.given_belief(random_states(self._parameters, self._width, self._rng))
 
-    def resample(self, count: int) -> None:
-        """Replace the particles by `count` equally weighted ones drawn from them."""
-        self._filter.resample(count)
+    def given_belief(self, states: FloatArray) -> BootstrapBelief:
+        """Return equally weighted particles, states (N, 8)."""
+        return BootstrapBelief(Particles.equally_weighted(states))
 
-    def predict(self, dt: float, motion: MotionAid | None = None) -> None:
-        """Resample if needed, and move every particle `dt` seconds ahead, as odometry says."""
-        self._filter.resample_if_degenerate()
-        self._movement.aid_by(motion)
-        self._filter.predict(dt)
+    def adapted(self, belief: ParticleBelief) -> BootstrapBelief:
+        """Return the belief of any filter as this one's, with as many particles as wanted."""
+        if belief.particles.count == self._parameters.particle_count:
+            return BootstrapBelief(belief.particles)
+        return self.given_belief(equal_states(belief, self._parameters, self._rng))
 
-    def look(self, image: WorkingImage) -> Sight:
-        """Weigh every particle by a frame, and estimate."""
-        self._filter.update(image)
-        particles = self._filter.particles
+    def step(
+        self,
+        belief: BootstrapBelief,
+        image: WorkingImage,
+        dt: float,
+        detections: FloatArray,
+        motion: MotionAid | None = None,
+    ) -> BootstrapBelief:
+        """Return the belief after one more frame; see `CableFilter.step`. Asks no detector."""
+        particles = self._resampled(belief.particles)
+        if dt > 0.0:
+            moved = self._movement.propagate(particles.states, dt, self._rng, motion)
+            particles = particles.moved_to(moved)
+        log_likelihoods = self._observation.log_likelihoods(particles.states, image)
+        return BootstrapBelief(particles.reweighted(log_likelihoods)[0])
+
+    def _resampled(self, particles: Particles) -> Particles:
+        """Resample if N_eff has fallen below the threshold.
+
+        Otherwise the particles keep their weights, so that the next likelihood multiplies them.
+        """
+        size = effective_sample_size(particles.log_weights)
+        if size >= self._parameters.resampling_threshold * particles.count:
+            return particles
+        return particles.selected(self._resample(particles.weights, particles.count, self._rng))
+
+    def finding(self, belief: BootstrapBelief, image: WorkingImage) -> Finding:
+        """Return mean and covariance of the particles, and how clearly the frame shows the mean."""
+        particles = belief.particles
         mean, covariance = cable_mean_and_covariance(particles.states, particles.weights)
-        return Sight(
+        evidence = self._observation.evidence(mean, image)
+        return Finding(
             mean=mean,
             covariance=covariance,
             effective_sample_size=effective_sample_size(particles.log_weights),
-            evidence=self._evidence(mean, image),
+            evidence=evidence,
+            rises=evidence >= self._parameters.evidence_to_track,
+            holds=evidence >= self._parameters.evidence_to_lose,
+            hypotheses=(Hypothesis(1.0, CableState.from_array(mean)),),
         )
-
-    def _evidence(self, mean: FloatArray, image: WorkingImage) -> float:
-        if isinstance(self._observation, BorderLikelihoodRatio):
-            return float(self._observation.measure(mean[None, :], image).weaker_borders.max())
-        return border_evidence(self._observation, mean, image)

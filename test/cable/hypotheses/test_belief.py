@@ -15,7 +15,7 @@ def test_states_that_are_given_count_alike_and_are_wrapped(rng):
     np.testing.assert_allclose(belief.particles.weights, 1 / 50)
     assert (np.abs(belief.particles.states[:, 1]) <= np.pi / 2).all()
     # One cloud on both sides of the wrap: its middle is not upright.
-    assert len(belief.clusters) == 1
+    assert len(belief.clusters.masses) == 1
     assert abs(belief.reference_angle) == pytest.approx(np.pi / 2, abs=0.01)
     assert belief.memory is None
-    assert belief.usual_width is None
+    assert belief.width_prior is None

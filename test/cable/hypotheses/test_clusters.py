@@ -1,18 +1,15 @@
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.hypotheses.clusters import (
-    MOST_CLUSTERS,
-    RADII,
-    clusters_of,
-    find_clusters,
-    find_groups,
-)
-from cable_tracker.cable.model.geometry import unwrap_states, wrap_states
+from cable_tracker.cable.hypotheses import clusters as kernels
+from cable_tracker.cable.hypotheses.clusters import MOST_CLUSTERS, NONE, RADII
+from cable_tracker.cable.model.geometry import unwrap_states, wrap_state, wrap_states
 
 WIDTH = 320
 SIGMA = np.array([2.0, 0.01, 2.0, 0.01, 1.0, 0.1, 1.0, 0.1])
@@ -21,6 +18,34 @@ SIGMA = np.array([2.0, 0.01, 2.0, 0.01, 1.0, 0.1, 1.0, 0.1])
 def cloud(rng, distance, angle, count=100, width=30.0) -> np.ndarray:
     middle = np.array([distance, angle, width, 0.0, 0.0, 0.0, 0.0, 0.0])
     return wrap_states(middle + rng.standard_normal((count, 8)) * SIGMA)
+
+
+class Found(NamedTuple):
+    mass: float
+    mean: np.ndarray
+    members: np.ndarray
+
+    @property
+    def state(self) -> np.ndarray:
+        return wrap_state(self.mean)
+
+
+def named(clusters) -> list[Found]:
+    return [
+        Found(mass, mean, clusters.labels == index)
+        for index, (mass, mean) in enumerate(zip(clusters.masses, clusters.means, strict=True))
+    ]
+
+
+def find_clusters(states, weights, width) -> list[Found]:
+    with np.errstate(divide="ignore"):
+        return named(kernels.find_clusters(states, np.log(weights), float(width))[0])
+
+
+def find_groups(states, log_weights, width, anchor=None) -> list[np.ndarray]:
+    anchors = np.empty((0, 8)) if anchor is None else anchor[None, :]
+    labels, count = kernels.find_groups(states, log_weights, float(width), anchors)
+    return [labels == group for group in range(count)]
 
 
 def equal(count) -> np.ndarray:
@@ -46,7 +71,8 @@ def test_a_cloud_on_both_sides_of_the_wrap_is_one_cluster(rng):
     assert {-1.0, 1.0} == set(np.sign(states[:, 0]))
     (cluster,) = find_clusters(states, equal(100), WIDTH)
     assert cluster.mass == pytest.approx(1.0)
-    spread = np.sqrt(np.diag(cluster.covariance(states, equal(100))))
+    _, covariance = kernels.find_clusters(states, np.log(equal(100)), float(WIDTH))
+    spread = np.sqrt(np.diag(covariance))
     np.testing.assert_allclose(spread, SIGMA, rtol=0.4)
 
 
@@ -92,7 +118,9 @@ def test_the_lightest_cloud_gathers_too(rng):
     groups = find_groups(states, np.repeat([0.0, -2000.0], 50), WIDTH)
     assert [group.sum() for group in groups] == [50, 50]
     # It has no weight in numbers, so that it is no cluster.
-    assert len(clusters_of(groups, states, np.repeat([1 / 50, 0.0], 50))) == 1
+    labels, weights = np.repeat([0, 1], 50), np.repeat([1 / 50, 0.0], 50)
+    clusters = kernels.clusters_of(states, weights, labels, 2)
+    assert clusters.labels.tolist() == [0] * 50 + [NONE] * 50
 
 
 def test_the_first_group_is_at_the_anchor_however_light(rng):
@@ -118,4 +146,4 @@ def test_one_particle_is_one_cluster_without_a_spread(rng):
     states = cloud(rng, 5.0, 0.1, 1)
     (cluster,) = find_clusters(states, np.ones(1), WIDTH)
     np.testing.assert_allclose(cluster.state, states[0])
-    np.testing.assert_allclose(cluster.covariance(states, np.ones(1)), 0.0)
+    np.testing.assert_allclose(kernels.find_clusters(states, np.zeros(1), 320.0)[1], 0.0)

@@ -39,27 +39,19 @@ def test_the_same_seed_gives_the_same_numbers_and_another_seed_others(seed, tail
 def test_a_gaussian_is_not_stretched(rng):
     noise = draw_frame_noise(rng, 30, 0, math.inf)
     np.testing.assert_array_equal(noise.stretches, 1.0)
-    np.testing.assert_array_equal(noise.of_places(slice(None)), noise.normal[:, :4])
-    np.testing.assert_array_equal(noise.of_rates(slice(None)), noise.normal[:, 4:])
 
 
-@given(COUNTS, COUNTS)
-def test_a_slice_of_the_noise_is_the_noise_of_those_rows(start, stop):
-    noise = draw_frame_noise(np.random.default_rng(1), 40, 0, 4.0)
-    for part in (noise.of_places, noise.of_rates):
-        np.testing.assert_array_equal(part(slice(start, stop)), part(slice(None))[start:stop])
-
-
-def test_places_and_rates_have_heavy_tails_and_jump_independently(rng):
+def test_pose_and_rates_have_heavy_tails_and_jump_independently(rng):
     noise = draw_frame_noise(rng, 40_000, 0, 4.0)
-    places, rates = np.abs(noise.of_places(slice(None))), np.abs(noise.of_rates(slice(None)))
-    for part in (places, rates):
+    pose = np.abs(noise.normal[:, :4] * noise.stretches[:, :1])
+    rates = np.abs(noise.normal[:, 4:] * noise.stretches[:, 1:])
+    for part in (pose, rates):
         # Quantiles of |t| with 4 degrees of freedom.
         assert np.median(part) == pytest.approx(0.741, rel=0.03)
         assert (part > 4.604).mean() == pytest.approx(0.01, rel=0.3)
-    far = places[:, 0] > np.quantile(places[:, 0], 0.99)
+    far = pose[:, 0] > np.quantile(pose[:, 0], 0.99)
     assert np.median(rates[far]) == pytest.approx(np.median(rates), rel=0.2)
-    assert np.median(places[far, 1]) > 2 * np.median(places)
+    assert np.median(pose[far, 1]) > 2 * np.median(pose)
 
 
 def test_the_noise_about_the_memory_is_that_of_its_density(rng):

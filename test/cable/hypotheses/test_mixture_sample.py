@@ -5,82 +5,87 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
-from cable_tracker.cable.hypotheses.mixture_sample import Drawn, MixtureSample, log_density
-from cable_tracker.cable.hypotheses.prior_density import PriorDensities
-from cable_tracker.cable.measure.likelihood_ratio import CableEvidence
-from cable_tracker.particle_filter.kernel_mixture import KernelMixture
-from cable_tracker.particle_filter.student_t import StudentT
-
-PEAK = StudentT(np.array([1.0, 0.0, 30.0, 0.0]), np.diag([1.0, 0.1, 2.0, 0.1]), 4.0)
-CLOUD = KernelMixture(
-    np.array([[0.0, 0.0, 30.0, 0.0], [5.0, 0.1, 25.0, 0.0]]), np.array([1.0, 0.1, 1.0, 0.1]), 4.0
+from cable_tracker.cable.hypotheses.mixture_sample import (
+    Peaks,
+    add_detections,
+    add_peaks,
+    find_peaks,
+    log_weights,
+    marginal_ratios,
 )
 
-
-def drawn(places, full, survivors, births, log_ratios) -> Drawn:
-    count = len(places)
-    columns = [np.broadcast_to(x, count).astype(float) for x in (full, survivors, births)]
-    return Drawn(
-        np.hstack((places, np.zeros((count, 4)))),
-        PriorDensities(columns[0], columns[0], columns[1], columns[2]),
-        np.broadcast_to(log_ratios, count).astype(float),
-        np.zeros(count),
-        CableEvidence(np.zeros((count, 2)), np.zeros((count, 2)), np.zeros(count)),
-    )
+FACTOR = np.linalg.cholesky(
+    np.array([[4.0, 0.02, 0, 0], [0.02, 0.001, 0, 0], [0, 0, 9.0, 0.02], [0, 0, 0.02, 0.001]])
+)
+PLACE = np.array([5.0, 0.2, 30.0, 0.0])
+SCALES = np.array([3.0, 0.03, 4.0, 0.03])
 
 
-def standard(count, rng) -> np.ndarray:
-    return draw_frame_noise(rng, count, 0, 4.0).of_places(slice(None))
+def literal_density(point, place, factor) -> float:
+    """A Student-t of four degrees of freedom with a full scale matrix."""
+    standard = np.linalg.solve(factor, point - place)
+    peak = 6.0 / (4.0 * math.pi) ** 2 / np.prod(np.diag(factor))
+    return peak * (1.0 + standard @ standard / 4.0) ** -4.0
 
 
-def test_a_particle_weighs_prior_times_likelihood_over_the_whole_mixture(rng):
-    places = PEAK.placed(standard(6, rng))
-    sample = MixtureSample(
-        drawn(places, -3.0, -2.0, -5.0, 1.5), 10, 4, ((3, PEAK), (7, CLOUD), (0, PEAK))
-    )
-    mixture = 10 * math.exp(-2) + 4 * math.exp(-5) + 3 * np.exp(PEAK.log_density(places))
-    mixture += 7 * np.exp(log_density(CLOUD, places))
+def points_about(rng, count=20) -> np.ndarray:
+    points = PLACE + rng.standard_normal((count, 4)) @ FACTOR.T
+    return np.hstack((points, np.zeros((count, 4))))
+
+
+def test_the_mixture_gains_every_peak_by_its_number_of_particles(rng):
+    states, mixture = points_about(rng), np.full(20, 0.5)
+    peaks = Peaks(np.array([7, 0]), np.array([PLACE, PLACE]), np.array([FACTOR, FACTOR]))
+    add_peaks(states, 0, 20, peaks, 0, 2, 4.0, mixture)
+    expected = [0.5 + 7 * literal_density(state[:4], PLACE, FACTOR) for state in states]
+    np.testing.assert_allclose(mixture, expected)
+
+
+def test_detections_are_a_mixture_of_equal_kernels(rng):
+    states, mixture = points_about(rng), np.zeros(20)
+    centres = np.array([PLACE, PLACE + 3.0])
+    add_detections(states, 0, 20, 10.0, centres, SCALES, 4.0, mixture)
+    factor = np.diag(SCALES)
+    expected = [
+        10 * np.mean([literal_density(state[:4], centre, factor) for centre in centres])
+        for state in states
+    ]
+    np.testing.assert_allclose(mixture, expected)
+
+
+def test_a_particle_weighs_prior_times_likelihood_over_the_mixture():
+    ratios, full, mixture = np.array([1.5, -2.0]), np.array([0.3, 0.2]), np.array([4.0, 5.0])
     for power in (0.0, 0.3, 1.0):
-        expected = -3.0 + power * 1.5 - np.log(mixture)
-        np.testing.assert_allclose(sample.log_weights(power), expected)
+        expected = power * ratios + np.log(full / mixture)
+        np.testing.assert_allclose(log_weights(power, ratios, full, mixture), expected)
 
 
-def test_what_is_impossible_weighs_nothing_and_before_it_is_looked_at_something(rng):
-    sample = MixtureSample(
-        drawn(PEAK.placed(standard(2, rng)), -3.0, -2.0, -5.0, -math.inf), 1, 1, ()
-    )
-    with np.errstate(all="raise"):
-        assert (sample.log_weights(1.0) == -math.inf).all()
-        assert np.isfinite(sample.log_weights(0.0)).all()
+def test_what_is_impossible_weighs_nothing_but_can_be_compared_before_the_frame():
+    impossible = np.array([-math.inf])
+    one = np.ones(1)
+    assert log_weights(1.0, impossible, one, one)[0] == -math.inf
+    assert log_weights(0.0, impossible, one, one)[0] == 0.0
+    assert log_weights(1.0, one, np.zeros(1), one)[0] == -math.inf
 
 
-def test_a_cloud_is_a_proposal_with_equal_weights(rng):
-    places = PEAK.placed(standard(5, rng))
-    halves = CLOUD.log_densities(places, (np.array([0.5, 0.5]),))[0]
-    np.testing.assert_allclose(log_density(CLOUD, places), halves)
+def test_poses_beyond_a_limit_are_impossible_and_others_have_the_width_counted():
+    states = np.array([[0.0, 0.0, 30.0, 0.0, 0, 0, 0, 0], [0.0, 0.0, 300.0, 0.0, 0, 0, 0, 0]])
+    lower, upper = np.array([-100, -np.inf, 8, -0.3]), np.array([100, np.inf, 160, 0.3])
+    marginal = np.empty(2)
+    marginal_ratios(
+        states, 0, 2, np.array([[2.0, 2.0], [2.0, 2.0]]), 0.3, np.array([-0.5, -0.5]), lower, upper,
+        marginal,
+    )  # fmt: skip
+    assert marginal[0] == pytest.approx(1.5)
+    assert marginal[1] == -math.inf
 
 
-def test_more_particles_join_with_their_proposals(rng):
-    first, second = (
-        drawn(PEAK.placed(standard(n, rng)), -1.0, -2.0, -3.0, float(n)) for n in (2, 3)
-    )
-    sample = MixtureSample(first, 1, 1, ()).extended(second, ((3, PEAK),))
-    assert sample.drawn.log_ratios.tolist() == [2.0, 2.0, 3.0, 3.0, 3.0]
-    assert sample.drawn.states.shape == (5, 8)
-    assert sample.drawn.evidence.seen.shape == (5,)
-    assert sample.proposals == ((3, PEAK),)
-
-
-def test_the_weights_sum_to_the_mass_of_the_prior_wherever_particles_are_drawn(rng):
-    """Self-normalising is no excuse: for a likelihood of one the sum itself is known."""
-    count = 4000
-    about_peak, about_cloud = standard(count, rng), standard(count, rng)
-    places = np.concatenate(
-        (PEAK.placed(about_peak), CLOUD.placed_about(np.arange(count) % 2, about_cloud))
-    )
-    full = math.log(0.7) + PEAK.log_density(places)
-    sample = MixtureSample(
-        drawn(places, full, -math.inf, -math.inf, 0.0), 0, 0, ((count, PEAK), (count, CLOUD))
-    )
-    assert np.exp(sample.log_weights(1.0)).sum() == pytest.approx(0.7, rel=0.03)
+def test_peaks_have_the_mean_and_the_widened_covariance_of_the_clusters(rng):
+    states = points_about(rng, 200)
+    log_shares = np.full(200, -math.log(200))
+    masses, means, factors = find_peaks(states, log_shares, 320.0, 3, 0.02, 1.5, SCALES)
+    inside = np.abs(states[:, 0] - PLACE[0]) < 100.0
+    assert masses[0] == pytest.approx(1.0, abs=0.1)
+    np.testing.assert_allclose(means[0], states[inside, :4].mean(axis=0), atol=0.5)
+    spread = factors[0] @ factors[0].T - np.diag(SCALES**2)
+    np.testing.assert_allclose(np.diag(spread), 1.5 * np.diag(FACTOR @ FACTOR.T), rtol=0.5)

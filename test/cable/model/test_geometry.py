@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.model.geometry import (
-    CABLES_AT_ONCE,
     Borders,
     foot_point,
     image_to_pixel,
@@ -211,17 +210,4 @@ def test_pixel_coordinates_count_from_the_centre_of_the_top_left_pixel():
     points = np.array([[0.0, 0.0], [-159.5, 119.5], [159.5, -119.5]])
     np.testing.assert_allclose(
         image_to_pixel(points, SIZE), [[159.5, 119.5], [0.0, 0.0], [319.0, 239.0]]
-    )
-
-
-@pytest.mark.parametrize("count", [0, 1, CABLES_AT_ONCE, 2 * CABLES_AT_ONCE + 1])
-def test_blocks_hold_every_cable_once_in_order_and_never_too_many(count):
-    borders = Borders(np.arange(2.0 * count).reshape(-1, 2), -np.arange(2.0 * count).reshape(-1, 2))
-    blocks = list(borders.blocks())
-    assert max(len(block.angles) for block in blocks) == min(count, CABLES_AT_ONCE)
-    np.testing.assert_array_equal(
-        np.concatenate([block.angles for block in blocks]), borders.angles
-    )
-    np.testing.assert_array_equal(
-        np.concatenate([block.offsets for block in blocks]), borders.offsets
     )

@@ -101,20 +101,7 @@ def test_a_state_beyond_the_limits_is_brought_inside(rng):
     np.testing.assert_allclose(states[:, [0, 2, 3]], np.tile(box.upper[[0, 2, 3]], (COUNT, 1)))
 
 
-@pytest.mark.parametrize("width", [160, 320])
-def test_the_density_of_the_search_integrates_to_one_over_its_box(width, rng):
-    box = search_box(parameters(), width)
-    density = np.exp(box.log_density_of_places(box.draw(100, rng)))
-    volume = np.prod((box.upper - box.lower)[:4])
-    np.testing.assert_allclose(density * volume, 1.0)
-    # A box twice as wide: the density is zero in what is added.
-    middle, half = (box.upper + box.lower) / 2, box.upper - box.lower
-    draws = rng.uniform(middle - half, middle + half, (COUNT, 8))
-    share = np.exp(box.log_density_of_places(draws)).mean() * np.prod(2 * half[:4])
-    assert share == pytest.approx(1.0, abs=0.15)
-
-
-def test_numbers_from_0_to_1_are_places_from_one_corner_of_the_box_to_the_other():
+def test_numbers_from_0_to_1_are_poses_from_one_corner_of_the_box_to_the_other():
     box = search_box(parameters(), 320)
     uniform = np.array([0.0, 0.5, 1.0])[:, None] * np.ones(8)
     np.testing.assert_allclose(
@@ -126,6 +113,4 @@ def test_numbers_from_0_to_1_are_places_from_one_corner_of_the_box_to_the_other(
 
 def test_a_range_of_zero_is_a_narrow_box_and_no_division_by_zero():
     point = search_box(parameters(initial_distance_range=0.0, initial_angle_range=0.0), 320)
-    middle = (point.lower + point.upper)[None, :] / 2
-    with np.errstate(all="raise"):
-        assert np.isfinite(point.log_density_of_places(middle)).all()
+    assert (point.upper[:4] > point.lower[:4]).all()

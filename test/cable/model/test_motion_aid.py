@@ -49,18 +49,8 @@ def movement():
 
 
 def test_odometry_moves_cables_in_place_of_their_rates(movement):
-    movement.aid_by(Shift(7.0))
-    assert movement.is_aided
-    np.testing.assert_allclose(movement.expected(STATES, 0.04)[:, 0], 12.0)
-
-
-def test_without_odometry_they_move_by_their_rates_again(movement):
-    before = movement.expected(STATES, 0.04), movement.diffusion_sigmas(0.04)
-    movement.aid_by(Shift(7.0))
-    movement.aid_by(None)
-    assert not movement.is_aided
-    np.testing.assert_array_equal(movement.expected(STATES, 0.04), before[0])
-    np.testing.assert_array_equal(movement.diffusion_sigmas(0.04), before[1])
+    np.testing.assert_allclose(movement.expected(STATES, 0.04, Shift(7.0))[:, 0], 12.0)
+    assert (movement.expected(STATES, 0.04)[:, 0] != 12.0).all()
 
 
 def test_one_in_four_goes_on_by_itself_and_as_far_astray_as_usual(movement):
@@ -68,8 +58,7 @@ def test_one_in_four_goes_on_by_itself_and_as_far_astray_as_usual(movement):
     usual = movement.drift(many, 0.04)[0, 0]
     rng = np.random.default_rng(1)
     spread = movement.propagate(many, 0.04, rng)[:, 0]
-    movement.aid_by(Shift(70.0))
-    moved = movement.propagate(many, 0.04, rng)[:, 0]
+    moved = movement.propagate(many, 0.04, rng, Shift(70.0))[:, 0]
     doubting = np.arange(len(many)) % DOUBT_STRIDE == DOUBT_STRIDE - 1
     assert np.median(moved[~doubting]) == pytest.approx(75.0, abs=0.1)
     assert np.median(moved[doubting]) == pytest.approx(usual, abs=0.1)
@@ -81,17 +70,16 @@ def test_one_in_four_goes_on_by_itself_and_as_far_astray_as_usual(movement):
 def test_rates_that_the_model_never_changes_are_left_alone():
     """The thesis has none of w and beta; odometry would leave them some that nothing ends."""
     movement = CableMovement(preset("thesis"), 320)
-    movement.aid_by(Turning())
-    rates = movement.expected(STATES, 0.04)[0, 4:]
+    rates = movement.expected(STATES, 0.04, Turning())[0, 4:]
     np.testing.assert_array_equal(rates, [3.0, 3.0, 0.0, 0.0])
 
 
 def test_odometry_leaves_less_unknown_and_never_more(movement):
     usual = movement.diffusion_sigmas(0.04)
-    movement.aid_by(Shift(0.0, sigma=0.01))
-    assert (movement.diffusion_sigmas(0.04) == np.minimum(usual, 0.01)).all()
-    movement.aid_by(Shift(0.0, sigma=1e6))
-    np.testing.assert_array_equal(movement.diffusion_sigmas(0.04), usual)
+    sure = movement.diffusion_sigmas(0.04, Shift(0.0, sigma=0.01))
+    assert (sure == np.minimum(usual, 0.01)).all()
+    unsure = movement.diffusion_sigmas(0.04, Shift(0.0, sigma=1e6))
+    np.testing.assert_array_equal(unsure, usual)
 
 
 @pytest.mark.parametrize("name", ["default", "thesis"])

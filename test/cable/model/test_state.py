@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import (
-    PLACES,
+    POSE_SIZE,
     STATE_SIZE,
     STATE_SYMBOLS,
     CableState,
@@ -16,7 +16,7 @@ def test_columns_symbols_and_fields_are_in_one_order():
     state = CableState(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
     assert state.to_array().tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]
     assert [column.name.lower() for column in StateColumn] == list(CableState.__slots__)
-    assert len(STATE_SYMBOLS) == STATE_SIZE == 2 * PLACES == 8
+    assert len(STATE_SYMBOLS) == STATE_SIZE == 2 * POSE_SIZE == 8
 
 
 def test_an_array_gives_the_state_back():

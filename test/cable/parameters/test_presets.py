@@ -30,7 +30,6 @@ TEXT = {
     "rate_damping": 1.0,
     "sample_spacing": 20.0,
     "filter_sigma": 1.6,
-    "filter_taps": 11,
 }
 
 

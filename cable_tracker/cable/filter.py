@@ -1,0 +1,118 @@
+"""What the tracker asks of a filter: a belief after each frame, and what that belief says."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+
+
+class ParticleBelief(Protocol):
+    """What any filter believes: particles at least. Never changed in place."""
+
+    @property
+    def particles(self) -> Particles:
+        """The particles."""
+        ...
+
+
+BeliefType = TypeVar("BeliefType", bound=ParticleBelief)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finding:
+    """What a belief says about the cable in a frame.
+
+    Attributes
+    ----------
+    mean : FloatArray
+        The estimate, shape (8,), columns of `StateColumn`; its angle in (-pi/2, pi/2].
+    covariance : FloatArray
+        Of its error, shape (8, 8).
+    effective_sample_size : float
+        N_eff, before resampling.
+    evidence : float
+        How clearly the image shows the weaker border.
+    rises, holds : bool
+        Whether the frame speaks for claiming a cable, and for going on to claim one.
+    presence : float or None
+        Probability that a cable is in view, 0 to 1; None if the filter does not know it.
+    hypotheses : tuple of Hypothesis
+        Likeliest first.
+    """
+
+    mean: FloatArray
+    covariance: FloatArray
+    effective_sample_size: float
+    evidence: float
+    rises: bool
+    holds: bool
+    presence: float | None = None
+    hypotheses: tuple[Hypothesis, ...] = ()
+
+
+class CableFilter(ABC, Generic[BeliefType]):
+    """A filter over the cable, for frames of one size. It holds no belief itself."""
+
+    search_time: float = float("inf")
+    """Without a claim for this long, the tracker starts the search anew [s]."""
+
+    @abstractmethod
+    def first_belief(self) -> BeliefType:
+        """Return what is believed of a cable of which nothing is known."""
+
+    @abstractmethod
+    def given_belief(self, states: FloatArray) -> BeliefType:
+        """Return what is believed of a cable that was told to be there, states (N, 8)."""
+
+    @abstractmethod
+    def adapted(self, belief: ParticleBelief) -> BeliefType:
+        """Return the belief of any filter as this one's, with as many particles as wanted."""
+
+    @abstractmethod
+    def step(
+        self,
+        belief: BeliefType,
+        image: WorkingImage,
+        dt: float,
+        detections: FloatArray,
+        motion: MotionAid | None = None,
+    ) -> BeliefType:
+        """Return the belief after one more frame.
+
+        Parameters
+        ----------
+        belief : BeliefType
+            After the frame before.
+        image : WorkingImage
+            The frame.
+        dt : float
+            Time between the two [s]; 0 for a belief about this very frame.
+        detections : FloatArray
+            d, alpha, w, beta of cables that a detector sees in it [px, rad], shape (K, 4).
+        motion : MotionAid or None
+            How odometry says that the cable has moved; None: by its own rates.
+        """
+
+    @abstractmethod
+    def finding(self, belief: BeliefType, image: WorkingImage) -> Finding:
+        """Return what a belief says about the frame that it came from."""
+
+
+def equal_states(
+    belief: ParticleBelief, parameters: TrackerParameters, rng: np.random.Generator
+) -> FloatArray:
+    """Draw the wanted number of equally weighted states from a belief, shape (N, 8)."""
+    particles = belief.particles
+    resample = RESAMPLING_SCHEMES[parameters.resampling]
+    return particles.states[resample(particles.weights, parameters.particle_count, rng)]

@@ -1,0 +1,60 @@
+"""The width prior: what is much narrower or wider than the cable was is something else.
+
+A cable keeps its diameter, and a vehicle its altitude, more or less. So a rope beside a cable that
+is overgrown just here is not taken for it, however clear its borders are.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.compilation import compiled_inside
+
+TAIL = 4.0
+"""Degrees of freedom of the Student-t about the mean width."""
+
+
+@dataclass(frozen=True, slots=True)
+class WidthPrior:
+    """A running mean of the width while the cable was tracked.
+
+    Attributes
+    ----------
+    log_width : float
+        Logarithm of the mean width [px].
+    unseen : float
+        How long no cable was tracked [s].
+    """
+
+    log_width: float
+    unseen: float = 0.0
+
+    def aged(self, dt: float) -> WidthPrior:
+        """Return what is known `dt` seconds later."""
+        return replace(self, unseen=self.unseen + dt)
+
+    def spread(self, parameters: TrackerParameters) -> float:
+        """Return the scale of the logarithm of widths; it grows while no cable is tracked."""
+        return parameters.width_spread * (1.0 + self.unseen / parameters.memory_time)
+
+
+@compiled_inside
+def width_penalty(width: float, log_width: float, spread: float) -> float:
+    """Return the logarithm of how well a width [px] fits, at most 0; 0 for an infinite spread."""
+    if math.isinf(spread):
+        return 0.0
+    deviation = (math.log(max(width, 1e-3)) - log_width) / spread
+    return -0.5 * (TAIL + 1.0) * math.log1p(deviation * deviation / TAIL)
+
+
+def updated_width_prior(
+    before: WidthPrior | None, width: float, dt: float, parameters: TrackerParameters
+) -> WidthPrior:
+    """Return what is known after a frame in which a cable of a width [px] is tracked."""
+    now = math.log(max(width, 1e-3))
+    if before is None:
+        return WidthPrior(now)
+    share = -math.expm1(-dt / parameters.width_time)
+    return WidthPrior(before.log_width + share * (now - before.log_width))

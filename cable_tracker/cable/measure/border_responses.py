@@ -1,0 +1,123 @@
+"""The observation of the thesis: sums of derivative-of-Gaussian responses along both borders.
+
+The responses are those of the scanned gradients, read where each border crosses the scan lines, and
+multiplied by the length of border that a crossing stands for: the sum means the same as that of
+points at equal distances along the border.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.measure.border_points import (
+    FrameScan,
+    border_offset,
+    frame_scan,
+    response_at,
+)
+from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.compilation import compiled
+
+SMALLEST_SUM = 1e-3
+"""Sums below this are the rounding of float32 pixels [grey levels]."""
+
+MINIMUM_POINTS = 3.0
+"""A border with fewer points inside the image shows nothing."""
+
+NOISE_FLOOR = 0.3
+"""Smallest robust scale of a frame [grey levels]: below it lies the noise of quantisation."""
+
+
+class BorderResponseModel:
+    """A cable weighs |c_l| + |c_r| if the sums along its borders have opposite signs.
+
+    Parameters
+    ----------
+    parameters : TrackerParameters
+        `epsilon` is the weight of all others.
+    """
+
+    def __init__(self, parameters: TrackerParameters) -> None:
+        self._epsilon = parameters.epsilon
+
+    def log_likelihoods(self, states: FloatArray, observation: WorkingImage) -> FloatArray:
+        """Return the logarithm of each cable's weight, shape (N,), for states (N, 8)."""
+        sums, _ = border_sums(states, observation)
+        return np.log(response_weights(sums, self._epsilon))
+
+    def evidence(self, state: FloatArray, image: WorkingImage) -> float:
+        """Return the mean response per point of a cable's weaker border [robust scales].
+
+        Zero when the borders do not oppose each other, or lie outside the image. `state`: (8,).
+        """
+        sums, lengths = border_sums(state[None, :], image)
+        if not opposed(sums)[0] or lengths.min() < MINIMUM_POINTS:
+            return 0.0
+        return float((np.abs(sums) / lengths).min()) / max(image.scanned.scale, NOISE_FLOOR)
+
+
+def response_weights(sums: FloatArray, epsilon: float) -> FloatArray:
+    """Return the weight of each cable, shape (N,), for sums of responses (N, 2)."""
+    strengths = np.maximum(np.abs(sums).sum(axis=1), epsilon)
+    return np.where(opposed(sums), strengths, epsilon)
+
+
+def opposed(sums: FloatArray) -> FloatArray:
+    """Tell which cables have borders of opposite sign, as a strip has; shapes (N, 2), (N,).
+
+    A border in a flat part of the image, black or saturated, has no sign.
+    """
+    clear = np.abs(sums).min(axis=1) > SMALLEST_SUM
+    result: FloatArray = clear & (sums[:, 0] * sums[:, 1] < 0.0)
+    return result
+
+
+def border_sums(states: FloatArray, image: WorkingImage) -> tuple[FloatArray, FloatArray]:
+    """Return sums of responses [grey levels] and visible lengths, left and right, (N, 2) each.
+
+    A sum is positive where the image brightens along the border's normal; a length is in distances
+    of the scan lines.
+    """
+    sums, lengths = np.empty((len(states), 2)), np.empty((len(states), 2))
+    rows = np.array(states, np.float64, order="C")
+    _sum_responses(rows, frame_scan(image), sums, lengths)
+    # Gradients are in robust scales per working pixel, sums in grey levels per reference pixel.
+    return sums * (image.scanned.scale * image.scale), lengths
+
+
+@compiled
+def _sum_responses(
+    states: FloatArray, scan: FrameScan, sums: FloatArray, lengths: FloatArray
+) -> None:
+    for cable in range(len(states)):
+        state = states[cable]
+        for border in range(2):
+            side = 2.0 * border - 1.0
+            normal = state[1] + side * state[3]
+            offset = border_offset(state, side) * scan.reduction
+            cos, sin = math.cos(normal), math.sin(normal)
+            if abs(cos) >= abs(sin):
+                lines, along, across = scan.rows, cos, sin
+            else:
+                lines, along, across = scan.columns, sin, cos
+            middle = (lines.gradients.shape[1] - 1) / 2
+            start, step = offset / along, -across / along
+            total, count = np.float32(0.0), 0
+            for number in range(len(lines.places)):
+                place = start + step * lines.places[number]
+                # Written so that a place that is no number is outside.
+                if abs(place) <= middle:
+                    total += response_at(
+                        lines.gradients,
+                        np.uint64(number),
+                        place + middle,
+                        np.float32(along),
+                        np.float32(across),
+                    )
+                    count += 1
+            sums[cable, border] = float(total) / abs(along)
+            lengths[cable, border] = count / abs(along)

@@ -1,0 +1,108 @@
+"""When a target is claimed, and when it is given up."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Protocol
+
+
+class TrackingStatus(str, Enum):
+    """How far the tracker may be trusted."""
+
+    INITIALISING = "INITIALISING"
+    """Nothing found yet: the particles are spread out and search."""
+
+    TRACKING = "TRACKING"
+    """The target is claimed; only now do state and covariance mean anything to a controller."""
+
+    LOST = "LOST"
+    """There was a target, and the image does not support it any more."""
+
+
+class StatusTimes(Protocol):
+    """The parameters that say how long frames must speak for or against a claim."""
+
+    @property
+    def confirmation_time(self) -> float:
+        """How long frames must speak for a target before it is claimed [s]."""
+        ...
+
+    @property
+    def loss_time(self) -> float:
+        """How long they must speak against it before it is given up [s]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class StatusMachine:
+    """Hysteresis over what frame after frame speaks for. Never changed in place.
+
+    Attributes
+    ----------
+    status : TrackingStatus
+        What is claimed now.
+    contrary_time : float
+        How long the frames have spoken against the present status without a break [s].
+    unclaimed_time : float
+        How long no target has been claimed, or since the last start from random [s].
+    """
+
+    status: TrackingStatus = TrackingStatus.INITIALISING
+    contrary_time: float = 0.0
+    unclaimed_time: float = 0.0
+
+    @property
+    def is_confirming(self) -> bool:
+        """Whether a target is seen but not claimed yet, so that a search would lose it."""
+        return self.status is not TrackingStatus.TRACKING and self.contrary_time > 0.0
+
+    def is_search_due(self, search_time: float) -> bool:
+        """Tell whether nothing has been claimed or seen for so long that a search starts anew."""
+        if self.status is TrackingStatus.TRACKING or self.is_confirming:
+            return False
+        return self.unclaimed_time >= search_time
+
+    def after(
+        self, *, rises: bool, holds: bool, dt: float, parameters: StatusTimes
+    ) -> StatusMachine:
+        """Return the status after one more frame.
+
+        Parameters
+        ----------
+        rises, holds : bool
+            Whether the frame speaks for claiming a target, and for going on to claim it.
+        dt : float
+            Time since the frame before [s].
+        parameters : StatusTimes
+            Times.
+        """
+        if self.status is TrackingStatus.TRACKING:
+            return self._while_claimed(holds, dt, parameters)
+        return self._while_unclaimed(rises, dt, parameters)
+
+    def _while_claimed(self, holds: bool, dt: float, parameters: StatusTimes) -> StatusMachine:
+        if holds:
+            return replace(self, contrary_time=0.0, unclaimed_time=0.0)
+        contrary = self.contrary_time + dt
+        if contrary >= parameters.loss_time:
+            return StatusMachine(TrackingStatus.LOST)
+        return replace(self, contrary_time=contrary)
+
+    def _while_unclaimed(self, rises: bool, dt: float, parameters: StatusTimes) -> StatusMachine:
+        unclaimed = self.unclaimed_time + dt
+        if not rises:
+            return replace(self, contrary_time=0.0, unclaimed_time=unclaimed)
+        contrary = self.contrary_time + dt
+        if contrary >= parameters.confirmation_time:
+            return StatusMachine(TrackingStatus.TRACKING)
+        return replace(self, contrary_time=contrary, unclaimed_time=unclaimed)
+
+    def expecting(self) -> StatusMachine:
+        """Return the status after a given initial state: one good frame confirms it."""
+        return replace(self, contrary_time=math.inf)
+
+    def searched(self) -> StatusMachine:
+        """Return the same status with the search begun anew."""
+        return replace(self, contrary_time=0.0, unclaimed_time=0.0)

@@ -1,0 +1,84 @@
+"""How a frame follows the one before: the time between them, and whether tracking can go on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cable_tracker.errors import FrameError
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE
+
+NANOSECONDS = 1e9
+
+LATE = 0.2
+"""A frame that is older than the one before by no more was overtaken on the way [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class FrameMark:
+    """What of a frame matters for the next one.
+
+    Attributes
+    ----------
+    size : (int, int)
+        Width and height [px].
+    stamp : int
+        Time [ns].
+    """
+
+    size: tuple[int, int]
+    stamp: int
+
+
+@dataclass(frozen=True, slots=True)
+class Succession:
+    """How a frame follows the one before.
+
+    Attributes
+    ----------
+    dt : float
+        Time since the frame before [s]; that of the reference rate where tracking starts.
+    event : str
+        Why tracking must start anew; empty where it goes on.
+    """
+
+    dt: float
+    event: str
+
+
+def succession(before: FrameMark | None, now: FrameMark, maximum_gap: float) -> Succession:
+    """Compare a frame with the one before it.
+
+    Parameters
+    ----------
+    before : FrameMark or None
+        None for the first frame.
+    now : FrameMark
+        The new frame.
+    maximum_gap : float
+        A longer pause means starting anew [s].
+
+    Raises
+    ------
+    FrameError
+        Both have the same time, or the new frame is a little older: it came out of order.
+    """
+    if before is None:
+        return Succession(1.0 / REFERENCE_RATE, "")
+    if now.stamp == before.stamp:
+        raise FrameError(f"the stamp {now.stamp / NANOSECONDS:.9f} s is that of the frame before")
+    late = (before.stamp - now.stamp) / NANOSECONDS
+    if 0.0 < late <= LATE:
+        raise FrameError(f"the frame is {late:.3f} s older than the one before: out of order")
+    event = _reason_to_start_anew(before, now, maximum_gap)
+    dt = 1.0 / REFERENCE_RATE if event else (now.stamp - before.stamp) / NANOSECONDS
+    return Succession(dt, event)
+
+
+def _reason_to_start_anew(before: FrameMark, now: FrameMark, maximum_gap: float) -> str:
+    if now.size != before.size:
+        old, new = (f"{width}x{height}" for width, height in (before.size, now.size))
+        return f"the image size changed from {old} to {new}"
+    gap = (now.stamp - before.stamp) / NANOSECONDS
+    if gap < 0:
+        return f"time went back by {-gap:.3f} s"
+    return f"no frame for {gap:.3f} s" if gap > maximum_gap else ""

@@ -1,0 +1,100 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.prior import (
+    Prior,
+    PriorDensities,
+    choose_rates,
+    empty_densities,
+    weigh_by_prior,
+)
+from cable_tracker.cable.hypotheses.survival_and_birth import birth_density, birth_density_of
+from cable_tracker.cable.model.initialisation import search_box
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
+
+PARAMETERS = TrackerParameters()
+CENTRES = np.array([[-40.0, 0.0, 30.0, 0.0], [40.0, 0.1, 30.0, 0.0]])
+RATES = np.array([[-100.0, 0.0, 0.0, 0.0], [100.0, 0.0, 0.0, 0.0]])
+SCALES = np.array([2.0, 0.02, 1.0, 0.02])
+
+
+def make_prior(survived=0.8, born=0.1, log_width=0.0, width_spread=math.inf) -> Prior:
+    return Prior(
+        kernels=kernel_mixture(CENTRES, SCALES, 4.0, np.array([0.9, 0.1])),
+        rates=RATES,
+        rate_sigmas=np.array([1.0, 0.1, 1.0, 0.1]),
+        survived=survived,
+        born=born,
+        log_width=log_width,
+        width_spread=width_spread,
+        births=birth_density_of(search_box(PARAMETERS, 320), None, 4.0, (320, 240)),
+    )
+
+
+def states_at(*poses) -> np.ndarray:
+    return np.hstack((np.array(poses, dtype=float), np.zeros((len(poses), 4))))
+
+
+def densities_at(prior, states) -> PriorDensities:
+    densities = empty_densities(len(states))
+    weigh_by_prior(states, 0, len(states), prior, densities)
+    return densities
+
+
+def rates_at(prior, states, rng) -> np.ndarray:
+    noise = draw_frame_noise(rng, len(states), 0, 4.0)
+    choose_rates(states, 0, len(states), prior, empty_densities(len(states)), noise)
+    return states[:, 4:]
+
+
+def literal_kernel(state, centre) -> float:
+    """A Student-t density of four degrees of freedom in four dimensions."""
+    squared = (((state[:4] - centre) / SCALES) ** 2).sum()
+    return 6.0 / (4.0 * math.pi) ** 2 / np.prod(SCALES) * (1.0 + squared / 4.0) ** -4.0
+
+
+def test_the_prior_is_what_survived_and_what_was_born_by_their_masses():
+    prior, states = make_prior(), states_at(*CENTRES, [100.0, 1.0, 50.0, 0.0])
+    densities = densities_at(prior, states)
+    for row, state in enumerate(states):
+        first, second = (literal_kernel(state, centre) for centre in CENTRES)
+        survived = 0.8 * (0.9 * first + 0.1 * second)
+        born = 0.1 * birth_density(state, prior.births)
+        assert densities.survived[row] == pytest.approx(survived, rel=1e-3)
+        assert densities.survivors[row] == pytest.approx((first + second) / 2, rel=1e-3)
+        assert densities.full[row] == pytest.approx(survived + born, rel=1e-3)
+
+
+def test_a_new_cable_of_another_width_is_less_likely():
+    states = states_at([100.0, 1.0, 30.0, 0.0], [100.0, 1.0, 90.0, 0.0])
+    prior = make_prior(log_width=math.log(30.0), width_spread=0.3)
+    expected, other = densities_at(prior, states).full
+    assert expected > 7.0 * other
+    without = densities_at(make_prior(), states).full
+    assert without[0] == pytest.approx(without[1], rel=1e-3)
+
+
+def test_a_pose_that_was_proposed_has_the_rates_of_its_likely_ancestor(rng):
+    rates = rates_at(make_prior(), states_at(*np.repeat(CENTRES, 50, axis=0)), rng)
+    np.testing.assert_allclose(np.median(rates[:50], axis=0), RATES[0], atol=0.7)
+    np.testing.assert_allclose(np.median(rates[50:], axis=0), RATES[1], atol=0.7)
+
+
+def test_between_two_ancestors_the_likelier_one_is_chosen_more_often(rng):
+    middle = CENTRES.mean(axis=0)
+    rates = rates_at(make_prior(born=1e-12), states_at(*[middle] * 600), rng)
+    assert (rates[:, 0] < 0.0).mean() == pytest.approx(0.9, abs=0.05)
+
+
+def test_far_from_all_ancestors_it_has_the_rates_of_the_search(rng):
+    prior = make_prior()
+    rates = rates_at(prior, states_at(*[[150.0, -1.2, 80.0, 0.1]] * 200), rng)
+    lower, upper = prior.births.lower[4:], prior.births.upper[4:]
+    assert ((rates >= lower) & (rates <= upper)).all(axis=1).mean() > 0.97
+    assert np.ptp(rates[:, 0]) > 0.8 * (upper - lower)[0]

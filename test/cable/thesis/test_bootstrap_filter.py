@@ -1,0 +1,86 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.measure.response_table import load_table
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
+
+SIZE = (160, 120)
+FRAME = 0.04
+STRIP = CableState(12.0, 0.2, 24.0, 0.03)
+NONE = np.empty((0, 4))
+
+
+def make_filter(**changes) -> BootstrapFilter:
+    parameters = preset("thesis").replaced(changes)
+    observation = make_observation(parameters, load_table(""))
+    return BootstrapFilter(parameters, observation, SIZE[0], np.random.default_rng(3))
+
+
+def cloud(state=STRIP, count=500) -> np.ndarray:
+    sigma = np.array([3.0, 0.04, 3.0, 0.02, 5.0, 0.05, 0.0, 0.0])
+    return state.to_array() + np.random.default_rng(0).standard_normal((count, 8)) * sigma
+
+
+@pytest.fixture
+def strip(draw_strip):
+    return make_working_image(draw_strip(STRIP, SIZE), 320, sample_spacing=20.0)
+
+
+@pytest.mark.parametrize("observation", ["responses", "likelihood_ratio"])
+def test_a_cable_that_was_told_is_followed_and_speaks_for_itself(strip, observation):
+    cable_filter = make_filter(observation=observation)
+    belief = cable_filter.given_belief(cloud())
+    for _ in range(5):
+        belief = cable_filter.step(belief, strip, FRAME, NONE)
+        finding = cable_filter.finding(belief, strip)
+        assert abs(finding.mean[0] - 12.0) < 8.0
+    assert finding.presence is None
+    assert finding.hypotheses[0].probability == 1.0
+    assert 1.0 <= finding.effective_sample_size <= 500.0
+
+
+def test_the_true_cable_is_claimed_and_none_is_on_a_flat_picture(strip):
+    cable_filter = make_filter()
+    exact = cable_filter.given_belief(np.tile(STRIP.to_array(), (500, 1)))
+    assert cable_filter.finding(exact, strip).rises
+    flat = make_working_image(np.full(SIZE[::-1], 90, np.uint8), 320)
+    finding = cable_filter.finding(cable_filter.step(exact, flat, 0.0, NONE), flat)
+    assert not finding.rises
+    assert not finding.holds
+    assert finding.evidence == 0.0
+
+
+def test_a_belief_about_this_very_frame_does_not_move(strip):
+    cable_filter = make_filter()
+    before = cable_filter.given_belief(cloud())
+    after = cable_filter.step(before, strip, 0.0, NONE)
+    np.testing.assert_array_equal(after.particles.states, before.particles.states)
+    later = cable_filter.step(before, strip, FRAME, NONE)
+    assert not np.array_equal(later.particles.states, before.particles.states)
+
+
+def test_equal_weights_are_not_resampled_and_unequal_ones_are(strip):
+    cable_filter = make_filter()
+    belief = cable_filter.given_belief(cloud())
+    wide = cable_filter.step(belief, strip, 0.0, NONE)
+    resampled = cable_filter.step(wide, strip, 0.0, NONE).particles.states
+    kept = set(map(tuple, belief.particles.states))
+    assert set(map(tuple, resampled)) <= kept
+
+
+def test_another_number_of_particles_is_drawn_from_the_present_ones():
+    cable_filter = make_filter(particle_count=70)
+    belief = cable_filter.given_belief(cloud())
+    adapted = cable_filter.adapted(belief)
+    assert adapted.particles.count == 70
+    assert set(map(tuple, adapted.particles.states)) <= set(map(tuple, belief.particles.states))
+    assert cable_filter.adapted(adapted).particles is adapted.particles
+
+
+def test_the_search_starts_anew_after_its_time():
+    assert make_filter().search_time == preset("thesis").search_time

@@ -1,0 +1,93 @@
+from __future__ import annotations
+
+import pytest
+
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.tracking.status import StatusMachine
+
+PARAMETERS = TrackerParameters(
+    evidence_to_track=2.0, evidence_to_lose=1.0, confirmation_time=0.12, loss_time=0.4
+)
+GOOD, MIDDLING, BAD = 3.0, 1.5, 0.5
+TRACKING, LOST, INITIALISING = (
+    TrackingStatus.TRACKING,
+    TrackingStatus.LOST,
+    TrackingStatus.INITIALISING,
+)
+
+
+def after(machine, evidence, dt=0.05, converged=True) -> StatusMachine:
+    return machine.after(
+        rises=converged and evidence >= PARAMETERS.evidence_to_track,
+        holds=converged and evidence >= PARAMETERS.evidence_to_lose,
+        dt=dt,
+        parameters=PARAMETERS,
+    )
+
+
+def run(machine, evidences, dt=0.05, converged=True) -> list[TrackingStatus]:
+    statuses = []
+    for evidence in evidences:
+        machine = after(machine, evidence, dt, converged)
+        statuses.append(machine.status)
+    return statuses
+
+
+def test_evidence_must_hold_for_the_confirmation_time():
+    assert run(StatusMachine(), [GOOD] * 4) == [INITIALISING, INITIALISING, TRACKING, TRACKING]
+
+
+def test_one_bad_frame_begins_the_confirmation_anew():
+    evidences = [GOOD, GOOD, MIDDLING, GOOD, GOOD, GOOD]
+    assert run(StatusMachine(), evidences) == [INITIALISING] * 5 + [TRACKING]
+
+
+def test_it_is_time_that_counts_not_frames():
+    assert run(StatusMachine(), [GOOD], dt=0.2) == [TRACKING]
+    assert run(StatusMachine(), [GOOD] * 11, dt=0.01) == [INITIALISING] * 11
+
+
+def test_particles_that_disagree_claim_nothing():
+    assert run(StatusMachine(), [GOOD] * 10, converged=False) == [INITIALISING] * 10
+
+
+def test_a_cable_is_kept_on_middling_evidence():
+    assert run(StatusMachine(TRACKING), [MIDDLING] * 20) == [TRACKING] * 20
+
+
+def test_a_cable_is_given_up_after_the_loss_time():
+    assert run(StatusMachine(TRACKING), [BAD] * 8, dt=0.0625) == [TRACKING] * 6 + [LOST, LOST]
+
+
+def test_a_good_frame_in_between_keeps_the_cable():
+    assert run(StatusMachine(TRACKING), [BAD] * 7 + [MIDDLING] + [BAD] * 7) == [TRACKING] * 15
+
+
+def test_particles_that_spread_out_lose_the_cable():
+    assert run(StatusMachine(TRACKING), [GOOD] * 10, dt=0.0625, converged=False)[-1] is LOST
+
+
+def test_a_lost_cable_can_be_found_again():
+    assert run(StatusMachine(LOST), [MIDDLING, GOOD, GOOD, GOOD]) == [LOST, LOST, LOST, TRACKING]
+
+
+def test_who_was_told_where_the_cable_is_needs_one_good_frame():
+    assert run(StatusMachine().expecting(), [GOOD]) == [TRACKING]
+    assert run(StatusMachine().expecting(), [MIDDLING, GOOD]) == [INITIALISING, INITIALISING]
+
+
+def test_the_time_without_a_claim_adds_up_until_a_search_begins():
+    machine = StatusMachine()
+    for _ in range(4):
+        machine = after(machine, BAD, 0.25)
+    assert machine.unclaimed_time == pytest.approx(1.0)
+    assert machine.searched().unclaimed_time == 0.0
+    assert machine.searched().status is INITIALISING
+
+
+def test_a_cable_that_is_being_confirmed_is_known_as_such():
+    assert not StatusMachine().is_confirming
+    assert after(StatusMachine(), GOOD).is_confirming
+    assert not after(StatusMachine(), BAD).is_confirming
+    assert not after(StatusMachine(TRACKING), BAD).is_confirming

@@ -1,0 +1,45 @@
+import pytest
+
+from cable_tracker.errors import FrameError
+from cable_tracker.tracking.succession import FrameMark, Succession, succession
+
+FIRST = FrameMark((320, 240), 1_000_000_000)
+
+
+def following(seconds: float, size: tuple[int, int] = (320, 240)) -> Succession:
+    return succession(FIRST, FrameMark(size, FIRST.stamp + round(seconds * 1e9)), maximum_gap=5.0)
+
+
+def test_the_first_frame_counts_as_one_at_the_reference_rate():
+    assert succession(None, FIRST, 5.0) == Succession(dt=0.04, event="")
+
+
+def test_a_frame_in_time_goes_on():
+    assert following(0.25) == Succession(dt=0.25, event="")
+    assert following(5.0) == Succession(dt=5.0, event="")
+
+
+@pytest.mark.parametrize(
+    ("seconds", "size", "event"),
+    [
+        (0.04, (640, 480), "the image size changed from 320x240 to 640x480"),
+        (-0.201, (320, 240), "time went back by 0.201 s"),
+        (-0.5, (320, 240), "time went back by 0.500 s"),
+        (-3600.0, (320, 240), "time went back by 3600.000 s"),
+        (7200.0, (320, 240), "no frame for 7200.000 s"),
+        (5.001, (320, 240), "no frame for 5.001 s"),
+    ],
+)
+def test_what_cannot_go_on_starts_anew_and_says_why(seconds, size, event):
+    assert following(seconds, size) == Succession(dt=0.04, event=event)
+
+
+def test_the_same_time_again_is_refused():
+    with pytest.raises(FrameError, match=r"1\.000000000 s is that of the frame before"):
+        following(0.0)
+
+
+@pytest.mark.parametrize("seconds", [-1e-9, -0.04, -0.2])
+def test_a_frame_that_was_overtaken_is_refused(seconds):
+    with pytest.raises(FrameError, match="out of order"):
+        following(seconds)
