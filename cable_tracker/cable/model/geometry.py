@@ -55,6 +55,22 @@ def wrapped_angle(angle: float) -> float:
     return wrapped - math.pi if wrapped > math.pi / 2 else wrapped
 
 
+SMALLEST_SKEW = 1e-6
+"""Borders that are turned by less against the centreline are parallel [rad]."""
+
+
+@compiled_inside
+def borders_cross_inside(pose: FloatArray, image_size: tuple[float, float]) -> bool:
+    """Tell whether the borders of d, alpha, w, beta meet inside a picture: then it is no cable."""
+    skew = abs(pose[3])
+    if skew < SMALLEST_SKEW:
+        return False
+    along = math.copysign(0.5 * pose[2] / math.tan(skew), pose[3])
+    cos, sin = math.cos(pose[1]), math.sin(pose[1])
+    x, y = pose[0] * cos - along * sin, pose[0] * sin + along * cos
+    return abs(x) < 0.5 * image_size[0] and abs(y) < 0.5 * image_size[1]
+
+
 @compiled_inside
 def turn_sign(angle: float, wrapped: float) -> float:
     """Return -1 if an odd number of half turns lies between two ways of writing it, else 1."""
