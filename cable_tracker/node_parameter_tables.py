@@ -146,7 +146,11 @@ REPLAY_START_PARAMETERS = (
     number(
         "answer_timeout", 30.0, "s", (0.1, 3600.0), "Lockstep: give up after waiting this long."
     ),
-    flag("wait_for_tracker", False, "Begin only when somebody subscribes; always so in lockstep."),
+    flag(
+        "wait_for_tracker",
+        True,
+        "Begin when a node subscribes and no tracker is warming up; always so in lockstep.",
+    ),
     flag("paused", False, "Begin paused."),
     flag("allow_outside", False, "Let a sequence file name files outside its folder."),
     flag("skip_bad_frames", False, "Send frames that cannot be decoded, instead of stopping."),
@@ -191,7 +195,8 @@ SIMULATOR_PARAMETERS = (
         60.0,
         "s",
         (1.0, 1e6),
-        "Without a new metre of cable for so long of simulated time the node ends.",
+        "Without a new metre of cable for so long of simulated time the node ends; drift does not"
+        " count.",
     ),
     number(
         "standstill",

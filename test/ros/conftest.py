@@ -158,7 +158,9 @@ class World:
         return node
 
     def replay(self, **parameters: Any) -> Any:
-        return self.add(ReplayNode(**self._arguments(parameters)))
+        """Make a replay that plays at once, also without a subscriber."""
+        given = {"wait_for_tracker": False, **parameters}
+        return self.add(ReplayNode(**self._arguments(given)))
 
     def simulator(self, **parameters: Any) -> Any:
         return self.add(SimulatorNode(**self._arguments(parameters)))

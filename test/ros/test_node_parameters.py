@@ -191,6 +191,27 @@ class TestRuntime:
         assert set_together(node, width_minimum=200.0, width_maximum=300.0).successful
         assert node.tracker.parameters.width_minimum == 200.0
 
+    def test_one_of_a_pair_is_refused_with_advice_that_works(self, world: Any) -> None:
+        node = world.tracker()
+        pair = [Parameter("width_minimum", value=200.0), Parameter("width_maximum", value=300.0)]
+        # The service set_parameters gives them one after the other.
+        first, second = node.set_parameters(pair)
+        assert not first.successful and second.successful
+        assert "set both together with set_parameters_atomically, or the other first" in (
+            first.reason
+        )
+        assert set_one(node, "width_minimum", 200.0).successful
+
+    def test_a_change_leaves_a_line_in_the_log(
+        self, world: Any, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.tracker()
+        set_one(node, "width_maximum", 150)
+        assert "parameters changed: width_maximum 160.0 -> 150.0" in capfd.readouterr().err
+        set_one(node, "width_maximum", 150.0)
+        set_one(node, "width_maximum", -1.0)
+        assert "parameters changed" not in capfd.readouterr().err
+
     def test_one_bad_value_of_a_set_changes_nothing(self, world: Any) -> None:
         node = world.tracker()
         before = values_of(node)

@@ -87,17 +87,33 @@ class Recorder(Node):  # type: ignore[misc]
 
         return keep
 
+    def is_warming(self) -> bool:
+        """Tell whether the tracker is compiling, and log it now and then."""
+        latest = self._latest_diagnostics()
+        if latest is None or all(status.message != WARMING_UP for status in latest.status):
+            return False
+        self.get_logger().info(
+            "waiting: the tracker is WARMING UP, which may take minutes on a cold cache",
+            throttle_duration_sec=5.0,
+        )
+        return True
+
+    def _latest_diagnostics(self) -> Message | None:
+        diagnostics = self._queues[output_topics.DIAGNOSTICS]
+        if not diagnostics:
+            return None
+        return deserialize_message(
+            diagnostics[-1], message_class(output_topics.DIAGNOSTICS.type_name)
+        )
+
     def is_subscribed(self) -> bool:
         """Tell whether the tracker is ready and has seen all our subscriptions.
 
         Both stand in its diagnostics.
         """
-        diagnostics = self._queues[output_topics.DIAGNOSTICS]
-        if not diagnostics:
+        latest = self._latest_diagnostics()
+        if latest is None:
             return False
-        latest = deserialize_message(
-            diagnostics[-1], message_class(output_topics.DIAGNOSTICS.type_name)
-        )
         counts = [
             int(pair.value)
             for status in latest.status
@@ -142,8 +158,22 @@ def spin_until(
     condition: Callable[[], Any],
     timeout: float,
     complaint: Callable[[], str],
+    may_take_longer: Callable[[], bool] = lambda: False,
 ) -> None:
     """Run callbacks until a condition holds.
+
+    Parameters
+    ----------
+    executor : SingleThreadedExecutor
+        Runs the callbacks.
+    condition : callable
+        What is waited for.
+    timeout : float
+        For how long [s].
+    complaint : callable
+        Returns what has gone wrong; empty while nothing has.
+    may_take_longer : callable
+        While it is true the time-out begins anew.
 
     Raises
     ------
@@ -153,6 +183,8 @@ def spin_until(
     deadline = time.monotonic() + timeout
     while not condition():
         executor.spin_once(timeout_sec=0.05)
+        if may_take_longer():
+            deadline = time.monotonic() + timeout
         reason = complaint()
         if not reason and time.monotonic() > deadline:
             reason = f"nothing came for {timeout:g} s"

@@ -181,7 +181,13 @@ class _Run:
 
     def wait_for_tracker(self) -> None:
         """Wait until the tracker knows that everything it publishes is recorded."""
-        spin_until(self._executor, self._recorder.is_subscribed, START_TIMEOUT, self._what_has_died)
+        spin_until(
+            self._executor,
+            self._recorder.is_subscribed,
+            START_TIMEOUT,
+            self._what_has_died,
+            self._recorder.is_warming,
+        )
 
     def record_all(self, source: Source, advance: Callable[[], None]) -> RecordingError | None:
         """Record every frame of the source."""

@@ -18,6 +18,7 @@ from cable_tracker.node_parameter_tables import (
     REPLAY_START_PARAMETERS,
 )
 from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.health.warming_trackers import WarmingTrackers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences.frame import Frame, RawImage
@@ -32,6 +33,12 @@ from cable_tracker.sequences.messages import (
 )
 from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.stamps import NANOSECONDS
+
+PATIENCE = 3.0
+"""Discovery may take so long; only then a missing subscriber is worth a warning [s]."""
+
+WARNING_PAUSE = 5.0
+"""Time between two words on what is waited for [s]."""
 
 NO_FRAME_THERE = "no frame after that time"
 FLUSH_TIMEOUT = Duration(seconds=2)
@@ -76,8 +83,9 @@ class ReplayNode(ProcessNode):
         self._steps = 0
         self._sent = 0
         self._connected = False
-        self._started = time.monotonic()
+        self._started = self._waits_since = time.monotonic()
         self._create_publishers()
+        self._warming = WarmingTrackers(self)
         self._begin()
 
     @property
@@ -185,25 +193,63 @@ class ReplayNode(ProcessNode):
         self._send(self._next)
 
     def _complain_of_waiting(self) -> None:
-        topic = self._image.topic_name
-        self.get_logger().info(f"waiting for a subscriber of {topic}", throttle_duration_sec=5.0)
-        waited = time.monotonic() - self._started
-        if self._flag("lockstep") and waited > float(
-            cast(float, self._start_values["answer_timeout"])
-        ):
-            raise RosError(
-                f"nobody subscribes to {topic}; is the tracker running, and is its image_transport"
-                " that of this recording?"
+        """Say what is waited for; in lockstep give up some time after no tracker is warming up."""
+        warming = self._warming.names()
+        if warming:
+            # The compiler takes as long as it takes: minutes on a cold cache.
+            self._waits_since = time.monotonic()
+            self.get_logger().info(
+                f"waiting: {', '.join(warming)} is WARMING UP, which may take minutes on a cold"
+                " cache",
+                throttle_duration_sec=WARNING_PAUSE,
             )
+            return
+        waited = time.monotonic() - self._waits_since
+        if waited < min(PATIENCE, self._answer_timeout):
+            return
+        missing = f"no node subscribes to {self._image.topic_name}{self._words_on_other_topics()}"
+        if self._flag("lockstep") and waited > self._answer_timeout:
+            raise RosError(
+                f"{missing}; is the tracker running, and is its image_transport that of this"
+                " recording?"
+            )
+        self.get_logger().warning(
+            f"waiting: {missing} (wait_for_tracker:=false plays all the same)",
+            throttle_duration_sec=WARNING_PAUSE,
+        )
+
+    @property
+    def _answer_timeout(self) -> float:
+        return float(cast(float, self._start_values["answer_timeout"]))
+
+    def _words_on_other_topics(self) -> str:
+        """Name the topics on which images are awaited and none come."""
+        own = self._image.topic_name
+        kinds = {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}
+        awaited = sorted(
+            name
+            for name, types in self.get_topic_names_and_types()
+            if kinds.intersection(types)
+            and name != own
+            and self.count_subscribers(name)
+            and not self.count_publishers(name)
+        )
+        return f"; images are awaited on {', '.join(awaited)}" if awaited else ""
 
     def _connect(self) -> bool:
-        if not self._connected:
-            lockstep = self._flag("lockstep")
-            subscribed = self._image.get_subscription_count() > 0
-            answers = self.count_publishers(self._state.topic_name) > 0
-            waits = lockstep or self._flag("wait_for_tracker")
-            self._connected = not waits or (subscribed and (answers or not lockstep))
-            self._due = time.monotonic()
+        if self._connected:
+            return True
+        lockstep = self._flag("lockstep")
+        is_heard = self._image.get_subscription_count() > 0
+        answers = self.count_publishers(self._state.topic_name) > 0
+        is_ready = is_heard and (answers or not lockstep) and not self._warming.names()
+        waits = lockstep or self._flag("wait_for_tracker")
+        self._connected = is_ready or not waits
+        self._due = time.monotonic()
+        if self._connected and not is_heard:
+            self.get_logger().warning(
+                f"no node subscribes to {self._image.topic_name}: the first frames reach none"
+            )
         return self._connected
 
     def _send(self, frame: Frame) -> None:
@@ -219,9 +265,7 @@ class ReplayNode(ProcessNode):
             message = make_compressed_image(self._factory, frame.image, header)
         if self._flag("lockstep"):
             self._awaited = frame.stamp
-            self._answer_deadline = time.monotonic() + float(
-                cast(float, self._start_values["answer_timeout"])
-            )
+            self._answer_deadline = time.monotonic() + self._answer_timeout
         self._image.publish(message)
         self._sent += 1
         self._last_stamp = frame.stamp
@@ -244,6 +288,9 @@ class ReplayNode(ProcessNode):
             self._awaited = None
 
     def _check_answer_deadline(self) -> None:
+        if self._warming.names():
+            # A changed parameter may need other code; the frame is answered all the same.
+            self._answer_deadline = time.monotonic() + self._answer_timeout
         if time.monotonic() < self._answer_deadline:
             return
         raise RosError(

@@ -237,7 +237,9 @@ class SimulatorNode(ProcessNode):
 
     def _is_at_end(self, truth: TrueCrossTrack) -> bool:
         farthest, since = self._farthest
-        if truth.along >= farthest + 1.0:
+        # Where a current carries a vehicle that stands still, it gets on, too, but to no purpose.
+        is_driven = self._current_command() != VelocityCommand()
+        if truth.along >= farthest + 1.0 and is_driven:
             self._farthest = (truth.along, self._world.time)
         is_stuck = self._world.time - since > self._number("patience")
         return truth.along >= self._world.settings.length or is_stuck or self._stands_still()

@@ -34,6 +34,7 @@ def tracker(world: Any, context: Any, namespace: str, near: str) -> TrackerNode:
             Parameter("diagnostics_period", value=0.05),
         ],
     )
+    node.wait_until_warm()
     return world.add(node)  # type: ignore[no-any-return]
 
 

@@ -6,12 +6,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CompressedImage, Image, JointState
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.errors import ParameterError, RecordingError, RosError
+from cable_tracker.node_parameter_tables import REPLAY_START_PARAMETERS
+from cable_tracker.ros import qos
+from cable_tracker.ros.health.diagnostics import WARMING_UP
+from cable_tracker.ros.nodes import replay_node
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.encodings import decode_grey
@@ -268,13 +273,70 @@ class TestTiming:
         # The topic is absolute: another run of these tests may use it too.
         assert [time for time in times if time in stamps_of(heard)][:4] == stamps_of(heard)
 
-    def test_it_waits_for_a_tracker_on_request(self, world: Any, make_dive: Dive) -> None:
+    def test_it_waits_for_a_subscriber_unless_told_otherwise(
+        self, world: Any, make_dive: Dive
+    ) -> None:
+        specs = {spec.name: spec for spec in REPLAY_START_PARAMETERS}
+        assert specs["wait_for_tracker"].default is True
         node = world.replay(source=str(make_dive(3)), rate=100, wait_for_tracker=True)
         world.pass_time(0.2)
         assert node.sent == 0
         heard = world.listen(Image, "image")
         play_to_the_end(world, node, heard)
         assert len(heard) == 3
+
+    def test_a_subscriber_elsewhere_is_named(
+        self,
+        world: Any,
+        make_dive: Dive,
+        monkeypatch: pytest.MonkeyPatch,
+        capfd: pytest.CaptureFixture[str],
+    ) -> None:
+        monkeypatch.setattr(replay_node, "PATIENCE", 0.1)
+        world.me.create_subscription(Image, "elsewhere", lambda _: None, 1)
+        node = world.replay(source=str(make_dive(2)), wait_for_tracker=True)
+        said: list[str] = []
+
+        def is_named() -> bool:
+            said.append(capfd.readouterr().err)
+            return f"images are awaited on {world.namespace}/elsewhere" in "".join(said)
+
+        world.spin(is_named)
+        assert f"no node subscribes to {world.namespace}/image" in "".join(said)
+        assert node.sent == 0
+
+    def test_played_to_no_subscriber_it_says_so(
+        self, world: Any, make_dive: Dive, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.replay(source=str(make_dive(2)), rate=100, wait_for_tracker=False)
+        world.spin(lambda: node.sent == 2)
+        assert "the first frames reach none" in capfd.readouterr().err
+
+    @pytest.mark.parametrize("lockstep", [True, False])
+    def test_it_waits_while_a_tracker_is_warming_up(
+        self,
+        world: Any,
+        make_dive: Dive,
+        lockstep: bool,
+        capfd: pytest.CaptureFixture[str],
+    ) -> None:
+        tracker = Talker(world)
+        heard = world.listen(Image, "image")
+        world.me.create_publisher(JointState, "state", qos.LATEST_RESULT)
+        node = world.replay(
+            source=str(make_dive(2)), rate=100, wait_for_tracker=True,
+            lockstep=lockstep, answer_timeout=0.3, paused=True,
+        )  # fmt: skip
+        world.spin(tracker.is_heard)
+        tracker.says(WARMING_UP)
+        world.spin(node._warming.names)
+        node._paused = False
+        # Longer than answer_timeout, after which it gives up where no tracker is to be seen.
+        world.pass_time(0.6)
+        assert node.sent == 0 and not heard
+        assert "/auv/tracker is WARMING UP" in capfd.readouterr().err
+        tracker.says("INITIALISING")
+        world.spin(lambda: heard)
 
     def test_the_rate_can_be_changed_but_not_the_source(self, world: Any, make_dive: Dive) -> None:
         node = world.replay(source=str(make_dive(3)), paused=True)
@@ -283,6 +345,20 @@ class TestTiming:
         for name, value in (("rate", 0.0), ("start", -1.0), ("source", "/else"), ("topic", "/x")):
             result = node.set_parameters([Parameter(name, value=value)])[0]
             assert not result.successful and name in result.reason
+
+
+class Talker:
+    """Says on /diagnostics what a tracker says."""
+
+    def __init__(self, world: Any) -> None:
+        self._publisher = world.me.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
+
+    def is_heard(self) -> int:
+        return int(self._publisher.get_subscription_count())
+
+    def says(self, status: str) -> None:
+        entry = DiagnosticStatus(message=status, hardware_id="/auv/tracker")
+        self._publisher.publish(DiagnosticArray(status=[entry]))
 
 
 def step(world: Any, heard: list[Any]) -> None:
@@ -434,7 +510,7 @@ class TestLockstep:
         self, world: Any, make_dive: Dive
     ) -> None:
         node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=0.2)
-        with pytest.raises(RosError, match=r"nobody subscribes to .*/image"):
+        with pytest.raises(RosError, match=r"no node subscribes to .*/image"):
             world.spin(lambda: node.finished)
         world.nodes.remove(node)
         node.destroy_node()

@@ -14,6 +14,9 @@ from cable_tracker.errors import ParameterError, RosError
 from cable_tracker.ros.nodes.simulator_node import TICKS
 from cable_tracker.sequences.messages import stamp_of
 
+CURRENT_AHEAD = 2
+"""A seed whose current carries the vehicle along the cable."""
+
 SMALL = {"image_width": 64, "image_height": 48, "length": 20.0, "buried": 0.0, "seed": 2}
 
 
@@ -132,6 +135,15 @@ def test_a_vehicle_that_does_not_get_on_is_not_waited_for(world, start, pilot):
     while not node.finished:
         pilot.drives(surge=0.0)
     assert len(pilot.images) < 30
+
+
+def test_drift_is_no_progress(world, start, pilot):
+    """A current that carries the vehicle along the cable does not keep the run alive."""
+    node = start(patience=4.0, current=1.0, seed=CURRENT_AHEAD)
+    while not node.finished:
+        pilot.drives(surge=0.0)
+    assert pilot.true_odometry[-1].pose.pose.position.x > 1.0
+    assert node.world.time < 6.0
 
 
 def test_who_steers_must_answer_in_time(world, start, pilot):

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.node import Node
 from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
@@ -556,6 +557,37 @@ class TestServicesAndStatus:
         assert node.status == "INITIALISING"
         world.show(node, image_message(index=1))
         assert node.tracker.particles is not None
+
+    def test_services_leave_a_line_in_the_log(
+        self, world: Any, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.tracker()
+        for call, words in (
+            (lambda: node.on_enable(SetBool.Request(data=False), SetBool.Response()), "disabled:"),
+            (lambda: node.on_enable(SetBool.Request(data=True), SetBool.Response()), "enabled:"),
+            (lambda: node.on_reset(Trigger.Request(), Trigger.Response()), "reset:"),
+        ):
+            capfd.readouterr()
+            call()
+            assert words in capfd.readouterr().err
+
+    def test_two_cameras_on_one_topic_are_named(
+        self, world: Any, diagnostics: Callable[..., list[Any]], capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.tracker(diagnostics_period=0.1)
+        cameras = [
+            world.add(Node(name, context=world.context, namespace=world.namespace))
+            for name in ("port", "starboard")
+        ]
+        cameras[0].create_publisher(Image, "image", 1)
+        world.spin(lambda: world.me.count_publishers(f"{world.namespace}/image") == 1)
+        node.publish_diagnostics()
+        world.spin(lambda: diagnostics(node))
+        assert last_values(diagnostics, node)["several cameras"] == ""
+        cameras[1].create_publisher(Image, "image", 1)
+        names = f"{world.namespace}/port, {world.namespace}/starboard"
+        world.spin(lambda: last_values(diagnostics, node)["several cameras"] == names)
+        assert f"2 nodes publish {world.namespace}/image: {names}" in capfd.readouterr().err
 
     def test_enabling_what_is_enabled_changes_nothing(
         self, world: Any, near: str, track_strip: Callable[..., list[Any]]

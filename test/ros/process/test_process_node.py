@@ -157,7 +157,8 @@ class TestExitCodes:
     def test_a_replay_at_its_end_exits_with_0(
         self, start: Callable[..., Run], make_dive: Callable[..., Path]
     ) -> None:
-        run = start("replay", f"source:={make_dive(3)}", "rate:=100.0")
+        at_once = ("rate:=100.0", "wait_for_tracker:=false")
+        run = start("replay", f"source:={make_dive(3)}", *at_once)
         assert run.end()[0] == 0
         assert "sent 3 frames" in run.errors()
 
@@ -206,7 +207,7 @@ class TestExitCodes:
         middle = len(content) // 2
         content[middle : middle + 40_000] = b"\x55" * 40_000
         storage.write_bytes(bytes(content))
-        run = start("replay", f"source:={path}", "rate:=100.0")
+        run = start("replay", f"source:={path}", "rate:=100.0", "wait_for_tracker:=false")
         assert run.end()[0] == 2
         assert f"error: {path}: damaged" in run.errors()
         assert "Traceback" not in run.errors()
