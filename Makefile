@@ -108,7 +108,7 @@ docs: install
 	$(BIN)/python docs/generate.py
 
 bench: install
-	$(BIN)/cable-tracker bench --dds --force --markdown docs/performance.md
+	$(BIN)/cable-tracker dev bench --dds --force --markdown docs/performance.md
 
 # The tables that ship with the package. The evaluation's dives have the seeds 0, 1, ...
 table: install
@@ -126,7 +126,7 @@ fuzz: install
 		grep -e executed_units -e slowest -e peak_rss $(FUZZ)/$$target.log; done
 
 soak: install
-	$(BIN)/cable-tracker soak --minutes $(MINUTES) --seed $(SEED) --force
+	$(BIN)/cable-tracker dev soak --minutes $(MINUTES) --seed $(SEED) --force
 
 clean:
 	rm -rf $(VENV) $(DEMO) $(FUZZ) soak.json build install log *.egg-info .mypy_cache .ruff_cache .pytest_cache \

@@ -1,6 +1,6 @@
 """A node that answers every image at once with what the tracker would publish, and tracks nothing.
 
-Its latency is that of DDS and rclpy alone; `cable-tracker bench --dds` subtracts it.
+Its latency is that of DDS and rclpy alone; `cable-tracker dev bench --dds` subtracts it.
 """
 
 from __future__ import annotations

@@ -21,7 +21,8 @@ from rclpy.signals import SignalHandlerOptions
 from cable_tracker.arrays import Image
 from cable_tracker.cable.parameters.parameters import ParameterValue
 from cable_tracker.errors import RosError
-from cable_tracker.evaluation.closed_loop import (
+from cable_tracker.evaluation.closed_loop.loop_figures import MapPanel, plot_errors, plot_way
+from cable_tracker.evaluation.closed_loop.loop_table import (
     SUMMARY,
     TABLE,
     Burial,
@@ -30,7 +31,6 @@ from cable_tracker.evaluation.closed_loop import (
     write_rows,
     write_summary,
 )
-from cable_tracker.evaluation.closed_loop_figures import MapPanel, plot_errors, plot_way
 from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.evaluation.methods import BASELINES
 from cable_tracker.ros.child_process import START_TIMEOUT, NodeProcess

@@ -23,7 +23,7 @@ from sensor_msgs.msg import Image, JointState
 from std_srvs.srv import Trigger
 
 from cable_tracker.arrays import Image as Picture
-from cable_tracker.benchmark.frames import FIRST_STAMP, FRAME_STEP, Footage
+from cable_tracker.benchmark.footage import FIRST_STAMP, FRAME_STEP, Footage
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.statistics import Percentiles
 from cable_tracker.cable.model.initial_state_text import format_initial_state

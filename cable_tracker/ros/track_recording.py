@@ -19,7 +19,7 @@ from cable_tracker.cable.model.initial_state_text import RANDOM, format_initial_
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
 from cable_tracker.errors import RecordingError, RosError
-from cable_tracker.evaluation.result_folder import ResultFolder
+from cable_tracker.evaluation.tracking.result_folder import ResultFolder
 from cable_tracker.ros.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.environment import local_environment, use_local_environment
 from cable_tracker.ros.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until

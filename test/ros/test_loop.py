@@ -14,7 +14,7 @@ import pytest
 from sensor_msgs.msg import Image
 
 from cable_tracker.errors import OutputError
-from cable_tracker.evaluation.closed_loop import SUMMARY, TABLE
+from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, TABLE
 from cable_tracker.ros.loop import ERRORS, VIDEO, WAY, LoopRequest, file_names, run_loop
 from cable_tracker.simulation.live_world import LiveSettings
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from cable_tracker.benchmark.frames import Footage, footage
+from cable_tracker.benchmark.footage import Footage, footage
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import RosError
 from cable_tracker.ros import node_latency

@@ -6,7 +6,7 @@ from rclpy.serialization import serialize_message
 
 from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, TrackingStatus
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.track_recording import row_of
+from cable_tracker.evaluation.tracking.track_recording import row_of
 from cable_tracker.ros.rclpy_messages import RclpyMessages
 from cable_tracker.ros.recorder import RecordedFrame
 from cable_tracker.ros.track_recording import _row

@@ -16,8 +16,8 @@ from rosbags.rosbag2 import Reader
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
-from cable_tracker.evaluation.result_folder import BAG, ESTIMATES, ResultFolder
-from cable_tracker.evaluation.track_recording import (
+from cable_tracker.evaluation.tracking.result_folder import BAG, ESTIMATES, ResultFolder
+from cable_tracker.evaluation.tracking.track_recording import (
     TRUTH,
     initial_state_for,
     start_from,
