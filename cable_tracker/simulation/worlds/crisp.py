@@ -23,7 +23,10 @@ STRIP_SKEW = float(np.deg2rad(25.0))
 LEAST_BORDER = 0.5
 """Each border is seen along so much of the picture's height at least."""
 
-NARROWEST_SHARE = 0.3
+PLACES_TRIED = 30
+"""So often a place is drawn before the skew is made smaller."""
+
+NARROWEST_SHARE = 0.25
 """In the picture the strip is nowhere narrower than this share of its width: no tip is in view."""
 
 GROUND = (70.0, 170.0)
@@ -45,6 +48,8 @@ DRIFT = 0.2
 def random_strip(image_size: tuple[int, int], rng: np.random.Generator) -> FloatArray:
     """Draw a strip at any place and angle, both borders of which can be seen.
 
+    The skew is that of a uniform draw, as far as no tip of the strip comes into view.
+
     Returns
     -------
     FloatArray
@@ -52,14 +57,17 @@ def random_strip(image_size: tuple[int, int], rng: np.random.Generator) -> Float
     """
     scale = image_size[0] / REFERENCE_WIDTH
     state = np.zeros(STATE_SIZE)
-    # The width is settled first, so that it is not for the wide ones to be drawn again.
+    # Width and skew are settled first, so that wide and skewed strips are not fewer than others.
     state[2] = scale * float(np.exp(rng.uniform(*np.log(STRIP_WIDTHS))))
+    steepest = np.arctan(state[2] / image_size[1])
+    state[3] = np.clip(rng.uniform(-STRIP_SKEW, STRIP_SKEW), -steepest, steepest)
     while True:
-        state[0] = rng.uniform(-0.5, 0.5) * float(np.hypot(*image_size))
-        state[1] = rng.uniform(-np.pi / 2, np.pi / 2)
-        state[3] = rng.uniform(-STRIP_SKEW, STRIP_SKEW)
-        if _is_seen(state, image_size):
-            return state
+        for _ in range(PLACES_TRIED):
+            state[0] = rng.uniform(-0.5, 0.5) * float(np.hypot(*image_size))
+            state[1] = rng.uniform(-np.pi / 2, np.pi / 2)
+            if _is_seen(state, image_size):
+                return state
+        state[3] *= 0.8
 
 
 def _is_seen(state: FloatArray, image_size: tuple[int, int]) -> bool:
