@@ -71,7 +71,7 @@ def simulate_command(  # noqa: PLR0917
     if output is None:
         raise ParameterError("output: name a folder to write, or give --live")
     source: Iterator[Frame]
-    if scenario in WORLDS:
+    if scenario is not None and scenario in WORLDS:
         if photographs is not None:
             raise ParameterError(f"photographs: the world {scenario} has its own bottom")
         frames = WORLDS[scenario].frame_count
