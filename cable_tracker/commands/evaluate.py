@@ -27,7 +27,7 @@ from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.evaluation.judged_sequences import (
     JudgedSequence,
     RecordingSequence,
-    scenario_sequences,
+    simulated_sequences,
 )
 from cable_tracker.evaluation.methods import METHODS
 from cable_tracker.evaluation.report import (
@@ -43,7 +43,7 @@ from cable_tracker.evaluation.tables import CSV_FILES
 TITLE = "How well the cable is followed"
 
 PRINTED_METRICS = (
-    "lost", "longest_loss", "held_rmse_d", "held_rmse_alpha", "silence", "false_tracking",
+    "useful", "wrong_claims", "false_tracking", "longest_loss", "held_rmse_d", "held_rmse_alpha",
     "start_right", "ms",
 )  # fmt: skip
 """What fits on a terminal; the report has more."""
@@ -130,7 +130,7 @@ def evaluate(  # noqa: PLR0917
     if source is None:
         if truth is not None:
             raise ParameterError("--truth labels a recording; give it with --source")
-        sequences = scenario_sequences(scenario or (), frames)
+        sequences = simulated_sequences(scenario or (), frames)
     elif scenario or frames:
         raise ParameterError("--source takes the place of --scenario and --frames; leave those out")
     else:

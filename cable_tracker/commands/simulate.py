@@ -18,6 +18,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
+from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 
 
 class SimulationFormat(str, Enum):
@@ -45,8 +46,8 @@ def simulate_command(  # noqa: PLR0917
     scenario: Annotated[
         str | None,
         typer.Option(
-            help=f"A scenario of the evaluation instead ({', '.join(SCENARIOS)}); it has its own"
-            " length, rate and clutter."
+            help=f"A scenario of the evaluation instead ({', '.join(SCENARIOS)}), or a world"
+            " (tune_* or report_*, see docs/simulation.md); it has its own length and clutter."
         ),
     ] = None,
     photographs: Annotated[
@@ -70,7 +71,12 @@ def simulate_command(  # noqa: PLR0917
     if output is None:
         raise ParameterError("output: name a folder to write, or give --live")
     source: Iterator[Frame]
-    if scenario is not None:
+    if scenario is not None and scenario in WORLDS:
+        if photographs is not None:
+            raise ParameterError(f"photographs: the world {scenario} has its own bottom")
+        frames = WORLDS[scenario].frame_count
+        source = (each.frame for each in simulate_world(scenario, seed, image_size))
+    elif scenario is not None:
         frames = find_scenario(scenario).frame_count
         simulated = simulate_scenario(scenario, seed, image_size, photographs=photographs)
         source = (each.frame for each in simulated)

@@ -23,6 +23,7 @@ from cable_tracker.sequences.source import ChosenRecording, Source
 from cable_tracker.simulation.scenario import simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
+from cable_tracker.simulation.worlds.crisp import simulate_strip
 from cable_tracker.simulation.worlds.ground import photographs_of
 
 
@@ -147,6 +148,30 @@ class WorldSequence:
 
 
 @dataclass(frozen=True, slots=True)
+class StripSequence:
+    """A crisp strip on a plain ground; each seed is another one.
+
+    Attributes
+    ----------
+    length : int
+        Number of frames.
+    """
+
+    length: int = 10
+    name: str = "strip"
+    description: str = "a crisp strip on a plain ground"
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames."""
+        return self.length
+
+    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+        """Draw the strip of a seed."""
+        for item in simulate_strip(seed, self.length):
+            yield _judged(item.frame, item.visibility)
+
+
+@dataclass(frozen=True, slots=True)
 class RecordingSequence(ChosenRecording):
     """A recording of the user's, the same for every seed.
 
@@ -255,7 +280,7 @@ def label_lines(truth: Path) -> list[int]:
     return [number for number, text in texts if text and not text.startswith("#")]
 
 
-def scenario_sequences(
+def simulated_sequences(
     names: Sequence[str], limit: int | None = None
 ) -> tuple[JudgedSequence, ...]:
     """Return scenarios and worlds by name, each once, in the order given.
@@ -283,3 +308,19 @@ def scenario_sequences(
         chosen |= {name: ScenarioSequence(name, limit) for name in scenarios}
         chosen |= {name: WorldSequence(name, limit) for name in worlds}
     return tuple(chosen.values())
+
+
+def scenario_sequences(
+    names: Sequence[str], limit: int | None = None
+) -> tuple[ScenarioSequence, ...]:
+    """Return scenarios by name, each once, in the order given; all of them if no name is given.
+
+    Raises
+    ------
+    ParameterError
+        There is no such scenario.
+    """
+    for name in names:
+        if name not in SCENARIOS:
+            raise ParameterError(f"scenario: {name!r} is none of {' | '.join(SCENARIOS)}")
+    return tuple(ScenarioSequence(name, limit) for name in dict.fromkeys(names or SCENARIOS))

@@ -92,6 +92,7 @@ def _frames_to_right(metrics: RunMetrics) -> float:
 METRIC_TABLE: tuple[MetricSpec, ...] = (
     MetricSpec("frames", "frames", "", lambda m: float(m.frame_count)),
     MetricSpec("visible", "frames with a visible cable", "", lambda m: float(m.visible_count)),
+    MetricSpec("useful", "useful frames", "%", lambda m: 100.0 * m.claims.useful),
     MetricSpec("lost", "frames lost", "%", lambda m: 100.0 * m.loss.share),
     MetricSpec("longest_loss_frames", "longest loss", "frames", lambda m: m.loss.longest_frames),
     MetricSpec("longest_loss", "longest loss", "s", lambda m: m.loss.longest_seconds),
@@ -111,6 +112,12 @@ METRIC_TABLE: tuple[MetricSpec, ...] = (
     MetricSpec("nees_mean", "mean NEES", "", lambda m: m.consistency.nees_mean),
     MetricSpec("nees_median", "median NEES", "", lambda m: m.consistency.nees_median),
     *_inside_specs(),
+    MetricSpec(
+        "inside_region",
+        "truth inside the 95 % region",
+        "%",
+        lambda m: 100.0 * m.consistency.inside_region,
+    ),
     MetricSpec("ms", "time per frame", "ms", lambda m: m.ms_median),
     MetricSpec("ms_p95", "95th percentile of the time per frame", "ms", lambda m: m.ms_95),
 )

@@ -28,6 +28,9 @@ CLEARLY_BACK = 0.3
 RETURN_SECONDS = 1.0
 """It is found again if it is claimed, and rightly, within so much time after that [s]."""
 
+REGION_NEES = 9.4877
+"""95th percentile of the chi-square distribution of 4 degrees of freedom."""
+
 NANOSECONDS = 1e9
 
 
@@ -125,7 +128,7 @@ class ErrorStatistics:
 
 @dataclass(frozen=True, slots=True)
 class LossEpisode:
-    """A stretch of visible frames in which the cable was missed.
+    """A stretch of visible frames in which the cable was not claimed rightly.
 
     Attributes
     ----------
@@ -147,12 +150,12 @@ class LossEpisode:
 
 @dataclass(frozen=True, slots=True)
 class LossStatistics:
-    """How much of a visible cable was missed; NaN where no frame shows one.
+    """How much of a visible cable was lost, silence included; NaN where no frame shows one.
 
     Attributes
     ----------
     share : float
-        Share of the visible frames that are lost, 0 to 1.
+        Share of the visible frames in which the cable is not claimed rightly, 0 to 1.
     longest_frames : float
         Frames of the longest loss.
     longest_seconds : float
@@ -181,12 +184,15 @@ class ClaimStatistics:
     silence : float
         Share of the frames with a visible cable in which none is claimed, 0 to 1.
     wrong_claims : float
-        Share of the claims on frames with a visible cable that are lost, 0 to 1.
+        Share of the claims on frames with a visible cable that are off it, 0 to 1.
+    useful : float
+        Share of the frames with a visible cable in which it is claimed, and rightly, 0 to 1.
     """
 
     false_tracking: float
     silence: float
     wrong_claims: float
+    useful: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -200,11 +206,14 @@ class ConsistencyStatistics:
         larger if it is too small; NaN over no frames.
     inside : FloatArray
         Share of the truths inside two sigma, shape (4,): 0.954 if the covariance is right.
+    inside_region : float
+        Share of the truths inside the ellipsoid of (d, alpha, w, beta) that should hold 95 %.
     """
 
     nees_mean: float
     nees_median: float
     inside: FloatArray
+    inside_region: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,9 +281,9 @@ class RunMetrics:
     frame_count, visible_count : int
         Frames of the run, and those of them that show a cable.
     errors : ErrorStatistics
-        Over all visible frames, also those that are lost.
+        Over all visible frames, also those in which the mean is off or not claimed.
     held_errors : ErrorStatistics
-        Over the visible frames that are not lost.
+        Over the visible frames in which the mean is not off, claimed or not.
     loss, claims, consistency, returns, start : see there
         `start` is None where the method was told where the cable is.
     ms_median, ms_95 : float
@@ -304,12 +313,12 @@ def run_metrics(trace: Trace, *, started_at_random: bool) -> RunMetrics:
     started_at_random : bool
         Whether the method had to find the cable by itself.
     """
-    visible, lost = trace.visible, trace.lost
+    visible = trace.visible
     return RunMetrics(
         frame_count=len(trace),
         visible_count=int(visible.sum()),
         errors=error_statistics(trace.errors[visible]),
-        held_errors=error_statistics(trace.errors[visible & ~lost]),
+        held_errors=error_statistics(trace.errors[visible & ~trace.off]),
         loss=loss_statistics(trace),
         claims=claim_statistics(trace),
         consistency=consistency_statistics(trace),
@@ -379,7 +388,8 @@ def claim_statistics(trace: Trace) -> ClaimStatistics:
     return ClaimStatistics(
         false_tracking=_share(claimed[trace.hidden]),
         silence=_share(~claimed[visible]),
-        wrong_claims=_share(trace.lost[visible & claimed]),
+        wrong_claims=_share(trace.off[visible & claimed]),
+        useful=_share(trace.useful[visible]),
     )
 
 
@@ -412,12 +422,13 @@ def consistency_statistics(trace: Trace) -> ConsistencyStatistics:
     chosen = trace.claimed & trace.visible & np.isfinite(trace.errors).all(axis=1)
     errors, covariances = trace.errors[chosen], trace.covariances[chosen]
     if not len(errors):
-        return ConsistencyStatistics(math.nan, math.nan, np.full(COMPONENTS, np.nan))
+        return ConsistencyStatistics(math.nan, math.nan, np.full(COMPONENTS, np.nan), math.nan)
     squares = nees(errors, covariances)
     return ConsistencyStatistics(
         nees_mean=float(squares.mean()),
         nees_median=float(np.median(squares)),
         inside=(np.abs(errors) <= 2.0 * trace.sigmas[chosen]).mean(axis=0),
+        inside_region=float((squares <= REGION_NEES).mean()),
     )
 
 
@@ -455,8 +466,8 @@ def start_statistics(trace: Trace) -> StartStatistics:
     visible = np.flatnonzero(trace.visible)
     if not len(visible):
         return StartStatistics(None, math.nan, math.nan)
-    claimed, right = trace.claimed[visible], ~trace.lost[visible]
-    found = np.flatnonzero(claimed & right)
+    claimed = trace.claimed[visible]
+    found = np.flatnonzero(trace.useful[visible])
     to_right = float(found[0] + 1) if len(found) else math.nan
     if to_right <= START_FRAMES:
         outcome = StartOutcome.RIGHT
@@ -474,7 +485,7 @@ def cable_returns(trace: Trace) -> list[CableReturn]:
     Left out are those after which the cable leaves, or the run ends, before `RETURN_SECONDS` are
     over: nobody knows whether it would have been found.
     """
-    right = trace.visible & trace.claimed & ~trace.lost
+    right = trace.useful
     back = trace.visible & (trace.visibility >= CLEARLY_BACK)
     returns = []
     for start in _return_places(trace.hidden, back):

@@ -29,14 +29,16 @@ REPORT = "report.html"
 TEMPLATE = "report.html.j2"
 
 SUMMARY_METRICS = (
-    "lost", "longest_loss", "recovery", "held_rmse_d", "held_rmse_alpha", "held_rmse_w",
-    "held_rmse_beta", "silence", "wrong_claims", "false_tracking", "found_again", "start_right",
-    "start_wrong", "nees_median", "ms",
+    "useful", "wrong_claims", "false_tracking", "longest_loss", "recovery", "held_rmse_d",
+    "held_rmse_alpha", "held_rmse_w", "held_rmse_beta", "silence", "found_again", "start_right",
+    "start_wrong", "inside_2_sigma_d", "inside_2_sigma_alpha", "inside_2_sigma_w",
+    "inside_2_sigma_beta", "nees_median", "ms",
 )  # fmt: skip
 """Columns of the first table; a column of which nothing is known is left out."""
 
 MATRIX_METRICS = (
-    "lost",
+    "useful",
+    "wrong_claims",
     "held_rmse_d",
     "held_rmse_alpha",
     "silence",
@@ -46,9 +48,9 @@ MATRIX_METRICS = (
 """Numbers that get a table of sequences by methods."""
 
 SEQUENCE_METRICS = (
-    "lost", "longest_loss", "recovery", "unrecovered", "silence", "wrong_claims", "false_tracking",
-    "returns", "found_again", "time_to_find", "start_right", "start_wrong", "frames_to_right",
-    "nees_median", "ms",
+    "useful", "lost", "longest_loss", "recovery", "unrecovered", "silence", "wrong_claims",
+    "false_tracking", "returns", "found_again", "time_to_find", "start_right", "start_wrong",
+    "frames_to_right", "inside_region", "nees_median", "ms",
 )  # fmt: skip
 
 AXES = ("d", "alpha", "w", "beta")
@@ -247,7 +249,10 @@ def make_cell(spread: Spread, unit: str) -> Cell:
     return Cell(text, detail, round(min(max(shade, 0.0), 1.0), 3))
 
 
-GOOD_WHEN_LARGE = ("start_right", "found_again")
+GOOD_WHEN_LARGE = (
+    "useful", "start_right", "found_again", "inside_2_sigma_d", "inside_2_sigma_alpha",
+    "inside_2_sigma_w", "inside_2_sigma_beta", "inside_region",
+)  # fmt: skip
 """Shares that are not shaded, for there more is better."""
 
 

@@ -125,11 +125,21 @@ class Trace:
         return np.sqrt(np.maximum(variances, 0.0))
 
     @property
+    def useful(self) -> BoolArray:
+        """Whether a visible cable is claimed, and rightly, shape (T,)."""
+        return np.asarray(self.visible & self.claimed & ~self.off)
+
+    @property
     def lost(self) -> BoolArray:
+        """Whether a visible cable is not claimed, or wrongly, shape (T,): silence is loss."""
+        return np.asarray(self.visible & ~self.useful)
+
+    @property
+    def off(self) -> BoolArray:
         """Whether a visible cable is missed by more than max(10 px, w/2) or 8 deg, shape (T,).
 
         The mean counts whether or not it is claimed. The 10 px are those of an image 320 px wide.
-        A mean that is no number is lost.
+        A mean that is no number is off.
         """
         errors, widths = self.errors, self.truths[:, StateColumn.WIDTH]
         allowance = np.maximum(LOST_DISTANCE * self.image_width / REFERENCE_WIDTH, widths / 2)

@@ -7,12 +7,16 @@ from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.evaluation.judged_sequences import (
     RecordingSequence,
     ScenarioSequence,
+    WorldSequence,
     label_lines,
     scenario_sequences,
+    simulated_sequences,
 )
 from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.worlds.catalogue import worlds_of
+from cable_tracker.simulation.worlds.split import Split
 
 
 @pytest.fixture
@@ -115,3 +119,25 @@ def test_label_lines_skip_comments_and_empty_lines(tmp_path):
     path = tmp_path / "labels.txt"
     path.write_text("# head\n1 2 3 4 # a\n\n  # note\n1 2 3 4 # b\n")
     assert label_lines(path) == [2, 5]
+
+
+def test_worlds_are_chosen_by_name_or_pattern():
+    names = [each.name for each in simulated_sequences(["tune_*", "S3", "tune_faint"], 7)]
+    assert names[-1] == "S3"
+    assert len(names) == len(set(names)) == 1 + len(worlds_of(Split.TUNE))
+    assert simulated_sequences(["tune_faint"], 7)[0].frame_count() == 7
+
+
+def test_without_names_no_world_is_chosen():
+    assert {each.name for each in simulated_sequences([])} == set(SCENARIOS)
+
+
+def test_an_unknown_world_is_refused():
+    with pytest.raises(ParameterError, match="report_faint"):
+        simulated_sequences(["report_nothing*"])
+
+
+def test_a_world_is_judged_by_its_truth():
+    frames = list(WorldSequence("tune_clear", 3).frames(0))
+    assert len(frames) == 3
+    assert all(frame.truth is not None and frame.visibility > 0.5 for frame in frames)

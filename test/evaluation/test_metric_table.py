@@ -20,7 +20,8 @@ def test_every_number_can_be_read_of_every_run(trace):
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("lost", 50.0),
+        ("lost", 75.0),
+        ("useful", 25.0),
         ("silence", 25.0),
         ("wrong_claims", 200 / 3),
         ("longest_loss", 0.08),

@@ -53,8 +53,20 @@ def test_lost_means_off_by_10_px_and_half_the_width_or_by_8_degrees(
     assert trace.lost.tolist() == [lost]
 
 
-def test_the_mean_counts_whether_claimed_or_not(trace):
-    assert trace("lxhs").lost.tolist() == [True, True, False, False]
+def test_silence_is_loss(trace):
+    assert trace("lxhs").lost.tolist() == [True, True, False, True]
+    assert trace("lxhs").useful.tolist() == [False, False, True, False]
+
+
+def test_whether_the_mean_is_off_does_not_depend_on_the_claim(trace):
+    assert trace("lxhs").off.tolist() == [True, True, False, False]
+
+
+@pytest.mark.parametrize("letters", ["hlsxfnu", "h", "sx", "fnu", "llhss"])
+def test_a_visible_cable_is_either_lost_or_useful(trace, letters):
+    run = trace(letters)
+    assert (run.useful ^ run.lost == run.visible).all()
+    assert not (run.useful & ~run.claimed).any()
 
 
 def test_frames_are_visible_hidden_or_not_judged(trace):

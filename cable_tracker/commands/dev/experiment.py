@@ -55,7 +55,8 @@ def experiment(  # noqa: PLR0917
     sequences: section 5.2.3, from the true beginning. reinitialisation: 5.2.4, a random start every
     100 frames. speed: 5.2.5, time against particles and filter size. ablation: what each part of
     the preset `default` is worth. metres: errors of the metric output. motion: what odometry is
-    worth to the filter, sound or broken.
+    worth to the filter, sound or broken. roc: useful frames against wrong claims over the
+    thresholds. strips: crisp strips of any width from a cold start.
     """
     if name not in EXPERIMENTS:
         raise ParameterError(f"experiment: {name!r} is none of {' | '.join(EXPERIMENTS)}")

@@ -107,7 +107,7 @@ class _Dive:
 
 
 def is_on_cable(state: CableState, truth: CableState, image_width: int) -> bool:
-    """Tell whether an estimate has not lost the cable, as `Trace.lost` has it."""
+    """Tell whether an estimate is on the cable, as `Trace.off` has it."""
     allowance = max(LOST_DISTANCE * image_width / REFERENCE_WIDTH, truth.width / 2)
     distance, angle = np.abs(state_errors(state, truth)[:2])
     return bool(distance <= allowance and angle <= LOST_ANGLE)

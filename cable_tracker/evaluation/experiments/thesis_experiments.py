@@ -21,6 +21,8 @@ from cable_tracker.evaluation.experiments.experiment_result import (
 )
 from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment
 from cable_tracker.evaluation.experiments.motion_experiment import MotionExperiment
+from cable_tracker.evaluation.experiments.roc_experiment import RocExperiment
+from cable_tracker.evaluation.experiments.strips_experiment import StripsExperiment
 from cable_tracker.evaluation.figures import as_png, curves_figure, trace_figure
 from cable_tracker.evaluation.judged_sequences import (
     JudgedSequence,
@@ -101,7 +103,8 @@ class SequenceExperiment:
         """Run it."""
         results = run_campaign(self._campaign(), workers=workers, advance=advance)
         names = (
-            "lost", "longest_loss", "rmse_d", "rmse_alpha", "rmse_w", "rmse_beta", "silence", "ms",
+            "useful", "wrong_claims", "longest_loss", "rmse_d", "rmse_alpha", "rmse_w", "rmse_beta",
+            "silence", "ms",
         )  # fmt: skip
         specs = [METRICS_BY_NAME[name] for name in names]
         units = tuple(f"{s.label} [{s.unit}]" for s in specs)
@@ -228,7 +231,7 @@ def _held_after_start(parts: Sequence[Trace]) -> tuple[list[float], list[float]]
     """Return frames since the start, and the share of starts on the cable then [%]."""
     held, visible = np.zeros(RESTART_FRAMES), np.zeros(RESTART_FRAMES)
     for part in parts:
-        held[: len(part)] += part.visible & ~part.lost & part.claimed
+        held[: len(part)] += part.useful
         visible[: len(part)] += part.visible
     known: FloatArray = np.where(visible > 0, 100.0 * held / np.maximum(visible, 1.0), np.nan)
     return list(range(1, RESTART_FRAMES + 1)), known.tolist()
@@ -327,6 +330,8 @@ EXPERIMENTS: Mapping[str, Callable[[tuple[int, ...]], Experiment]] = MappingProx
         "ablation": AblationExperiment,
         "metres": MetresExperiment,
         "motion": MotionExperiment,
+        "roc": RocExperiment,
+        "strips": StripsExperiment,
     }
 )
 """What makes an experiment from its seeds, by the name on the command line."""

@@ -134,6 +134,8 @@ def _random_thing(
     half_length = float(rng.uniform(60.0, 260.0))
     if kind == "rock":
         half_width = half_length = float(rng.uniform(6.0, 28.0))
+    # A trench is darker than the ground; bright between its walls it would be a cable.
+    sign = 1.0 if kind == "trench" else float(rng.choice((-1.0, 1.0)))
     return Thing(
         kind,
         float(rng.uniform(-170.0, 170.0)),
@@ -141,7 +143,7 @@ def _random_thing(
         float(rng.uniform(-np.pi / 2, np.pi / 2) if rng.random() < 0.6 else rng.normal(0.0, 0.15)),
         half_width,
         half_length,
-        float(rng.choice((-1.0, 1.0)) * rng.uniform(1.2, 4.0)),
+        sign * float(rng.uniform(1.2, 4.0)),
     )
 
 

@@ -176,7 +176,7 @@ class WorldDive:
             visibility = self._visibility(index, state)
             wrapped = wrap_states(state[None, :])[0]
             truth = CableState.from_array(wrapped) if visibility != 0.0 else None
-            yield SimulatedFrame(_frame(index, image, truth), visibility)
+            yield SimulatedFrame(make_frame(index, image, truth), visibility)
 
     def _render(self, index: int, state: FloatArray) -> Image:
         view = view_strip(state, self._x, self._y)
@@ -290,7 +290,8 @@ class WorldDive:
         return visible if visible >= LEAST_SHARE else float("nan")
 
 
-def _frame(index: int, image: Image, truth: CableState | None) -> Frame:
+def make_frame(index: int, image: Image, truth: CableState | None) -> Frame:
+    """Wrap a picture, uint8 of shape (H, W), as a frame of 25 per second."""
     height, width = image.shape
     raw = RawImage("mono8", height, width, width, False, memoryview(image.tobytes()))
     stamp = FIRST_STAMP + round(index * NANOSECONDS / WORLD_RATE)

@@ -1,0 +1,166 @@
+"""Useful frames against wrong claims over the thresholds, on the worlds to report on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from cable_tracker.arrays import BoolArray
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.errors import RecordingError
+from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.experiments.experiment_result import (
+    ExperimentResult,
+    Picture,
+    ResultTable,
+)
+from cable_tracker.evaluation.figures import as_png, curves_figure
+from cable_tracker.evaluation.judged_sequences import JudgedSequence, WorldSequence
+from cable_tracker.evaluation.methods import ConfiguredFilter
+from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.tables import chosen
+from cable_tracker.evaluation.trace import Trace
+from cable_tracker.simulation.worlds.catalogue import worlds_of
+from cable_tracker.simulation.worlds.split import Split
+
+PRESENCES = (0.3, 0.6, 0.8, 0.9, 0.95, 0.98, 0.995)
+"""Values of `presence_to_track`, with the evidence asked for as in `default`."""
+
+EVIDENCES = (-5.0, -1.0, 0.0, 0.2, 1.0, 2.0)
+"""Values of `evidence_to_track`, with the presence asked for as in `default`."""
+
+LOSING = 0.53
+"""`presence_to_lose` over `presence_to_track`, as in `default`."""
+
+HYSTERESIS = 1.2
+"""`evidence_to_track` less `evidence_to_lose`, as in `default`."""
+
+HEADINGS = (
+    "setting", "useful [%]", "wrong [%]", "silence [%]", "claimed without a cable [%]",
+    "started rightly [%]", "wrong lock [%]",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class _Threshold:
+    parameter: str
+    value: float
+
+    @property
+    def name(self) -> str:
+        return f"{self.parameter} {self.value:g}"
+
+    def filter(self) -> ConfiguredFilter:
+        if self.parameter == "presence_to_track":
+            others = {"presence_to_lose": LOSING * self.value}
+        else:
+            others = {"evidence_to_lose": self.value - HYSTERESIS}
+        values = {self.parameter: self.value, **others}
+        return ConfiguredFilter(self.name, preset("default").replaced(values))
+
+
+THRESHOLDS = (
+    *(_Threshold("presence_to_track", value) for value in PRESENCES),
+    *(_Threshold("evidence_to_track", value) for value in EVIDENCES),
+)
+
+
+def available_worlds(split: Split) -> tuple[tuple[JudgedSequence, ...], tuple[str, ...]]:
+    """Return the worlds of a split that can be drawn here, and notes about the others."""
+    sequences: list[JudgedSequence] = []
+    notes = []
+    for world in worlds_of(split):
+        sequence = WorldSequence(world.name)
+        try:
+            sequence.frame_count()
+        except RecordingError as error:
+            notes.append(f"`{world.name}` is left out: {error}")
+        else:
+            sequences.append(sequence)
+    return tuple(sequences), tuple(notes)
+
+
+@dataclass(frozen=True, slots=True)
+class RocExperiment:
+    """Follow worlds from cold starts with the preset `default` and one threshold changed.
+
+    Attributes
+    ----------
+    seeds : tuple of int
+        Each makes another dive through each world.
+    sequences : tuple of JudgedSequence or None
+        What to follow; None: the worlds to report on.
+    """
+
+    seeds: tuple[int, ...]
+    sequences: tuple[JudgedSequence, ...] | None = None
+
+    def _available(self) -> tuple[tuple[JudgedSequence, ...], tuple[str, ...]]:
+        if self.sequences is not None:
+            return self.sequences, ()
+        return available_worlds(Split.REPORT)
+
+    def _campaign(self) -> Campaign:
+        filters = tuple(threshold.filter() for threshold in THRESHOLDS)
+        return Campaign((), self._available()[0], self.seeds, Start.RANDOM, filters=filters)
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through."""
+        return self._campaign().frame_count()
+
+    def run(self, workers: int, advance: Callable[[int], None]) -> ExperimentResult:
+        """Run it."""
+        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+        curves: dict[str, tuple[list[float], list[float]]] = {}
+        rows = []
+        for threshold in THRESHOLDS:
+            numbers = claim_shares(chosen(results, method=threshold.name))
+            rows.append((threshold.name, *(format_number(each, "%") for each in numbers)))
+            wrong, useful = curves.setdefault(threshold.parameter, ([], []))
+            useful.append(numbers[0])
+            wrong.append(numbers[1])
+        figure = curves_figure(
+            curves,
+            x_label="wrong claims [% of the frames with a visible cable]",
+            y_label="useful [%]",
+            markers=True,
+        )
+        notes = self._available()[1]
+        return ExperimentResult(
+            "Useful frames against wrong claims over the thresholds, from cold starts",
+            (ResultTable(HEADINGS, tuple(rows), notes=notes),),
+            (Picture("roc.png", as_png(figure)),),
+        )
+
+
+def claim_shares(results: Sequence[RunResult]) -> tuple[float, ...]:
+    """Return shares over the frames of all runs together [%].
+
+    Returns
+    -------
+    tuple of float
+        Useful, wrong and silent of the frames with a visible cable; claimed of those without one;
+        right starts and wrong locks of the runs that show one. NaN where there is nothing to count.
+    """
+    traces = [result.trace for result in results]
+    visible, hidden = _count(traces, lambda t: t.visible), _count(traces, lambda t: t.hidden)
+    starts = [result.metrics.start for result in results]
+    outcomes = [start.outcome.value for start in starts if start and start.outcome]
+
+    def share(count: int, total: int) -> float:
+        return 100.0 * count / total if total else math.nan
+
+    return (
+        share(_count(traces, lambda t: t.useful), visible),
+        share(_count(traces, lambda t: t.visible & t.claimed & ~t.useful), visible),
+        share(_count(traces, lambda t: t.visible & ~t.claimed), visible),
+        share(_count(traces, lambda t: t.hidden & t.claimed), hidden),
+        share(outcomes.count("right"), len(outcomes)),
+        share(outcomes.count("wrong"), len(outcomes)),
+    )
+
+
+def _count(traces: Sequence[Trace], flags: Callable[[Trace], BoolArray]) -> int:
+    return sum(int(flags(trace).sum()) for trace in traces)

@@ -1,0 +1,104 @@
+"""Whether crisp strips of any width, place, angle and skew are found at once, and how wide."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
+from cable_tracker.evaluation.judged_sequences import StripSequence
+from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.runs import RunResult, Start
+
+STRIPS_PER_SEED = 100
+"""So many strips are drawn for each seed of the experiment: five seeds make 500."""
+
+WIDTH_BINS = (4.0, 8.0, 16.0, 32.0, 64.0, 120.0, 200.0)
+"""Limits of the rows of the table [px at 320 px]."""
+
+WIDTH_TOLERANCE = 0.1
+"""The width is right if it is off by no more than this share."""
+
+HEADINGS = (
+    "method", "width [px at 320 px]", "strips", "found [%]", "found, width within 10 % [%]",
+    "claimed wrongly only [%]",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class StripsExperiment:
+    """Show methods crisp strips from cold starts, ten frames each.
+
+    Attributes
+    ----------
+    seeds : tuple of int
+        Each draws `STRIPS_PER_SEED` strips.
+    methods : tuple of str
+        Keys of `METHODS`.
+    sequence : StripSequence
+        What is shown.
+    strips_per_seed : int
+        Strips drawn for each seed.
+    """
+
+    seeds: tuple[int, ...]
+    methods: tuple[str, ...] = ("default",)
+    sequence: StripSequence = field(default_factory=StripSequence)
+    strips_per_seed: int = STRIPS_PER_SEED
+
+    def _campaign(self) -> Campaign:
+        count = self.strips_per_seed
+        strips = tuple(seed * count + place for seed in self.seeds for place in range(count))
+        return Campaign(self.methods, (self.sequence,), strips, Start.RANDOM)
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through."""
+        return self._campaign().frame_count()
+
+    def run(self, workers: int, advance: Callable[[int], None]) -> ExperimentResult:
+        """Run it."""
+        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+        rows = []
+        for method in self.methods:
+            runs = [run for run in results if run.method == method]
+            for low, high in pairwise(WIDTH_BINS):
+                inside = [run for run in runs if low <= _width(run) < high]
+                rows.append((method, f"{low:g} to {high:g}", *_cells(inside)))
+            rows.append((method, "all", *_cells(runs)))
+        return ExperimentResult(
+            f"Crisp strips found within {self.sequence.length} frames of a cold start",
+            (ResultTable(HEADINGS, tuple(rows)),),
+        )
+
+
+def _width(run: RunResult) -> float:
+    """Return the width of the strip [px at 320 px]."""
+    width = float(run.trace.truths[0, StateColumn.WIDTH])
+    return width * REFERENCE_WIDTH / run.trace.image_width
+
+
+def is_found(run: RunResult) -> bool:
+    """Tell whether the strip was claimed rightly in any frame."""
+    return bool(run.trace.useful.any())
+
+
+def is_measured(run: RunResult) -> bool:
+    """Tell whether it is claimed rightly in the last frame, and its width is right."""
+    trace = run.trace
+    error = abs(float(trace.errors[-1, StateColumn.WIDTH]))
+    right = error <= WIDTH_TOLERANCE * float(trace.truths[-1, StateColumn.WIDTH])
+    return bool(trace.useful[-1]) and right
+
+
+def _cells(runs: Sequence[RunResult]) -> tuple[str, ...]:
+    wrong = [bool(run.trace.claimed.any()) and not is_found(run) for run in runs]
+    shares = ([is_found(run) for run in runs], [is_measured(run) for run in runs], wrong)
+    numbers = (100.0 * float(np.mean(each)) if runs else math.nan for each in shares)
+    return str(len(runs)), *(format_number(number, "%") for number in numbers)

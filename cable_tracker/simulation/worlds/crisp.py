@@ -1,0 +1,112 @@
+"""Crisp strips on a plain ground: the least that a tracker must find at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.state import STATE_SIZE, CableState
+from cable_tracker.simulation.dive import SimulatedFrame
+from cable_tracker.simulation.worlds.strip import border_points, pixel_grid, view_strip
+from cable_tracker.simulation.worlds.world_dive import REFERENCE_WIDTH, make_frame
+
+STRIP_WIDTHS = (4.0, 200.0)
+"""Narrowest and widest strip, drawn uniformly in the logarithm [px at 320 px]."""
+
+STRIP_SKEW = float(np.deg2rad(25.0))
+"""Largest angle between a border and the centreline [rad]."""
+
+LEAST_BORDER = 0.5
+"""Each border is seen along so much of the picture's height at least."""
+
+PLACES_TRIED = 30
+"""So often a place is drawn before the skew is made smaller."""
+
+NARROWEST_SHARE = 0.25
+"""In the picture the strip is nowhere narrower than this share of its width: no tip is in view."""
+
+GROUND = (70.0, 170.0)
+"""Grey levels of the ground."""
+
+STEP = (35.0, 75.0)
+"""Step of the borders, brighter or darker [grey levels]."""
+
+STRIP_NOISE = (2.0, 5.0)
+"""Standard deviation of the noise [grey levels]."""
+
+BLUR = 0.6
+"""Standard deviation of the blur [px at 320 px]."""
+
+DRIFT = 0.2
+"""Standard deviation of the steps of d from frame to frame [px at 320 px]."""
+
+
+def random_strip(image_size: tuple[int, int], rng: np.random.Generator) -> FloatArray:
+    """Draw a strip at any place and angle, both borders of which can be seen.
+
+    The skew is that of a uniform draw, as far as no tip of the strip comes into view.
+
+    Returns
+    -------
+    FloatArray
+        d, alpha, w, beta and zeros, shape (8,) [px, rad].
+    """
+    scale = image_size[0] / REFERENCE_WIDTH
+    state = np.zeros(STATE_SIZE)
+    # Width and skew are settled first, so that wide and skewed strips are not fewer than others.
+    state[2] = scale * float(np.exp(rng.uniform(*np.log(STRIP_WIDTHS))))
+    steepest = np.arctan(state[2] / image_size[1])
+    state[3] = np.clip(rng.uniform(-STRIP_SKEW, STRIP_SKEW), -steepest, steepest)
+    while True:
+        for _ in range(PLACES_TRIED):
+            state[0] = rng.uniform(-0.5, 0.5) * float(np.hypot(*image_size))
+            state[1] = rng.uniform(-np.pi / 2, np.pi / 2)
+            if _is_seen(state, image_size):
+                return state
+        state[3] *= 0.8
+
+
+def _is_seen(state: FloatArray, image_size: tuple[int, int]) -> bool:
+    spacing = 2.0
+    x, y = border_points(state, image_size, spacing)
+    view = view_strip(state, x, y)
+    least = LEAST_BORDER * image_size[1] / spacing
+    if min(int((view.u < 0).sum()), int((view.u > 0).sum())) < least:
+        return False
+    return bool(view.radius.min() >= NARROWEST_SHARE * state[2] / 2)
+
+
+def simulate_strip(
+    seed: int, frame_count: int = 10, image_size: tuple[int, int] = (640, 480)
+) -> Iterator[SimulatedFrame]:
+    """Yield the frames of a random strip that drifts a little, at 25 frames per second.
+
+    Parameters
+    ----------
+    seed : int
+        Not negative; each is another strip.
+    frame_count : int
+        How many.
+    image_size : (int, int)
+        Width and height [px].
+    """
+    rng = np.random.default_rng((3, seed))
+    state = random_strip(image_size, rng)
+    scale = image_size[0] / REFERENCE_WIDTH
+    ground, noise = float(rng.uniform(*GROUND)), float(rng.uniform(*STRIP_NOISE))
+    step = float(rng.uniform(*STEP) * rng.choice((-1.0, 1.0)))
+    x, y = pixel_grid(image_size)
+    for index in range(frame_count):
+        view = view_strip(state, x, y)
+        cover = np.clip((1 - np.abs(view.u)) * view.radius + np.float32(0.5), 0.0, 1.0)
+        seen: Image = cv2.GaussianBlur(ground + step * cover, (0, 0), BLUR * scale)
+        grain: Image = rng.standard_normal(seen.shape, np.float32)
+        seen = seen + np.float32(noise) * grain
+        picture: Image = np.clip(np.rint(seen), 0, 255).astype(np.uint8)
+        truth = CableState.from_array(wrap_states(state[None, :])[0])
+        yield SimulatedFrame(make_frame(index, picture, truth), 1.0)
+        state[0] += DRIFT * scale * rng.standard_normal()

@@ -1,0 +1,36 @@
+"""Shares of useful, wrong and silent frames over thresholds."""
+
+import pytest
+
+from cable_tracker.evaluation.experiments.roc_experiment import (
+    THRESHOLDS,
+    available_worlds,
+    claim_shares,
+)
+from cable_tracker.evaluation.metrics import run_metrics
+from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
+from cable_tracker.simulation.worlds.split import Split
+
+
+def result(trace) -> RunResult:
+    metrics = run_metrics(trace, started_at_random=True)
+    return RunResult("default", "world", 0, Start.RANDOM, trace, metrics, b"")
+
+
+def test_shares_are_taken_over_the_frames_of_all_runs(trace):
+    shares = claim_shares([result(trace("hhl")), result(trace("s")), result(trace("ffnn"))])
+    assert shares[:4] == pytest.approx((50.0, 25.0, 25.0, 50.0))
+    assert shares[4:] == pytest.approx((50.0, 0.0))
+
+
+def test_thresholds_are_values_that_the_tracker_takes():
+    assert len({threshold.filter().name for threshold in THRESHOLDS}) == len(THRESHOLDS)
+
+
+def test_worlds_that_need_photographs_are_left_out_with_words(monkeypatch, tmp_path):
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
+    sequences, notes = available_worlds(Split.REPORT)
+    assert sequences
+    assert not any(sequence.name.startswith("tune") for sequence in sequences)
+    assert any("report_inspection" in note and FOLDER_VARIABLE in note for note in notes)

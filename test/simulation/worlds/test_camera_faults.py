@@ -1,0 +1,66 @@
+"""Light, compression, bars."""
+
+import numpy as np
+import pytest
+
+from cable_tracker.simulation.worlds.camera_faults import (
+    Recorder,
+    random_light,
+    random_overlaid,
+)
+from cable_tracker.simulation.worlds.world import Disturbance, Optics
+
+
+@pytest.fixture
+def picture() -> np.ndarray:
+    """A picture with coarse structure and grain."""
+    rng = np.random.default_rng(0)
+    coarse = np.repeat(np.repeat(rng.uniform(60, 180, (12, 16)), 20, 0), 20, 1)
+    return np.clip(coarse + rng.normal(0, 6, coarse.shape), 0, 255).astype(np.uint8)
+
+
+def test_without_a_quality_pictures_stay_as_they_are(picture):
+    assert Recorder(None, as_video=True).record(picture) is picture
+
+
+@pytest.mark.parametrize("as_video", [False, True])
+def test_worse_quality_leaves_less_of_the_picture(picture, as_video):
+    def error(quality: int) -> float:
+        recorder = Recorder(quality, as_video=as_video)
+        last = [recorder.record(picture) for _ in range(4)][-1]
+        return float(np.abs(last.astype(float) - picture).mean())
+
+    assert 0.0 < error(90) < error(15) < 20.0
+
+
+def test_a_video_keeps_what_does_not_move_the_same(picture):
+    recorder = Recorder(30, as_video=True)
+    first = recorder.record(picture)
+    assert np.abs(recorder.record(first).astype(int) - first).max() <= 2
+
+
+def test_light_is_one_on_average_and_uneven_if_asked_for():
+    even = random_light(Optics(lamps=(0, 0), vignette=(0, 0)), (64, 48), np.random.default_rng(0))
+    uneven = random_light(Optics(lamps=(0.9, 0.9)), (64, 48), np.random.default_rng(0))
+    np.testing.assert_allclose(even, 1.0, rtol=1e-5)
+    assert uneven.mean() == pytest.approx(1.0, abs=0.05)
+    assert uneven.std() > 0.1
+
+
+def test_what_covers_the_picture_is_known():
+    rng = np.random.default_rng(3)
+    overlaid = random_overlaid(Disturbance(bars=1.0, vehicle_part=1.0), (320, 240), rng)
+    picture = np.full((240, 320), 77, np.uint8)
+    overlaid.put_on(picture, 0)
+    assert overlaid.where.any()
+    assert (picture[~overlaid.where] == 77).all()
+
+
+def test_captions_change_with_time():
+    rng = np.random.default_rng(0)
+    overlaid = random_overlaid(Disturbance(caption=1.0), (320, 240), rng)
+    pictures = [np.full((240, 320), 77, np.uint8) for _ in range(2)]
+    for frame, picture in zip((0, 30), pictures, strict=True):
+        overlaid.put_on(picture, frame)
+    assert (pictures[0] != 77).any()
+    assert (pictures[0] != pictures[1]).any()
