@@ -129,7 +129,8 @@ TRACKER_RUNTIME_PARAMETERS = (
     word(
         "initial_state",
         "random",
-        "Where start and reset begin: `random`, or `d,alpha,w,beta` in px and rad.",
+        "Where start and reset begin: `random`, `d,alpha,w,beta` in px and rad, or a detector:"
+        " `hough`, `segmentation`, `lsd`, `texture`.",
     ),
     *CAMERA_RUNTIME_PARAMETERS,
     *METRIC_PARAMETERS,

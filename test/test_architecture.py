@@ -39,7 +39,8 @@ MAY_IMPORT = {
     },
     "example_controller": set(),
     "ros": {
-        "benchmark", "gui", "evaluation", "trackers", "simulation", "example_controller",
+        "benchmark", "gui", "evaluation", "trackers", "simulation", "detection",
+        "example_controller",
         "visualisation", "sequences",
         "node_parameter_tables", "metric", "cable", "tracking", "particle_filter", "resources",
     },

@@ -45,7 +45,7 @@ LATEST_RESULT = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-"""`state`: whoever joins while frames pause, and asks for it, gets the last answers at once."""
+"""`state`: a subscriber that joins while frames pause gets the last answers at once if it asks."""
 
 PICTURES = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=5, reliability=ReliabilityPolicy.RELIABLE

@@ -1,4 +1,4 @@
-"""Who cannot hear whom on our topics, and what to set so that they can."""
+"""Endpoints on our topics whose quality of service does not fit, and what to set."""
 
 from __future__ import annotations
 

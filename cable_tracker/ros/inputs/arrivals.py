@@ -9,11 +9,11 @@ from typing import Any
 NANOSECONDS = 1e9
 
 LONGEST_WAIT = 60.0
-"""A message that seems to have waited longer has not: somebody has set the clock [s]."""
+"""A message that seems to have waited longer has not: the clock was set meanwhile [s]."""
 
 
 def seconds_waited(info: Mapping[str, Any], now: int) -> float:
-    """Return how long a message has lain in the middleware's queue [s]; 0 where nobody knows.
+    """Return how long a message has lain in the middleware's queue [s]; 0 where it is not known.
 
     Parameters
     ----------

@@ -89,7 +89,7 @@ def make_true_odometry(header: Message, motion: Motion) -> Message:
 
 
 def unknown_covariance() -> FloatArray:
-    """Return the covariance (2, 2) of what nobody measured."""
+    """Return the covariance (2, 2) of what was not measured."""
     return np.diag([UNKNOWN_VARIANCE, UNKNOWN_VARIANCE])
 
 

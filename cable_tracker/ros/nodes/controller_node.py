@@ -127,7 +127,7 @@ class ControllerNode(ProcessNode):
             self._watch()
 
     def _answer(self, stamp: int, is_claimed: bool, came: float) -> None:
-        # A first command that nobody hears would stop a lockstep simulator for ever.
+        # A first command without a subscriber would stop a lockstep simulator for ever.
         if self._values["lockstep"] and not self._commands.get_subscription_count():
             return
         is_complete = stamp in self._poses and (stamp in self._cables or not is_claimed)

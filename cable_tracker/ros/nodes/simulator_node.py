@@ -49,7 +49,7 @@ FLUSH_TIMEOUT = Duration(seconds=5)
 
 
 class SimulatorNode(ProcessNode):
-    """Lets a vehicle follow a cable, in real time or in lockstep with whoever steers it.
+    """Lets a vehicle follow a cable, in real time or in lockstep with a controller.
 
     Parameters
     ----------
@@ -245,7 +245,7 @@ class SimulatorNode(ProcessNode):
         return truth.along >= self._world.settings.length or is_stuck or self._stands_still()
 
     def _stands_still(self) -> bool:
-        """Tell whether nobody has wanted the vehicle to move for long."""
+        """Tell whether all commands have been zero for long."""
         if self._command != VelocityCommand():
             self._last_moved = self._world.time
         standstill = self._number("standstill")

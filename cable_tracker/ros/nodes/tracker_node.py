@@ -13,8 +13,7 @@ from rclpy.publisher import Publisher
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.response_table import load_table
-from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.initial_state_text import parse_initial_state
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
@@ -33,6 +32,7 @@ from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameOutcome
 from cable_tracker.ros.nodes.code_variants import few_particles, variant_of
 from cable_tracker.ros.nodes.frame_tracker import FrameTracker
+from cable_tracker.ros.nodes.initial_search import InitialSearch
 from cable_tracker.ros.nodes.metric_inputs import MetricInputs
 from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
 from cable_tracker.sequences.messages import Message, read_prior
@@ -93,7 +93,7 @@ class TrackerNode(CameraNode):
         for name in values.keys() & own.keys():
             own[name].coerce(values[name])
         if "initial_state" in values:
-            parse_initial_state(str(values["initial_state"]))
+            InitialSearch(str(values["initial_state"]))
         present = self._tracker.parameters
         changed = present.replaced({name: values[name] for name in values.keys() - own.keys()})
         if changed.response_table != present.response_table:
@@ -109,7 +109,7 @@ class TrackerNode(CameraNode):
 
     def _apply_runtime_values(self, values: Mapping[str, object]) -> None:
         if "initial_state" in values:
-            self._initial_state = parse_initial_state(str(values["initial_state"]))
+            self._search = InitialSearch(str(values["initial_state"]))
         self._metric.apply(values)
         self._apply_camera_values(values)
 
@@ -145,12 +145,17 @@ class TrackerNode(CameraNode):
 
     def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameOutcome:
         begin = time.perf_counter()
+        seen = self._search.look(picture)
+        if seen is not None:
+            self._tracker.initialise(seen)
         estimate = self._tracker.process(picture, stamp, self._metric.motion(stamp, picture))
         milliseconds = (time.perf_counter() - begin) * 1e3
         self._outputs.publish_centreline(header, estimate)
         self._metric.publish(header, estimate)
         self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
         self._statistics.tracked += 1
+        if estimate.status is TrackingStatus.TRACKING:
+            self._search.stop()
         self._estimate = estimate
         self._outputs.publish_pictures(header, estimate, self._tracker.particles, picture)
         self._outputs.publish_state(header, estimate, milliseconds)
@@ -163,8 +168,9 @@ class TrackerNode(CameraNode):
         super()._restart()
         self._tracker.reset()
         self._estimate = None
-        if self._initial_state is not None:
-            self._tracker.initialise(StatePrior.around(self._initial_state))
+        prior = self._search.restart()
+        if prior is not None:
+            self._tracker.initialise(prior)
 
     def on_initial_state(self, message: Message) -> None:
         """Start the next frame from an operator's or planner's prior."""
@@ -172,6 +178,7 @@ class TrackerNode(CameraNode):
             self._check_frame_id(str(message.header.frame_id))
             prior = read_prior(message)
             self._tracker.initialise(prior)
+            self._search.stop()
         except FrameError as error:
             self.get_logger().warning(f"initial_state refused: {error}")
             return
@@ -187,6 +194,7 @@ class TrackerNode(CameraNode):
         prior, self._prior_while_disabled = self._prior_while_disabled, None
         if prior is not None:
             self._tracker.initialise(prior)
+            self._search.stop()
 
     def _figures(self) -> dict[str, str]:
         readers = {

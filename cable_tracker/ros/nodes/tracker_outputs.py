@@ -1,4 +1,4 @@
-"""What the tracker node publishes about frames. What nobody reads is not built."""
+"""What the tracker node publishes about frames. Pictures are built only for subscribers."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ class TrackerOutputs:
         """Publish report and state.
 
         The state goes last, because a lockstep replay sends the next frame upon it, and always,
-        because whoever joins later may ask for it.
+        because a subscriber that joins later may ask for it.
         """
         if self._report.get_subscription_count():
             values = report_values(estimate, milliseconds)

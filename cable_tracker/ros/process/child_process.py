@@ -43,7 +43,7 @@ class NodeProcess:
         self._environment = dict(environment)
 
     def __enter__(self) -> Self:
-        # A file, not a pipe: nobody reads while frames run, and a full pipe would stop the node.
+        # A file, not a pipe: none is read while frames run, and a full pipe would stop the node.
         self._log = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")
         self._process = subprocess.Popen(
             self._command,

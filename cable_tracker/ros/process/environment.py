@@ -1,4 +1,4 @@
-"""The environment in which our processes find each other, and nobody else."""
+"""The environment in which our processes find each other, and no other ones."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ def run_node(
         # Of rclpy's own parameters, such as use_sim_time; those of our tables raise ParameterError.
         return _tell(ParameterError(" ".join(str(error).split())))
     except ExternalShutdownException:
-        pass  # Somebody else shut the context down; that is an orderly end.
+        pass  # The context was shut down from elsewhere; that is an orderly end.
     finally:
         executor.shutdown()
         if node is not None:

@@ -1,7 +1,7 @@
 """Removes shared memory that killed processes have left behind.
 
 Fast DDS gives each process a segment in /dev/shm (32 MB with the shipped profile) and holds a lock
-on a file beside it for as long as the process lives. Who is killed cannot remove either, and they
+on a file beside it for as long as the process lives. A killed process removes neither, and they
 would stay until the machine restarts.
 """
 
@@ -40,7 +40,7 @@ def remove_dead_segments(folder: Path = FOLDER, youngest: float = YOUNGEST) -> l
         match = LOCK_FILE.fullmatch(path.name)
         if match is None:
             continue
-        # Somebody else may be removing it at this moment.
+        # Another process may be removing it at this moment.
         with suppress(OSError):
             if _is_ours_and_old(path, youngest) and _remove_if_unlocked(path, folder / match[1]):
                 removed.append(match[1])

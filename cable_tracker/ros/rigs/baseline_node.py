@@ -1,7 +1,7 @@
 """A node that stands in for the tracker with one of the baselines inside, for comparison only.
 
-It is a node of its own, and no parameter of the tracker node: nobody who sets up a vehicle should
-be able to choose a method that the project knows to be worse, and nobody should have to read about
+It is a node of its own, and no parameter of the tracker node: a vehicle should not be set up with a
+method that the project knows to be worse, and a user of the tracker should not have to read about
 it in the tracker's table of parameters. Everything around the method is the tracker node's own
 code, so that a comparison in the closed loop shows what the methods are worth and nothing else:
 name and topics, how frames wait for their instruments, metres with their covariance, diagnostics.

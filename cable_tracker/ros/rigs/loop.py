@@ -277,7 +277,7 @@ class _Run:
         self.simulator: NodeProcess | None = None
 
     def wait_until_connected(self) -> None:
-        """Wait until what the tracker publishes reaches everybody, and it is ready for frames."""
+        """Wait until what the tracker publishes reaches all nodes, and it is ready for frames."""
         spin_until(self._executor, self._recorder.is_connected, START_TIMEOUT, self._what_died)
         spin_until(self._executor, self._recorder.is_warm, WARM_UP_TIMEOUT, self._what_died)
 

@@ -58,7 +58,7 @@ class SeenFrame:
     stamp : int
         [ns].
     image : Picture or None
-        Grey, uint8, shape (H, W); None if nobody wanted pictures.
+        Grey, uint8, shape (H, W); None without pictures.
     state : CableState or None
         The estimate.
     status : str

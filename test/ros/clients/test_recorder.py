@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool
@@ -144,3 +145,29 @@ class TestSpinUntil:
     def test_a_complaint_is_an_error_at_once(self, world: Any) -> None:
         with pytest.raises(RosError, match="the node has died"):
             spin_until(world.executor, lambda: False, 60.0, lambda: "the node has died")
+
+
+def test_a_tracker_that_warms_up_is_waited_for_beyond_the_time_out(
+    world: Any, recorder: Recorder, capfd: pytest.CaptureFixture[str]
+) -> None:
+    publisher = world.me.create_publisher(DiagnosticArray, "diagnostics", 1)
+    world.spin(publisher.get_subscription_count)
+
+    def says(status: str) -> Any:
+        publisher.publish(DiagnosticArray(status=[DiagnosticStatus(message=status)]))
+        world.pass_time(0.1)
+        return recorder.is_warming()
+
+    world.spin(lambda: says("WARMING UP"))
+    assert "the tracker is WARMING UP" in capfd.readouterr().err
+    turns: list[int] = []
+
+    def has_come() -> bool:
+        turns.append(1)
+        return len(turns) > 20
+
+    # Each turn begins the time-out anew, which all of them together exceed.
+    spin_until(world.executor, has_come, 0.3, lambda: "", recorder.is_warming)
+    world.spin(lambda: not says("INITIALISING"))
+    with pytest.raises(RosError, match=r"nothing came for 0\.1 s"):
+        spin_until(world.executor, lambda: False, 0.1, lambda: "", recorder.is_warming)
