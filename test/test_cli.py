@@ -19,7 +19,8 @@ from cable_tracker.cable.parameters.parameter_files import read_parameter_file
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.commands import dev, parameters
 from cable_tracker.commands.simulate import parse_size
-from cable_tracker.commands.track import chosen_parameters, default_output
+from cable_tracker.commands.track import default_output
+from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import read_estimates

@@ -29,7 +29,7 @@ from cable_tracker.commands.serving import (
     need_gui,
 )
 from cable_tracker.commands.terminal import messages
-from cable_tracker.commands.track import chosen_parameters, chosen_start
+from cable_tracker.commands.tuning import chosen_parameters, chosen_start
 from cable_tracker.errors import GuiError
 
 

@@ -1,5 +1,4 @@
 import itertools
-import time
 
 import cv2
 import numpy as np
@@ -305,13 +304,3 @@ def test_what_is_no_image_is_refused(shape):
 def test_a_cloud_without_weights_is_refused():
     with pytest.raises(FrameError, match="cloud: shape is"):
         draw_overlay(BLACK, state=None, status="LOST", cloud=np.zeros((3, 8)))
-
-
-def test_it_is_quick(grey):
-    cloud = _cloud(500, np.random.default_rng(0))
-    times = []
-    for _ in range(15):
-        start = time.perf_counter()
-        draw_overlay(grey, state=STATE, status="TRACKING", sigma=SIGMA, truth=STATE, cloud=cloud)
-        times.append(time.perf_counter() - start)
-    assert min(times) < 0.005
