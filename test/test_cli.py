@@ -320,11 +320,12 @@ def test_what_is_no_size(text):
 
 
 @pytest.mark.parametrize("width", [60, 80, 200])
-def test_parameters_are_printed_as_a_table_with_whole_names(run, monkeypatch, width):
+def test_parameters_are_printed_with_whole_names_in_any_width(run, monkeypatch, width):
     monkeypatch.setattr(parameters, "console", Console(width=width))
     outcome = run("parameters")
     assert outcome.code == 0
     assert all(name in outcome.out for name in set(PARAMETERS_BY_NAME))
+    assert "Number of particles N; time per frame" in " ".join(outcome.out.split())
 
 
 def test_parameters_are_printed_as_a_file_for_track(run, bag):

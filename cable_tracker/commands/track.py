@@ -29,6 +29,7 @@ from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.commands.tuning import ValueOption, chosen_parameters, chosen_start, given_values
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.metrics import ErrorSummary, summarise_errors
+from cable_tracker.evaluation.tracking.advice import advice
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder, WantedResults
 from cable_tracker.evaluation.tracking.track_recording import (
     initial_state_for,
@@ -117,6 +118,8 @@ def track(  # noqa: PLR0917
             damage = track_recording(recording, tracker, results, lambda: advance(progress))
         _need_usable_frames(results, damage)
     _print_results(results)
+    for line in advice(results.rows, results.widths, parameters):
+        console.print(line, soft_wrap=True)
     if damage is not None:
         raise damage
 

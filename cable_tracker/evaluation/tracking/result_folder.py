@@ -17,7 +17,7 @@ from cable_tracker.errors import FrameError, OutputError
 from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessages
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
-from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.output_folder import PartialOutput
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.drawing_thread import DrawingThread
@@ -97,6 +97,8 @@ class ResultFolder:
         The table so far.
     truths : dict
         Ground truth by frame number, of the frames that have one.
+    widths : list of (float, int)
+        Widths of the leading hypothesis and of the image, of the frames that have one [px].
     bag : BagWriter or NoMessages
         Where to write messages.
 
@@ -119,6 +121,7 @@ class ResultFolder:
         self._timing = timing
         self.rows: list[EstimateRow] = []
         self.truths: dict[int, CableState] = {}
+        self.widths: list[tuple[float, int]] = []
         self._overwrite = overwrite
         self._sheet = ContactSheet() if wanted.pictures else None
         self._video: VideoWriter | None = None
@@ -196,6 +199,8 @@ class ResultFolder:
         self.rows.append(row if self._timing else replace(row, ms=None))
         if frame.truth is not None:
             self.truths[frame.index] = frame.truth
+        if hypotheses and isinstance(frame.image, RawImage):
+            self.widths.append((hypotheses[0].state.width, frame.image.width))
         if self._video is None and self._sheet is None:
             return
         self._drawing.do(lambda: self._draw(frame, row, cloud, hypotheses))
