@@ -256,7 +256,7 @@ def describe_origin(
     truth: Path | None,
     every: int,
 ) -> str:
-    """Say what a table is learnt from, without the folders, which are nobody's business."""
+    """Say what a table is learnt from, without the folders, which are private."""
     parts = []
     if scenarios:
         word = "seed" if len(seeds) == 1 else "seeds"

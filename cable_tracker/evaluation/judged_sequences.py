@@ -35,9 +35,9 @@ class JudgedFrame:
     image : Image
         Grey levels, uint8, shape (H, W).
     truth : CableState or None
-        Where the cable really runs; None if there is none, or nobody knows.
+        Where the cable really runs; None if there is none, or that is unknown.
     visibility : float
-        Share of the borders that can be seen, 0 to 1; NaN if nobody knows.
+        Share of the borders that can be seen, 0 to 1; NaN if unknown.
     """
 
     index: int
