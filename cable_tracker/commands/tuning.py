@@ -16,6 +16,7 @@ from cable_tracker.cable.parameters.parameter_files import (
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.commands.terminal import messages
 from cable_tracker.errors import ParameterError
 from cable_tracker.node_parameter_tables import TRACKER_NODE_PARAMETERS
 
@@ -67,6 +68,13 @@ def chosen_parameters(
     parameters = filter_parameters(base, values, node_only)
     if seed is not None:
         parameters = parameters.replaced({"seed": seed})
+    if parameters.initial_width_maximum > parameters.width_maximum:
+        messages.print(
+            f"note: initial_width_maximum = {parameters.initial_width_maximum:g} is above"
+            f" width_maximum = {parameters.width_maximum:g}: nothing wider than that is followed;"
+            " raise width_maximum too",
+            soft_wrap=True,
+        )
     return parameters
 
 

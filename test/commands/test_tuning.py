@@ -37,3 +37,9 @@ def test_values_on_the_command_line_win_over_those_of_the_file(tmp_path):
 def test_unknown_names_are_refused():
     with pytest.raises(ParameterError, match="unknown parameter wdith"):
         chosen_parameters(None, given_values(None, ["wdith=3"]), None)
+
+
+@pytest.mark.parametrize(("width", "is_noted"), [(200.0, True), (160.0, False)])
+def test_a_search_for_wider_things_than_are_followed_is_noted(capsys, width, is_noted):
+    chosen_parameters(None, {"initial_width_maximum": width}, None)
+    assert ("raise width_maximum too" in capsys.readouterr().err) == is_noted
