@@ -1,15 +1,27 @@
-"""Write config/*.yaml and docs/parameters.md from the tables of parameters.
+"""Write config/*.yaml, docs/parameters.md and docs/api.md from the code.
 
 Run by `make docs`; a test sees to it that the files are up to date.
 """
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable
 from pathlib import Path
 
-from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, ParameterSpec
-from cable_tracker.cable.parameters.presets import PRESETS
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import (
+    PARAMETER_TABLE,
+    ParameterSpec,
+    TrackerParameters,
+)
+from cable_tracker.cable.parameters.presets import PRESETS, preset
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.metric.calibration import Calibration
+from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter
+from cable_tracker.metric.frames import Mounting
 from cable_tracker.node_parameter_tables import (
     CONTROLLER_PARAMETERS,
     REPLAY_RUNTIME_PARAMETERS,
@@ -18,6 +30,9 @@ from cable_tracker.node_parameter_tables import (
     TRACKER_RUNTIME_PARAMETERS,
     TRACKER_START_PARAMETERS,
 )
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.source import open_source
+from cable_tracker.trackers import make_tracker, warm_up
 from cable_tracker.tracking.parameter_files import format_parameter_file
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -95,9 +110,48 @@ def parameters_page() -> str:
     return "".join(parts)
 
 
+API = (
+    (make_tracker, "cable_tracker.trackers"),
+    (warm_up, "cable_tracker.trackers"),
+    (preset, "cable_tracker.cable.parameters.presets"),
+    (TrackerParameters.replaced, "cable_tracker.cable.parameters.parameters"),
+    (CableTracker, "cable_tracker.cable.tracker"),
+    (CableTracker.process, "cable_tracker.cable.tracker"),
+    (CableTracker.initialise, "cable_tracker.cable.tracker"),
+    (CableTracker.reset, "cable_tracker.cable.tracker"),
+    (StatePrior.around, "cable_tracker.cable.model.initialisation"),
+    (CableEstimate, "cable_tracker.cable.model.estimate"),
+    (CableState, "cable_tracker.cable.model.state"),
+    (open_source, "cable_tracker.sequences.source"),
+    (decode_grey, "cable_tracker.sequences.encodings"),
+    (CrossTrackMeter, "cable_tracker.metric.cross_track"),
+    (CrossTrackMeter.measure, "cable_tracker.metric.cross_track"),
+    (CrossTrack, "cable_tracker.metric.cross_track"),
+    (Calibration, "cable_tracker.metric.calibration"),
+    (Mounting, "cable_tracker.metric.frames"),
+)
+"""What is meant to be used from outside, and where it is imported from."""
+
+
+def api_page() -> str:
+    """Return docs/api.md."""
+    parts = [
+        "# The Python API\n\nMade from the docstrings by `make docs`; do not edit."
+        " [python.md](python.md) shows how it is used.\n"
+    ]
+    for item, module in API:
+        signature = str(inspect.signature(item)).replace("cable_tracker.", "")
+        parts.append(f"\n## `{item.__qualname__}`\n\nFrom `{module}`.\n\n```text\n")
+        parts.append(f"{item.__qualname__}{signature}\n\n{inspect.getdoc(item)}\n```\n")
+    return "".join(parts)
+
+
 def generated_files() -> dict[Path, str]:
     """Return the content of every generated file by its path."""
-    files = {ROOT / "docs" / "parameters.md": parameters_page()}
+    files = {
+        ROOT / "docs" / "parameters.md": parameters_page(),
+        ROOT / "docs" / "api.md": api_page(),
+    }
     for name, title in TITLES.items():
         files[ROOT / "config" / f"{name}.yaml"] = format_parameter_file(PRESETS[name], title)
     return files

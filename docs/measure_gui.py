@@ -160,7 +160,7 @@ def turn_with_browser(process: subprocess.Popen[bytes], browser: Browser, url: s
 
 
 def turn_alone(process: subprocess.Popen[bytes], browser: Browser, url: str) -> Turn:
-    """Measure while nobody looks."""
+    """Measure without a browser."""
     with page_of(browser, url) as page:
         play_from_the_start(page)
     return Turn(*measure(process))
@@ -216,7 +216,7 @@ def main() -> None:
     without = statistics.median(turn.server for turn in alone)
     fps = statistics.median(turn.fps for turn in drawn if turn.fps is not None)
     print(f"drawn in the browser: {fps:.1f} fps (median)")
-    print(f"server with a browser: {with_browser:.1%} of a core; nobody looking: {without:.1%}")
+    print(f"server with a browser: {with_browser:.1%} of a core; without: {without:.1%}")
     print(f"the window beside the tracker: {with_browser - without:.1%} of a core")
     drawing = statistics.median(turn.browser for turn in drawn)
     print(f"the browser itself, without graphics hardware: {drawing:.1%} of a core")

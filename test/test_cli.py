@@ -18,7 +18,8 @@ from cable_tracker import __version__, cli
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.commands import dev, parameters
 from cable_tracker.commands.simulate import parse_size
-from cable_tracker.commands.track import chosen_parameters, default_output
+from cable_tracker.commands.track import default_output
+from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import read_estimates
@@ -319,11 +320,12 @@ def test_what_is_no_size(text):
 
 
 @pytest.mark.parametrize("width", [60, 80, 200])
-def test_parameters_are_printed_as_a_table_with_whole_names(run, monkeypatch, width):
+def test_parameters_are_printed_with_whole_names_in_any_width(run, monkeypatch, width):
     monkeypatch.setattr(parameters, "console", Console(width=width))
     outcome = run("parameters")
     assert outcome.code == 0
     assert all(name in outcome.out for name in set(PARAMETERS_BY_NAME))
+    assert "Number of particles N; time per frame" in " ".join(outcome.out.split())
 
 
 def test_parameters_are_printed_as_a_file_for_track(run, bag):

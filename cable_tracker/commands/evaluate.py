@@ -21,6 +21,7 @@ from cable_tracker.commands.options import (
     TruthOption,
 )
 from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.tuning import ValueOption, chosen_parameters, given_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.folder import output_folder
@@ -29,7 +30,7 @@ from cable_tracker.evaluation.judged_sequences import (
     RecordingSequence,
     simulated_sequences,
 )
-from cable_tracker.evaluation.methods import METHODS
+from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
 from cable_tracker.evaluation.report import (
     REPORT,
     ReportHeader,
@@ -85,7 +86,22 @@ def seeds_from(count: int, first: int = 0) -> tuple[int, ...]:
 def evaluate(  # noqa: PLR0917
     method: Annotated[
         list[str] | None,
-        typer.Option(help=f"{' | '.join(METHODS)}; may be given several times.  [default: all]"),
+        typer.Option(
+            help=f"{' | '.join(METHODS)}; may be given several times."
+            "  [default: all; with parameters of your own: default]"
+        ),
+    ] = None,
+    params: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Judge the tracker with the parameters of this YAML file too, under the file's"
+            " name; may be given several times."
+        ),
+    ] = None,
+    param: ValueOption = None,
+    table: Annotated[
+        Path | None,
+        typer.Option(help="Response table, as `learn` writes it, for the tracker of --params."),
     ] = None,
     scenario: Annotated[
         list[str] | None,
@@ -138,12 +154,14 @@ def evaluate(  # noqa: PLR0917
             source, topic, rate, truth, skip_bad_frames, unlabelled_is_empty, allow_outside
         )
         sequences = (recording,)
+    filters = tuned_filters(params, param, table)
     campaign = Campaign(
-        methods=tuple(dict.fromkeys(method or METHODS)),
+        methods=tuple(dict.fromkeys(method or (("default",) if filters else METHODS))),
         sequences=tuple(sequences),
         seeds=seeds_from(seeds, first_seed),
         start=init,
         with_sheets=True,
+        filters=filters,
     )
     header = ReportHeader(TITLE, typed_command(), machine(), date.today().isoformat())
     total = campaign.frame_count()
@@ -159,12 +177,49 @@ def evaluate(  # noqa: PLR0917
                 folder,
                 results,
                 header,
-                methods={name: METHODS[name].description for name in campaign.methods},
+                methods={name: METHODS[name].description for name in campaign.methods}
+                | {each.name: "particle filter with parameters of yours" for each in filters},
                 sequences={each.name: each.description for each in sequences},
             )
     print_table(summary_table(results, PRINTED_METRICS))
     for name in (REPORT, *(name for name, _ in CSV_FILES)):
         console.print(f"  {output / name}", soft_wrap=True)
+
+
+def tuned_filters(
+    files: Sequence[Path] | None, words: Sequence[str] | None, table: Path | None
+) -> tuple[ConfiguredFilter, ...]:
+    """Return the trackers with parameters of the user's: one for each file, or one for the words.
+
+    Parameters
+    ----------
+    files : sequence of Path or None
+        Parameter files; each tracker is named after its file.
+    words : sequence of str or None
+        Single values, `name=value`, for all of them.
+    table : Path or None
+        Response table for all of them.
+
+    Raises
+    ------
+    ParameterError
+        A value is not acceptable, two files have one name, or a file is named like a method.
+    """
+    more = given_values(None, words)
+    if table is not None:
+        more["response_table"] = str(table.resolve())
+    if not (files or more):
+        return ()
+    given = {file.stem: given_values(file, None) for file in files or ()} or {"tuned": {}}
+    taken = sorted(set(given) & set(METHODS))
+    if taken or len(given) < len(files or ()):
+        raise ParameterError(
+            f"--params: {', '.join(taken) or 'a file name'} stands for two methods; rename a file"
+        )
+    return tuple(
+        ConfiguredFilter(name, chosen_parameters(None, values | more, None))
+        for name, values in given.items()
+    )
 
 
 def print_table(view: TableView) -> None:

@@ -28,7 +28,7 @@ from cable_tracker.commands.serving import (
     need_gui,
 )
 from cable_tracker.commands.terminal import messages
-from cable_tracker.commands.track import chosen_parameters, chosen_start
+from cable_tracker.commands.tuning import chosen_parameters, chosen_start
 from cable_tracker.errors import GuiError
 from cable_tracker.tracking.parameter_files import read_parameter_file
 

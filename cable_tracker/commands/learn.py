@@ -27,7 +27,7 @@ from cable_tracker.commands.options import (
     open_recording,
 )
 from cable_tracker.commands.terminal import console, counted, progress_bar
-from cable_tracker.commands.track import chosen_parameters
+from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.folder import output_file
 from cable_tracker.evaluation.judged_sequences import check_labels
@@ -256,7 +256,7 @@ def describe_origin(
     truth: Path | None,
     every: int,
 ) -> str:
-    """Say what a table is learnt from, without the folders, which are nobody's business."""
+    """Say what a table is learnt from, without the folders, which are private."""
     parts = []
     if scenarios:
         word = "seed" if len(seeds) == 1 else "seeds"

@@ -111,7 +111,7 @@ class _Run:
         method, seed = case
         path = folder / f"{method}_{seed}"
         own = ["--method", method, "--seed", str(seed), "--output", str(path)]
-        # A file, not a pipe: nobody reads while it runs.
+        # A file, not a pipe: it is not read while the run lasts.
         said = tempfile.TemporaryFile()  # noqa: SIM115  It lives as long as the run.
         process = subprocess.Popen(
             [sys.executable, "-m", "cable_tracker.cli", "loop", *own, *campaign.arguments],

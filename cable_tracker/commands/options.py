@@ -55,7 +55,8 @@ RateOption = Annotated[
 TruthOption = Annotated[
     Path | None,
     typer.Option(
-        help="Sequence file with labels; they take the place of all that the recording holds."
+        help="Labels: a sequence file, or a bag with `ground_truth`. They take the place of all"
+        " that the recording holds."
     ),
 ]
 SkipOption = Annotated[

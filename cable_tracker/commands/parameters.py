@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
+from rich.padding import Padding
+from rich.text import Text
 
 from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
@@ -37,7 +38,7 @@ def parameters(
         PresetName, typer.Option("--preset", help="Whose values to print.")
     ] = PresetName.default,  # type: ignore[attr-defined]
     output_format: Annotated[
-        ParameterFormat, typer.Option("--format", help="A table to read, or a file for the node.")
+        ParameterFormat, typer.Option("--format", help="A list to read, or a file for the node.")
     ] = ParameterFormat.TABLE,
     output: Annotated[
         Path | None, typer.Option(help="Write the file for the node here instead of printing.")
@@ -55,12 +56,8 @@ def parameters(
     if output_format is ParameterFormat.YAML:
         print(format_parameter_file(values, f"Preset `{preset_name.value}`."), end="")
         return
-    table = Table(show_lines=False)
-    for heading in ("name", "value", "unit", "range", "meaning"):
-        table.add_column(heading, no_wrap=heading in ("name", "value"))
     for spec in PARAMETER_TABLE:
-        table.add_row(*_cells(spec, values))
-    console.print(table)
+        _print_parameter(spec, values)
 
 
 def _is_parameter_file(path: Path) -> bool:
@@ -70,6 +67,9 @@ def _is_parameter_file(path: Path) -> bool:
         return False
 
 
-def _cells(spec: ParameterSpec, values: TrackerParameters) -> tuple[str, str, str, str, str]:
+def _print_parameter(spec: ParameterSpec, values: TrackerParameters) -> None:
+    """Print name, value, unit and range on a line, and below it what the parameter means."""
     value = str(values.as_mapping()[spec.name]) or "(empty)"
-    return spec.name, value, spec.unit, spec.range_text(), spec.meaning
+    words = [f"{spec.name} = {value}", spec.unit, f"({spec.range_text()})"]
+    console.print(Text(" ".join(filter(None, words)), style="bold"))
+    console.print(Padding(Text(spec.meaning), (0, 0, 0, 4)))

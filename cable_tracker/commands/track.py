@@ -10,9 +10,6 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from cable_tracker.cable.model.initial_state_text import RANDOM
-from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.options import (
     ForceOption,
     InitOption,
@@ -29,25 +26,18 @@ from cable_tracker.commands.options import (
 )
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.tuning import ValueOption, chosen_parameters, chosen_start, given_values
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.metrics import ErrorSummary, summarise_errors
-from cable_tracker.evaluation.tracking.result_folder import (
-    BAG,
-    CONTACT_SHEET,
-    ESTIMATES,
-    PLOTS,
-    VIDEO,
-    ResultFolder,
-)
+from cable_tracker.evaluation.tracking.advice import advice
+from cable_tracker.evaluation.tracking.result_folder import ResultFolder, WantedResults
 from cable_tracker.evaluation.tracking.track_recording import (
     initial_state_for,
     start_from,
     track_recording,
 )
-from cable_tracker.node_parameter_tables import TRACKER_NODE_PARAMETERS
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.trackers import make_tracker
-from cable_tracker.tracking.parameter_files import filter_parameters, read_parameter_file
 
 
 def track(  # noqa: PLR0917
@@ -61,6 +51,7 @@ def track(  # noqa: PLR0917
     init: InitOption = None,
     preset_name: PresetOption = None,
     params: ParamsOption = None,
+    param: ValueOption = None,
     seed: SeedOption = None,
     output: Annotated[
         Path | None, typer.Option(help="Folder for the results.  [default: SOURCE_tracked]")
@@ -71,6 +62,15 @@ def track(  # noqa: PLR0917
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
+    video: Annotated[
+        bool, typer.Option("--video/--no-video", help="Write the video overlay.webm.")
+    ] = True,
+    bag: Annotated[
+        bool, typer.Option("--bag/--no-bag", help="Write the bag with the node's messages.")
+    ] = True,
+    pictures: Annotated[
+        bool, typer.Option("--pictures/--no-pictures", help="Write contact sheet and plots.")
+    ] = True,
     timing: Annotated[
         bool,
         typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
@@ -82,7 +82,7 @@ def track(  # noqa: PLR0917
     errors is printed. The same recording, parameters and seed give
     the same estimates, with --ros and without.
     """
-    values = read_parameter_file(params) if params is not None else {}
+    values = given_values(params, param)
     parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
     folder = output if output is not None else default_output(source)
     with ExitStack() as stack:
@@ -90,7 +90,10 @@ def track(  # noqa: PLR0917
             open_recording(source, topic, rate, truth, skip_bad_frames, allow_outside)
         )
         state = initial_state_for(recording, chosen_start(init, values))
-        results = stack.enter_context(ResultFolder(folder, overwrite=force, timing=timing))
+        wanted = WantedResults(video=video, bag=bag, pictures=pictures)
+        results = stack.enter_context(
+            ResultFolder(folder, overwrite=force, timing=timing, wanted=wanted)
+        )
         progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
         if ros:
             ros_module = need_ros("clients.track_recording")
@@ -115,25 +118,10 @@ def track(  # noqa: PLR0917
             damage = track_recording(recording, tracker, results, lambda: advance(progress))
         _need_usable_frames(results, damage)
     _print_results(results)
+    for line in advice(results.rows, results.widths, parameters):
+        console.print(line, soft_wrap=True)
     if damage is not None:
         raise damage
-
-
-def chosen_parameters(
-    preset_name: str | None, values: dict[str, object], seed: int | None
-) -> TrackerParameters:
-    """Combine preset, the values of a parameter file, and seed; options win over the file."""
-    node_only = {spec.name for spec in TRACKER_NODE_PARAMETERS}
-    base = preset(preset_name or str(values.get("preset", "default")))
-    parameters = filter_parameters(base, values, node_only)
-    if seed is not None:
-        parameters = parameters.replaced({"seed": seed})
-    return parameters
-
-
-def chosen_start(init: str | None, values: dict[str, object]) -> str:
-    """Return the words that say where to start; the option wins over the parameter file."""
-    return init if init is not None else str(values.get("initial_state", RANDOM))
 
 
 def default_output(source: Path) -> Path:
@@ -162,7 +150,7 @@ def _print_results(results: ResultFolder) -> None:
         console.print(f"median time in the tracker: {times[len(times) // 2]:.2f} ms per frame")
     if results.truths:
         _print_errors(summarise_errors(results.rows, results.truths))
-    for name in (ESTIMATES, VIDEO, CONTACT_SHEET, PLOTS, BAG):
+    for name in results.wanted.names():
         console.print(f"  {results.path / name}", soft_wrap=True)
 
 

@@ -19,7 +19,7 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.sequence_file import Label, read_labels
-from cable_tracker.sequences.source import ChosenRecording, Source
+from cable_tracker.sequences.source import ChosenRecording, Source, is_bag
 from cable_tracker.simulation.scenario import simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
@@ -40,9 +40,9 @@ class JudgedFrame:
     image : Image
         Grey levels, uint8, shape (H, W).
     truth : CableState or None
-        Where the cable really runs; None if there is none, or nobody knows.
+        Where the cable really runs; None if there is none, or that is unknown.
     visibility : float
-        Share of the borders that can be seen, 0 to 1; NaN if nobody knows.
+        Share of the borders that can be seen, 0 to 1; NaN if unknown.
     """
 
     index: int
@@ -244,6 +244,8 @@ def check_labels(source: Source, truth: Path) -> None:
     RecordingError
         A label does not; the message names its line.
     """
+    if is_bag(truth):
+        return
     labels = read_labels(truth)
     own = {label.filename for label in labels if Path(label.filename).name == source.path.name}
     first_line: dict[str, int] = {}
@@ -263,7 +265,7 @@ def check_labels(source: Source, truth: Path) -> None:
 
 
 def _mismatch(source: Source, label: Label) -> str:
-    """Return why a label belongs to no frame; empty if it does, or nobody can tell."""
+    """Return why a label belongs to no frame; empty if it does, or if that cannot be told."""
     name, count = source.path.name, source.frame_count
     if isinstance(source, ImageFolderSource) and label.frame is None:
         known = any(picture.name == Path(label.filename).name for picture in source.pictures)

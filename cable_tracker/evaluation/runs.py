@@ -17,7 +17,8 @@ from cable_tracker.evaluation.methods import Method
 from cable_tracker.evaluation.metrics import RunMetrics, run_metrics
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
 from cable_tracker.visualisation.contact_sheet import ContactSheet
-from cable_tracker.visualisation.overlay import draw_overlay
+from cable_tracker.visualisation.overlay import draw_overlay, with_presence
+from cable_tracker.visualisation.palette import status_colour
 
 SHEET_STRIDE = 5
 SHEET_PICTURES = 12
@@ -153,9 +154,11 @@ class MethodRun:
             status=estimate.status.value,
             truth=frame.truth if frame.visibility > 0.0 else None,
             hypotheses=estimate.hypotheses,
-            presence=estimate.presence,
+            legend=False,
         )
-        sheet.add(overlay, frame.index)
+        status = estimate.status.value
+        words = with_presence(status, estimate.presence)
+        sheet.add(overlay, frame.index, words, status_colour(status))
 
     def result(self, sequence: str) -> RunResult:
         """Return what came of it, once at least one frame has been processed."""

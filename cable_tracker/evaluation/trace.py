@@ -23,7 +23,7 @@ LOST_ANGLE = float(np.deg2rad(8.0))
 """An estimate that is turned by more has lost the cable [rad]."""
 
 UNKNOWN_VISIBILITY = float("nan")
-"""Visibility of a frame of which nobody knows whether it shows a cable; it is not judged."""
+"""Visibility of a frame that has no label; it is not judged."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,9 +35,9 @@ class FrameOutcome:
     index : int
         Number of the frame in its sequence.
     truth : CableState or None
-        Where the cable really runs; None if there is none, or nobody knows.
+        Where the cable really runs; None if there is none, or that is unknown.
     visibility : float
-        Share of the borders that can be seen, 0 to 1; NaN if nobody knows.
+        Share of the borders that can be seen, 0 to 1; NaN if unknown.
     estimate : CableEstimate
         What the method said.
     ms : float
@@ -62,7 +62,7 @@ class Trace:
     stamps : IndexArray
         Times of the frames, shape (T,) [ns].
     visibility : FloatArray
-        Share of the borders that can be seen, shape (T,); NaN if nobody knows.
+        Share of the borders that can be seen, shape (T,); NaN if unknown.
     truths : FloatArray
         d, alpha, w, beta, shape (T, 4) [px, rad].
     estimates : FloatArray

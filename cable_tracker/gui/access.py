@@ -1,4 +1,4 @@
-"""Who may reach the server: this machine alone, or whoever knows the token."""
+"""Who may reach the server: this machine alone, or those who have the token."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def is_loopback(host: str) -> bool:
 
 
 def make_token() -> str:
-    """Return a word that nobody can guess."""
+    """Return a random word that cannot be guessed."""
     return secrets.token_urlsafe(16)
 
 

@@ -38,13 +38,13 @@ class FrameChannel:
     """Hands packets to any number of browsers, each at its own pace.
 
     A browser that is slow, or at the end of a slow link, misses pictures and is never behind: it
-    gets the newest one when it has drawn the last. It keeps nobody waiting, neither the other
+    gets the newest one when it has drawn the last. It makes no other part wait, neither the other
     browsers nor who publishes.
 
     Attributes
     ----------
     name : str
-        Name under which browsers ask for it; nobody can guess it.
+        Name under which browsers ask for it; it cannot be guessed.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class FrameChannel:
             return any(viewer.waits for viewer in self._viewers)
 
     def publish(self, packet: bytes) -> None:
-        """Give out a packet; from any thread. It takes the place of one that nobody has fetched."""
+        """Give out a packet; from any thread. It takes the place of one that was not fetched."""
         with self._lock:
             self._latest = packet
             viewers = tuple(self._viewers)

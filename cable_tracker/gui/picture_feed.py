@@ -20,7 +20,7 @@ RATE_TIME = 2.0
 
 
 def _nothing() -> None:
-    """Listen to nobody."""
+    """Listen to no feed."""
 
 
 class PictureFeed:

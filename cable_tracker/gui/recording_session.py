@@ -294,7 +294,7 @@ class RecordingSession:
                 first = self._recall(target)
             for number in range(first, target + 1):
                 if self._thread.is_closing or (self._target is not None and number < target):
-                    # Somebody wants to be elsewhere by now.
+                    # Another frame is wanted by now.
                     self._memory.interrupt()
                     self._position = number - 1
                     return

@@ -71,7 +71,7 @@ def listen_on(host: str, port: int) -> Listening:
 
 
 def claim_port(host: str, port: int) -> int:
-    """Return a port that nobody listens on.
+    """Return a port that is free.
 
     Raises
     ------

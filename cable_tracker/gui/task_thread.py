@@ -74,7 +74,7 @@ class TaskThread:
             try:
                 future.set_result(function())
             except BaseException as error:  # noqa: BLE001
-                # Whoever asked hears of it.
+                # Told to the caller that waits for the result.
                 future.set_exception(error)
 
         with self._condition:
@@ -97,7 +97,7 @@ class TaskThread:
             while (task := self._wait()) is not None:
                 task()
         finally:
-            # Nobody must wait for ever, not even after a failure.
+            # No caller may wait for ever, not even after a failure.
             with self._condition:
                 self._closing = True
                 left = tuple(self._tasks)

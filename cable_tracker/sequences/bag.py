@@ -143,6 +143,67 @@ def _unpacked_size(data: bytes) -> int:
     return size if size >= 0 else LARGEST_UNPACKED
 
 
+def _open(path: Path) -> BagStorage:
+    try:
+        return open_storage(path)
+    except (RecordingError, OSError) as error:
+        raise RecordingError(
+            f"{path}: not one frame can be read ({one_line(error)}); check that the"
+            " recording is a bag and was copied completely"
+        ) from error
+
+
+def _deserialise(message: StoredMessage, is_from_ros1: bool) -> object:
+    data = message.data
+    if data.startswith(_ZSTD_MAGIC):
+        data = unpack_zstd(data, _unpacked_size(data))
+    if is_from_ros1:
+        return ros1_typestore().deserialize_ros1(data, message.msgtype)
+    return deserialise_cdr(data, message.msgtype)
+
+
+def _truths(path: Path, storage: BagStorage, topic: str) -> tuple[dict[int, CableState], bool]:
+    """Read the ground truth by stamp, and whether it could be read to its end."""
+    truth: dict[int, CableState] = {}
+    try:
+        with closing(storage.messages([topic])) as messages:
+            for message in messages:
+                joints = cast("sensor_msgs__msg__JointState", _deserialise(message, is_ros1(path)))
+                state = _state_from_joints(joints)
+                if state is not None:
+                    truth[_stamp(joints, message.time)] = state
+    except RecordingError:
+        return truth, False
+    # Deserialising foreign bytes raises what the parser happens to raise.
+    except Exception as error:
+        raise RecordingError(
+            f"{path}: the ground truth on {topic} cannot be read ({one_line(error)});"
+            " record it again"
+        ) from error
+    return truth, True
+
+
+def read_bag_truth(path: Path) -> dict[int, CableState]:
+    """Read the ground truth of a bag by stamp [ns], whether it holds images or not.
+
+    Raises
+    ------
+    RecordingError
+        The bag cannot be read, or holds no ground truth.
+    """
+    storage = _open(path)
+    topic = _truth_topic(storage.topics, "")
+    if topic is None:
+        raise RecordingError(
+            f"{path}: the bag holds no {_TRUTH} ({_JOINT_STATE}) to take labels from, only"
+            f" {_listing(storage.topics)}"
+        )
+    truth, is_whole = _truths(path, storage, topic)
+    if not is_whole:
+        raise RecordingError(f"{path}: {topic} is damaged after {len(truth)} labels; copy it again")
+    return truth
+
+
 class BagSource(FrameSource):
     """Images of one topic of a bag.
 
@@ -166,7 +227,7 @@ class BagSource(FrameSource):
     ) -> None:
         super().__init__(path, skip_bad_frames=skip_bad_frames)
         self._is_ros1 = is_ros1(path)
-        self._storage = self._open()
+        self._storage = _open(path)
         self.topic = _choose_topic(path, self._storage.topics, topic)
         chosen = self._storage.topics[self.topic]
         self.frame_count = chosen.count
@@ -180,44 +241,17 @@ class BagSource(FrameSource):
         self._truth = self._read_truth()
         self.has_truth = bool(self._truth)
 
-    def _open(self) -> BagStorage:
-        try:
-            return open_storage(self.path)
-        except (RecordingError, OSError) as error:
-            raise RecordingError(
-                f"{self.path}: not one frame can be read ({one_line(error)}); check that the"
-                " recording is a bag and was copied completely"
-            ) from error
-
     def _deserialise(self, message: StoredMessage) -> object:
-        data = message.data
-        if data.startswith(_ZSTD_MAGIC):
-            data = unpack_zstd(data, _unpacked_size(data))
-        if self._is_ros1:
-            return ros1_typestore().deserialize_ros1(data, message.msgtype)
-        return deserialise_cdr(data, message.msgtype)
+        return _deserialise(message, self._is_ros1)
 
     def _read_truth(self) -> dict[int, CableState]:
         """Read the ground truth by stamp; what is damaged is said when the frames are read."""
         topic = _truth_topic(self._storage.topics, self.topic)
-        truth: dict[int, CableState] = {}
         if topic is None:
-            return truth
-        try:
-            with closing(self._storage.messages([topic])) as messages:
-                for message in messages:
-                    joints = cast("sensor_msgs__msg__JointState", self._deserialise(message))
-                    state = _state_from_joints(joints)
-                    if state is not None:
-                        truth[_stamp(joints, message.time)] = state
-        except RecordingError:
+            return {}
+        truth, is_whole = _truths(self.path, self._storage, topic)
+        if not is_whole:
             self.note = self.note or f"the ground truth on {topic} is damaged: {len(truth)} read"
-        # Deserialising foreign bytes raises what the parser happens to raise.
-        except Exception as error:
-            raise RecordingError(
-                f"{self.path}: the ground truth on {topic} cannot be read ({one_line(error)});"
-                " record it again"
-            ) from error
         return truth
 
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:

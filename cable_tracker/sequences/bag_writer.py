@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
-from typing import Literal, Self
+from typing import Literal, Protocol, Self
 
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
@@ -26,6 +26,32 @@ _LATEST_STAMP = 2**63 - 1
 
 def _is_bag(path: Path) -> bool:
     return (path / METADATA).is_file()
+
+
+class MessageSink(Protocol):
+    """Where the messages about frames go; see `BagWriter`."""
+
+    def write(self, topic: str, msgtype: str, message: object, stamp: int) -> None:
+        """Write a message object."""
+        ...
+
+    def write_serialised(
+        self, topic: str, msgtype: str, data: bytes | memoryview, stamp: int
+    ) -> None:
+        """Write a message that is serialised already."""
+        ...
+
+
+class NoMessages:
+    """Takes messages where no bag is wanted, and forgets them."""
+
+    def write(self, topic: str, msgtype: str, message: object, stamp: int) -> None:
+        """Forget a message object."""
+
+    def write_serialised(
+        self, topic: str, msgtype: str, data: bytes | memoryview, stamp: int
+    ) -> None:
+        """Forget a serialised message."""
 
 
 class BagWriter:

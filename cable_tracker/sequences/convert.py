@@ -12,7 +12,7 @@ import numpy as np
 
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences import output_topics
-from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.bag_writer import BagWriter, MessageSink
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.jpeg import encode_jpeg
@@ -51,7 +51,7 @@ def in_format(frame: Frame, image_format: ImageFormat) -> Frame:
     return frame
 
 
-def write_truth(bag: BagWriter, frame: Frame) -> None:
+def write_truth(bag: MessageSink, frame: Frame) -> None:
     """Write a frame's ground truth if it has some."""
     if frame.truth is None:
         return

@@ -80,6 +80,7 @@ class FrameSource(ABC):
         self.note = ""
         self._skip_bad_frames = skip_bad_frames
         self._labels: Mapping[int, CableState] | None = None
+        self._labels_by_stamp: Mapping[int, CableState] | None = None
         self._running: WeakSet[Generator[Frame]] = WeakSet()
 
     def __enter__(self) -> Self:
@@ -97,9 +98,15 @@ class FrameSource(ABC):
     def label(self, labels: Mapping[int, CableState]) -> None:
         """Attach ground truth to frames by their number, in place of all that the recording holds.
 
-        A frame without a label then has no truth: labels of somebody else's must not be mixed in.
+        A frame without a label then has no truth: labels of two origins must not be mixed.
         """
         self._labels = labels
+        self.has_truth = bool(labels)
+
+    def label_by_stamp(self, labels: Mapping[int, CableState]) -> None:
+        """Attach ground truth to frames by their time [ns]; else as `label`."""
+        self.label({})
+        self._labels_by_stamp = labels
         self.has_truth = bool(labels)
 
     def frames(self, start: int = 0) -> Iterator[Frame]:
@@ -159,6 +166,8 @@ class FrameSource(ABC):
         )
 
     def _labelled(self, frame: Frame) -> Frame:
+        if self._labels_by_stamp is not None:
+            return replace(frame, truth=self._labels_by_stamp.get(frame.stamp))
         if self._labels is None:
             return frame
         return replace(frame, truth=self._labels.get(frame.index))

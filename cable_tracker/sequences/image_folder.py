@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
@@ -14,7 +15,7 @@ from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame
-from cable_tracker.sequences.natural_order import natural_key
+from cable_tracker.sequences.natural_order import natural_key, positions_by_number
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.picture_header import read_picture_header
 from cable_tracker.sequences.stamps import stamp_of_frame
@@ -78,6 +79,8 @@ def find_pictures(folder: Path) -> list[Path]:
 class ImageFolderSource(FrameSource):
     """The pictures of a folder, in natural order of their names.
 
+    Where numbers are missing between the names, the pictures keep the time that their numbers say.
+
     Parameters
     ----------
     path : Path
@@ -106,6 +109,9 @@ class ImageFolderSource(FrameSource):
                 f"{path}: holds no pictures ({', '.join(PICTURE_SUFFIXES)}) and no bag"
             )
         self._rate = rate or DEFAULT_RATE
+        self._positions = positions_by_number([picture.name for picture in self.pictures])
+        self._gap_note = self._say_gaps()
+        self.note = self._gap_note
         if (path / "sequence.txt").is_file():
             self.note = "its labels in sequence.txt are not used; name that file instead"
         self.nominal_rate = self._rate
@@ -114,7 +120,23 @@ class ImageFolderSource(FrameSource):
     def label(self, labels: Mapping[int, CableState]) -> None:
         """Attach ground truth; then nothing need be said of labels that are not used."""
         super().label(labels)
-        self.note = ""
+        self.note = self._gap_note
+
+    def _say_gaps(self) -> str:
+        """Say which numbers are missing between the pictures, if there are any."""
+        missing = self._positions[-1] + 1 - len(self._positions)
+        if not missing:
+            return ""
+        first = next(
+            index
+            for index, (before, after) in enumerate(pairwise(self._positions))
+            if after > before + 1
+        )
+        return (
+            f"{missing} pictures are missing by their numbers, the first after"
+            f" {self.pictures[first].name}; the others keep the time that their numbers say."
+            " If they are successive all the same, number them without gaps"
+        )
 
     def frame_name(self, index: int) -> str:
         """Return how to call a frame in a message."""
@@ -122,7 +144,7 @@ class ImageFolderSource(FrameSource):
 
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
         for index, path in enumerate(self.pictures[start:], start):
-            stamp = stamp_of_frame(index, self._rate)
+            stamp = stamp_of_frame(self._positions[index], self._rate)
             try:
                 yield Frame(index, stamp, load_picture(path))
             except FrameError as error:

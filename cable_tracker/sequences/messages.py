@@ -27,7 +27,7 @@ Message: TypeAlias = Any
 """A message object of rclpy or of rosbags; neither has static types."""
 
 UNKNOWN_VARIANCE = 1e6
-"""Large but finite: what is published for components that nobody knows."""
+"""Large but finite: what is published for unknown components."""
 
 STATE_NAMES = STATE_SYMBOLS[:4]
 METRES_PER_PIXEL = 0.01

@@ -36,4 +36,4 @@ EVERY_FRAME = (STATE, FRAME_REPORT)
 """Published for every frame, whatever becomes of it."""
 
 USABLE_FRAME = (PARTICLES, MARKERS, OVERLAY)
-"""Published (if somebody subscribes) for every frame that was not refused."""
+"""Published (while there is a subscriber) for every frame that was not refused."""

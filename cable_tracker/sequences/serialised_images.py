@@ -26,7 +26,7 @@ class MessageHeader:
     Attributes
     ----------
     sec, nanosec : int
-        Time, as it was sent: nobody sees to it that a sender's nanoseconds are below a second.
+        Time, as it was sent; its nanoseconds may be a second or more.
     frame_id : str
         Name of the coordinate frame.
     """

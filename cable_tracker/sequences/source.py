@@ -11,7 +11,7 @@ from typing import Protocol, Self, runtime_checkable
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError
-from cable_tracker.sequences.bag import BagSource
+from cable_tracker.sequences.bag import BagSource, read_bag_truth
 from cable_tracker.sequences.bag_storage import BAG_SUFFIXES, METADATA, is_ros1, storage_files
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import FrameSource
@@ -66,7 +66,8 @@ class Source(Protocol):
         ...
 
 
-def _is_bag(path: Path) -> bool:
+def is_bag(path: Path) -> bool:
+    """Tell whether a path is that of a bag: by its suffix, or by what its folder holds."""
     if not path.is_dir():
         return path.suffix in BAG_SUFFIXES
     if (path / METADATA).exists():
@@ -107,7 +108,7 @@ def _open_unlabelled(
 ) -> FrameSource:
     if path.is_file() and not path.stat().st_size:
         raise RecordingError(f"{path}: the file is empty; record or copy it again")
-    if _is_bag(path):
+    if is_bag(path):
         return BagSource(path, topic=topic, skip_bad_frames=skip_bad_frames)
     if topic is not None:
         raise RecordingError(f"{path}: is no bag and has no topics; leave out --topic")
@@ -199,9 +200,10 @@ def open_source(
     rate : float or None
         Frames per second of pictures, which have no time of their own; 25 if None.
     truth : Path or None
-        Sequence file whose labels are attached to the frames by number, or by file name for
-        pictures. They take the place of all truth that the recording holds: only frames that they
-        label then have one.
+        Bag with `ground_truth`, whose labels are attached to the frames of a bag by time and to
+        others by order; or sequence file whose labels are attached to the frames by number, or by
+        file name for pictures. They take the place of all truth that the recording holds: only
+        frames that they label then have one.
     skip_bad_frames : bool
         Hand out frames that cannot be decoded, instead of raising RecordingError.
     allow_outside : bool
@@ -224,9 +226,26 @@ def open_source(
         source = _open_unlabelled(path, topic, rate, skip_bad_frames, allow_outside)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
-    if truth is not None:
+    if truth is not None and is_bag(truth):
+        _label_from_bag(source, truth)
+    elif truth is not None:
         source.label(_labels_by_frame(source, truth, allow_outside))
     return source
+
+
+def _label_from_bag(source: FrameSource, truth: Path) -> None:
+    """Attach the ground truth of a bag: by time to a bag, by order to what has no time."""
+    labels = read_bag_truth(truth)
+    if isinstance(source, BagSource):
+        source.label_by_stamp(labels)
+        return
+    if len(labels) != source.frame_count:
+        count = source.frame_count or "an unknown number of"
+        raise RecordingError(
+            f"{truth}: holds {len(labels)} labels for {count} frames of {source.path},"
+            f" which have no time to tell them apart; give a sequence file"
+        )
+    source.label({index: labels[stamp] for index, stamp in enumerate(sorted(labels))})
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,13 +11,16 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.errors import OutputError, ParameterError
 from cable_tracker.visualisation.files import write_bytes
-from cable_tracker.visualisation.palette import WHITE, to_bgr
+from cable_tracker.visualisation.palette import WHITE, Colour, to_bgr
 
 GAP = 4
 """Space between the pictures [px]."""
 
 BACKGROUND = 40
 """Grey level between the pictures."""
+
+CAPTION_SHARE = 0.0625
+"""Height of the line of text below a picture, as a share of the picture's width."""
 
 
 class ContactSheet:
@@ -67,7 +70,9 @@ class ContactSheet:
         """Tell whether the next picture will be kept; any other need not be drawn at all."""
         return self._count % self._stride == 0
 
-    def add(self, overlay: Image | None, frame: int) -> None:
+    def add(
+        self, overlay: Image | None, frame: int, words: str = "", colour: Colour = WHITE
+    ) -> None:
         """Take the picture of one more frame.
 
         Parameters
@@ -75,7 +80,11 @@ class ContactSheet:
         overlay : Image or None
             Blue-green-red, uint8, shape (H, W, 3). May be None where `wants_next` is false.
         frame : int
-            Number of the frame, written on the picture.
+            Number of the frame, written below the picture.
+        words : str
+            Written beside the number, such as the status; ASCII.
+        colour : Colour
+            Of the words.
         """
         wanted = self.wants_next()
         self._count += 1
@@ -83,7 +92,7 @@ class ContactSheet:
             return
         if not self._thumbnails:
             self._height = max(1, round(overlay.shape[0] * self._width / overlay.shape[1]))
-        self._thumbnails.append(self._shrink(overlay, frame))
+        self._thumbnails.append(self._shrink(overlay, frame, words, colour))
         if len(self._thumbnails) > self._limit:
             self._thumbnails = self._thumbnails[::2]
             self._stride *= 2
@@ -103,13 +112,14 @@ class ContactSheet:
         columns = math.ceil(math.sqrt(count * 4 / 3 * self._height / self._width))
         columns = min(max(columns, 1), count)
         rows = math.ceil(count / columns)
-        cell_height, cell_width = self._height + GAP, self._width + GAP
+        cell_height = self._height + self._caption_height + GAP
+        cell_width = self._width + GAP
         shape = (rows * cell_height + GAP, columns * cell_width + GAP, 3)
         sheet: Image = np.full(shape, BACKGROUND, dtype=np.uint8)
         for place, thumbnail in enumerate(self._thumbnails):
             top = GAP + place // columns * cell_height
             left = GAP + place % columns * cell_width
-            sheet[top : top + self._height, left : left + self._width] = thumbnail
+            sheet[top : top + thumbnail.shape[0], left : left + self._width] = thumbnail
         return sheet
 
     def write(self, path: Path) -> None:
@@ -123,26 +133,31 @@ class ContactSheet:
         _, encoded = cv2.imencode(".png", self.draw())
         write_bytes(path, encoded.tobytes())
 
-    def _shrink(self, overlay: Image, frame: int) -> Image:
-        """Fit a picture into a cell without distorting it, and write the number on it."""
+    @property
+    def _caption_height(self) -> int:
+        return max(6, round(CAPTION_SHARE * self._width))
+
+    def _shrink(self, overlay: Image, frame: int, words: str, colour: Colour) -> Image:
+        """Fit a picture into a cell without distorting it, and write below what it shows."""
         height, width = overlay.shape[:2]
         scale = min(self._width / width, self._height / height)
         size = (max(1, round(width * scale)), max(1, round(height * scale)))
         method = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
         small = cv2.resize(overlay, size, interpolation=method)
-        cell: Image = np.full((self._height, self._width, 3), BACKGROUND, dtype=np.uint8)
+        shape = (self._height + self._caption_height, self._width, 3)
+        cell: Image = np.full(shape, BACKGROUND, dtype=np.uint8)
         top, left = (self._height - size[1]) // 2, (self._width - size[0]) // 2
         cell[top : top + size[1], left : left + size[0]] = small
-        _label(cell, str(frame))
+        _write_caption(cell[self._height :], f"{frame}  ", words, colour)
         return cell
 
 
-def _label(cell: Image, text: str) -> None:
-    """Write on a dark plate in the lower right corner."""
-    scale = 0.00155 * cell.shape[1]
-    (width, height), baseline = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 1)
-    right, bottom = cell.shape[1], cell.shape[0]
-    left, top = right - width - 8, bottom - height - baseline - 4
-    cell[max(top, 0) :, max(left, 0) :] = 20
-    place = (left + 4, bottom - baseline)
-    cv2.putText(cell, text, place, cv2.FONT_HERSHEY_SIMPLEX, scale, to_bgr(WHITE), 1, cv2.LINE_AA)
+def _write_caption(strip: Image, number: str, words: str, colour: Colour) -> None:
+    """Write the number in white and the words in their colour on a strip below the picture."""
+    strip[:] = 20
+    font = cv2.FONT_HERSHEY_SIMPLEX
+    scale = strip.shape[0] / 34
+    baseline = round(0.72 * strip.shape[0])
+    cv2.putText(strip, number, (3, baseline), font, scale, to_bgr(WHITE), 1, cv2.LINE_AA)
+    left = 3 + cv2.getTextSize(number, font, scale, 1)[0][0]
+    cv2.putText(strip, words, (left, baseline), font, scale, to_bgr(colour), 1, cv2.LINE_AA)

@@ -78,7 +78,9 @@ def draw_overlay(
     hypotheses: Sequence[Hypothesis] = (),
     presence: float | None = None,
     caption: str = "",
+    legend: bool = True,
     minimum_width: int | None = None,
+    maximum_width: int | None = None,
 ) -> Image:
     """Draw particles, estimate, truth and status over a frame.
 
@@ -105,14 +107,16 @@ def draw_overlay(
         Probability that a cable is in view, 0 to 1, shown behind the status.
     caption : str
         Shown in the lower left corner, one line of ASCII.
-    minimum_width : int or None
-        Enlarge narrower images to this width before drawing [px]. The numbers stay those of the
-        frame as it came.
+    legend : bool
+        Write status and numbers on a strip at the top.
+    minimum_width, maximum_width : int or None
+        Enlarge narrower images, and shrink wider ones, to this width before drawing [px]. The
+        numbers stay those of the frame as it came.
 
     Returns
     -------
     Image
-        Blue-green-red, uint8, shape (H, W, 3), or larger where `minimum_width` asks for it.
+        Blue-green-red, uint8, shape (H, W, 3), or in another size where a width asks for it.
 
     Raises
     ------
@@ -122,11 +126,7 @@ def draw_overlay(
     canvas = _as_bgr(image)
     if cloud is not None and (cloud.ndim != 2 or cloud.shape[1] != STATE_SIZE + 1):
         raise FrameError(f"cloud: shape is {cloud.shape}; give (N, 9), the state and its weight")
-    scale = 1.0
-    if minimum_width is not None and canvas.shape[1] < minimum_width:
-        scale = minimum_width / canvas.shape[1]
-        size = (minimum_width, max(1, round(canvas.shape[0] * scale)))
-        canvas = cv2.resize(canvas, size, interpolation=cv2.INTER_CUBIC)
+    canvas, scale = _resized(canvas, minimum_width, maximum_width)
     pen = _Pen.for_image(canvas)
     if cloud is not None:
         _draw_cloud(canvas, cloud, scale, pen)
@@ -136,8 +136,22 @@ def draw_overlay(
         _draw_estimate(canvas, _scaled(state, scale), _scaled_sigma(sigma, scale), status, pen)
     if truth is not None and truth.is_finite():
         _draw_truth(canvas, _scaled(truth, scale), pen)
-    _write_legend(canvas, state, status, presence, caption)
+    if legend:
+        _write_legend(canvas, state, status, presence, caption)
     return canvas
+
+
+def _resized(canvas: Image, minimum: int | None, maximum: int | None) -> tuple[Image, float]:
+    """Return an image whose width lies between two limits, and by how much it was enlarged."""
+    height, width = canvas.shape[:2]
+    wanted = min(max(width, minimum or width), maximum or max(width, minimum or width))
+    if wanted == width:
+        return canvas, 1.0
+    scale = wanted / width
+    size = (wanted, max(1, round(height * scale)))
+    # By area is the better picture, and slower than all the drawing; down to half it shows little.
+    method = cv2.INTER_CUBIC if scale > 1.0 else cv2.INTER_LINEAR if scale > 0.5 else cv2.INTER_AREA
+    return cv2.resize(canvas, size, interpolation=method), scale
 
 
 def _as_bgr(image: Image) -> Image:
@@ -313,12 +327,12 @@ def _write_legend(
     # Measured by a text of the widest kind, so that the size does not flicker with the digits.
     scale = min(_scale_to_fit(wide, 0.97 * width), 0.0021 * height + 0.02, 1.6)
     line = round(_text_height(scale) * 1.6)
-    longest = _with_presence("INITIALISING", None if presence is None else 1.0)
+    longest = with_presence("INITIALISING", None if presence is None else 1.0)
     side_by_side = _text_width(f"{longest}  {wide}", scale) < width - 2 * line
     strip = min(height, line if side_by_side else 2 * line)
     _darken(canvas[:strip])
     margin = max(2, line // 4)
-    words = _with_presence(status, presence)
+    words = with_presence(status, presence)
     _write(canvas, words, (margin, line), scale, status_colour(status))
     if numbers and side_by_side:
         _write(canvas, numbers, (width - margin - _text_width(wide, scale), line), scale, WHITE)
@@ -329,7 +343,8 @@ def _write_legend(
         _write(canvas, caption, (margin, height), scale, WHITE)
 
 
-def _with_presence(status: str, presence: float | None) -> str:
+def with_presence(status: str, presence: float | None) -> str:
+    """Return a status with the probability that a cable is in view, if that is known."""
     return status if presence is None else f"{status} {100 * presence:.0f} %"
 
 

@@ -4,7 +4,7 @@ position.y     metres; the cable's lateral offset, positive: the cable is to the
 yaw            radians; the cable's direction, positive: the cable leads to the left
 covariance     [7] and [35] are the variances of the two
 header.stamp   time of the picture, not of the message: the difference is the latency
-lost           no message comes, so whoever steers must have a timeout of his own
+lost           no message comes, so a controller must have a timeout of its own
 """
 
 import math

@@ -1,6 +1,8 @@
 import pytest
 
 from cable_tracker import cli
+from cable_tracker.commands.evaluate import tuned_filters
+from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.report import REPORT
 from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
@@ -26,6 +28,39 @@ def labels(tmp_path):
     write_sequence(tmp_path / "dive", simulate(SimulationSettings(frame_count=5)))
     (path,) = (tmp_path / "dive").glob("*.txt")
     return path
+
+
+def test_parameters_of_ones_own_are_judged_beside_the_default(command, tmp_path, labels):
+    (tmp_path / "mine.yaml").write_text("particle_count: 60\n")
+    code, _, error = command(
+        "evaluate", "--source", labels, "--params", tmp_path / "mine.yaml", "-p", "seed:=3",
+        "--seeds", 1, "--workers", 1, "--output", tmp_path / "out",
+    )  # fmt: skip
+    assert (code, error) == (0, "")
+    rows = (tmp_path / "out" / "runs.csv").read_text().splitlines()[1:]
+    assert {name for row in rows for name in ("default", "mine") if name in row} == {
+        "default",
+        "mine",
+    }
+    assert len(rows) == 2
+
+
+def test_trackers_with_parameters_of_ones_own_are_named_after_their_files(tmp_path):
+    for name in ("a", "b", "default"):
+        (tmp_path / f"{name}.yaml").write_text("preset: thesis\nloss_time: 2.0\n")
+    files = [tmp_path / "a.yaml", tmp_path / "b.yaml"]
+    one, other = tuned_filters(files, ["loss_time=1.5"], tmp_path / "table.json")
+    assert (one.name, other.name) == ("a", "b")
+    assert one.parameters == other.parameters
+    assert one.parameters.filter == "bootstrap"
+    assert one.parameters.loss_time == 1.5
+    assert one.parameters.response_table == str(tmp_path / "table.json")
+    assert [each.name for each in tuned_filters(None, ["loss_time=1"], None)] == ["tuned"]
+    assert tuned_filters(None, None, None) == ()
+    (tmp_path / "sub").mkdir()
+    for names in (["default.yaml"], ["a.yaml", "sub/../a.yaml"]):
+        with pytest.raises(ParameterError, match="rename a file"):
+            tuned_filters([tmp_path / name for name in names], None, None)
 
 
 def test_scenarios_are_evaluated(command, tmp_path):

@@ -142,7 +142,7 @@ def test_on_a_full_disk_nothing_is_left_and_one_line_says_why(run, small_disk, n
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_folder_that_cannot_be_written_to_is_said_at_once(run, tmp_path, name):
-    # A file where a folder is needed stops everybody, root too.
+    # A file where a folder is needed stops every user, root too.
     (tmp_path / "file").write_text("x")
     outcome = run(name, tmp_path / "file" / "out")
     assert outcome.code == 2

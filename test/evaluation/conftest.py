@@ -62,7 +62,7 @@ def trace() -> Callable[[str], Trace]:
     """Make a run from letters, one for each frame.
 
     h held, l lost, s silent but held, x lost and silent; of a visible cable. f claimed and n silent
-    where there is no cable. u: nobody knows.
+    where there is no cable. u: unknown.
     """
     kinds = {
         "h": {},

@@ -1,4 +1,4 @@
-"""A recording that nobody trusts takes no memory or disk without bound, and has an end."""
+"""An untrusted recording takes no memory or disk without bound, and has an end."""
 
 from __future__ import annotations
 

@@ -41,6 +41,17 @@ def test_the_rate_gives_the_time(folder):
     assert source.frame_count == 12
 
 
+def test_missing_numbers_are_said_and_the_time_is_kept(folder):
+    for index in (4, 5, 9):
+        (folder / f"img_{index}.png").unlink()
+    source = ImageFolderSource(folder, rate=10.0)
+    assert source.note.startswith("3 pictures are missing by their numbers, the first after img_3")
+    stamps = [(frame.stamp - FIRST_STAMP) // 100_000_000 for frame in source.frames()]
+    assert stamps == [0, 1, 2, 3, 6, 7, 8, 10, 11]
+    source.label({})
+    assert "missing" in source.note
+
+
 def test_other_and_hidden_files_are_left_out(folder):
     (folder / "notes.txt").write_text("x")
     (folder / ".hidden.png").write_bytes(b"x")

@@ -2,10 +2,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.sequences.natural_order import natural_key
+from cable_tracker.sequences.natural_order import natural_key, positions_by_number
 
 
 def in_order(*names: str) -> list[str]:
@@ -25,3 +26,23 @@ def test_the_order_does_not_depend_on_the_listing(names):
 @given(st.lists(st.integers(0, 10**12), unique=True))
 def test_numbered_files_come_in_the_order_of_their_numbers(numbers):
     assert in_order(*(f"f{n}.png" for n in numbers)) == [f"f{n}.png" for n in sorted(numbers)]
+
+
+@pytest.mark.parametrize(
+    ("names", "positions"),
+    [
+        (["f_1.png", "f_2.png", "f_3.png"], [0, 1, 2]),
+        (["f_1.png", "f_2.png", "f_5.png"], [0, 1, 4]),
+        (["f_0010.png", "f_0020.png", "f_0040.png"], [0, 1, 3]),
+        (["dive2_f9.png", "dive2_f10.png", "dive2_f12.png"], [0, 1, 3]),
+        (["a.png", "b.png", "e.png"], [0, 1, 2]),
+        (["1718000000040.png", "1718000000081.png", "1718000000120.png"], [0, 1, 2]),
+        (["1_9.png", "2_1.png", "4_7.png"], [0, 1, 2]),
+        (["f_1.png", "f_9.png"], [0, 1]),
+        (["f_1.jpg", "f_1.png", "f_3.png"], [0, 1, 2]),
+        (["f_1.png", "f_2.png", "f_99999.png"], [0, 1, 2]),
+        ([], []),
+    ],
+)
+def test_missing_numbers_are_gaps_where_names_are_numbered(names, positions):
+    assert positions_by_number(names) == positions

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import cv2
 import pytest
@@ -8,10 +9,13 @@ import pytest
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.sequences.bag import BagSource
+from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.image_folder import ImageFolderSource
+from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.sequences.sequence_file import Label, SequenceFileSource, write_labels
 from cable_tracker.sequences.source import Source, open_source
 from cable_tracker.sequences.video import VideoSource
+from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
 
 @pytest.fixture
@@ -128,6 +132,29 @@ def test_labels_are_attached_to_a_bag_by_number(make_bag, write_truth, state):
     source = open_source(make_bag(truth=False), truth=write_truth(("strip.mp4", 3)))
     assert source.has_truth
     assert labelled(source) == {3: resting(state(0))}
+
+
+def test_truth_of_a_bag_is_attached_to_a_bag_by_time_and_to_others_by_order(tmp_path):
+    dive = list(simulate(SimulationSettings(4, image_size=(64, 48))))
+    write_bag(tmp_path / "truth", [dive[1], dive[3]])
+    write_bag(tmp_path / "dive", dive)
+    truths = {index: dive[index].truth for index in (1, 3)}
+    named = open_source(tmp_path / "dive", truth=tmp_path / "truth")
+    assert named.has_truth
+    assert labelled(named) == truths
+    write_sequence(tmp_path / "two", [dive[1], dive[3]])
+    pictures = open_source(tmp_path / "two", truth=tmp_path / "truth")
+    assert labelled(pictures) == {0: dive[1].truth, 1: dive[3].truth}
+    write_sequence(tmp_path / "four", dive)
+    with pytest.raises(RecordingError, match="2 labels for 4 frames"):
+        open_source(tmp_path / "four", truth=tmp_path / "truth")
+
+
+def test_a_bag_without_truth_is_no_truth(tmp_path, make_bag):
+    dive = simulate(SimulationSettings(2, image_size=(64, 48)))
+    write_bag(tmp_path / "other", [replace(frame, truth=None) for frame in dive])
+    with pytest.raises(RecordingError, match="holds no ground_truth"):
+        open_source(make_bag(), truth=tmp_path / "other")
 
 
 def test_labels_are_attached_to_pictures_by_name(pictures, write_truth, state):

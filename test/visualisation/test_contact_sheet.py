@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cable_tracker.errors import OutputError, ParameterError
-from cable_tracker.visualisation.contact_sheet import ContactSheet
+from cable_tracker.visualisation.contact_sheet import CAPTION_SHARE, ContactSheet
+from cable_tracker.visualisation.palette import AMBER
 
 
 def _picture(value=90, size=(64, 48)):
@@ -35,7 +36,7 @@ def test_the_pictures_kept_are_those_of_the_stride():
     for frame in range(9):
         sheet.add(_picture(frame * 20), frame)
     assert sheet.stride == 4
-    cells = [sheet.draw()[4, 4 + 36 * place, 0] for place in range(2)]
+    cells = [sheet.draw()[6, 6 + 36 * place, 0] for place in range(2)]
     assert len(sheet) == 3
     assert cells == [0, 80]
 
@@ -61,7 +62,7 @@ def test_a_frame_of_another_size_is_fitted_without_distortion():
     sheet = ContactSheet(stride=1, thumbnail_width=64)
     sheet.add(_picture(200), 0)
     sheet.add(_picture(200, (48, 200)), 1)
-    second = sheet.draw()[4:-4, -68:-4]
+    second = sheet.draw()[4:52, -68:-4]
     bright = np.flatnonzero((second[10] == 200).all(axis=1))
     assert bright.size == pytest.approx(48 * 48 / 200, abs=1)
 
@@ -69,7 +70,16 @@ def test_a_frame_of_another_size_is_fitted_without_distortion():
 def test_a_sheet_of_one_frame_has_its_size():
     sheet = ContactSheet(thumbnail_width=64)
     sheet.add(_picture(), 0)
-    assert sheet.draw().shape == (48 + 8, 64 + 8, 3)
+    caption = round(CAPTION_SHARE * 64) + 2
+    assert sheet.draw().shape == (48 + caption + 8, 64 + 8, 3)
+
+
+def test_nothing_is_written_over_the_picture():
+    sheet = ContactSheet(thumbnail_width=64)
+    sheet.add(_picture(90), 123, "INITIALISING 12 %", AMBER)
+    drawn = sheet.draw()
+    assert (drawn[4:52, 4:68] == 90).all()
+    assert drawn[52:-4, 4:68].max() > 100
 
 
 def test_no_frames_no_sheet(tmp_path):

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, OutputError
-from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessages
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
-from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.output_folder import PartialOutput
 from cable_tracker.visualisation.contact_sheet import ContactSheet
-from cable_tracker.visualisation.overlay import draw_overlay
+from cable_tracker.visualisation.drawing_thread import DrawingThread
+from cable_tracker.visualisation.overlay import draw_overlay, with_presence
+from cable_tracker.visualisation.palette import status_colour
 from cable_tracker.visualisation.plots import plot_estimates
 from cable_tracker.visualisation.video import VideoWriter
 
@@ -29,8 +32,41 @@ CONTACT_SHEET = "overlay.png"
 PLOTS = "estimates.png"
 BAG = "bag"
 
-SMALLEST_PICTURE = 480
-"""Narrower frames are enlarged to this width in the pictures [px]."""
+SMALLEST_PICTURE, LARGEST_PICTURE = 480, 960
+"""Narrower frames are enlarged, and wider ones shrunk, to these widths in the video [px]."""
+
+
+@dataclass(frozen=True, slots=True)
+class WantedResults:
+    """What a result folder is to hold beside the table.
+
+    Attributes
+    ----------
+    video : bool
+        The frames with all that the tracker believes drawn over them.
+    bag : bool
+        The messages that the node publishes.
+    pictures : bool
+        A contact sheet and the plots.
+    """
+
+    video: bool = True
+    bag: bool = True
+    pictures: bool = True
+
+    def names(self) -> tuple[str, ...]:
+        """Return the names of the files, in the order in which they are told."""
+        wanted = (
+            (ESTIMATES, True),
+            (VIDEO, self.video),
+            (CONTACT_SHEET, self.pictures),
+            (PLOTS, self.pictures),
+            (BAG, self.bag),
+        )
+        return tuple(name for name, is_wanted in wanted if is_wanted)
+
+
+EVERYTHING = WantedResults()
 
 
 def _is_result_folder(path: Path) -> bool:
@@ -50,6 +86,8 @@ class ResultFolder:
         Replace the results of an earlier run. Nothing else is ever replaced.
     timing : bool
         Write the measured times into the table. Without them, equal runs write equal bytes.
+    wanted : WantedResults
+        What it is to hold beside the table.
 
     Attributes
     ----------
@@ -59,7 +97,9 @@ class ResultFolder:
         The table so far.
     truths : dict
         Ground truth by frame number, of the frames that have one.
-    bag : BagWriter
+    widths : list of (float, int)
+        Widths of the leading hypothesis and of the image, of the frames that have one [px].
+    bag : BagWriter or NoMessages
         Where to write messages.
 
     Raises
@@ -68,13 +108,23 @@ class ResultFolder:
         The path is taken, or the disk does not let us write.
     """
 
-    def __init__(self, path: Path, *, overwrite: bool = False, timing: bool = True) -> None:
+    def __init__(
+        self,
+        path: Path,
+        *,
+        overwrite: bool = False,
+        timing: bool = True,
+        wanted: WantedResults = EVERYTHING,
+    ) -> None:
         self.path = path
+        self.wanted = wanted
         self._timing = timing
         self.rows: list[EstimateRow] = []
         self.truths: dict[int, CableState] = {}
+        self.widths: list[tuple[float, int]] = []
         self._overwrite = overwrite
-        self._sheet = ContactSheet()
+        self._sheet = ContactSheet() if wanted.pictures else None
+        self._video: VideoWriter | None = None
 
     def __enter__(self) -> Self:
         self._folder = PartialOutput(
@@ -83,8 +133,13 @@ class ResultFolder:
         self._writers = ExitStack()
         try:
             self._content.mkdir()
-            self.bag = self._writers.enter_context(BagWriter(self._content / BAG))
-            self._video = self._writers.enter_context(VideoWriter(self._content / VIDEO))
+            self.bag: MessageSink = NoMessages()
+            if self.wanted.bag:
+                self.bag = self._writers.enter_context(BagWriter(self._content / BAG))
+            if self.wanted.video:
+                self._video = self._writers.enter_context(VideoWriter(self._content / VIDEO))
+            # Entered last, so that all is drawn before the video is closed.
+            self._drawing = self._writers.enter_context(DrawingThread())
         except OSError as error:
             self._abandon()
             raise OutputError(f"{self.path}: cannot be written ({error.strerror})") from error
@@ -144,21 +199,26 @@ class ResultFolder:
         self.rows.append(row if self._timing else replace(row, ms=None))
         if frame.truth is not None:
             self.truths[frame.index] = frame.truth
+        if hypotheses and isinstance(frame.image, RawImage):
+            self.widths.append((hypotheses[0].state.width, frame.image.width))
+        if self._video is None and self._sheet is None:
+            return
+        self._drawing.do(lambda: self._draw(frame, row, cloud, hypotheses))
+
+    def _draw(
+        self,
+        frame: Frame,
+        row: EstimateRow,
+        cloud: FloatArray | None,
+        hypotheses: Sequence[Hypothesis],
+    ) -> None:
+        """Draw a frame into the video and onto the sheet, in the thread that draws."""
         try:
             picture = decode_bgr(frame.image)
         except FrameError:
             return  # Refused frames stand in the table; there is no picture to show.
-        self._add_picture(frame, row, picture, cloud, hypotheses)
-
-    def _add_picture(
-        self,
-        frame: Frame,
-        row: EstimateRow,
-        picture: Image,
-        cloud: FloatArray | None,
-        hypotheses: Sequence[Hypothesis],
-    ) -> None:
-        overlay = draw_overlay(
+        draw = partial(
+            draw_overlay,
             picture,
             state=row.state,
             status=row.status,
@@ -169,15 +229,21 @@ class ResultFolder:
             presence=row.presence,
             caption=f"frame {frame.index}",
             minimum_width=SMALLEST_PICTURE,
+            maximum_width=LARGEST_PICTURE,
         )
-        self._video.add(overlay, frame.stamp)
-        self._sheet.add(overlay, frame.index)
+        if self._video is not None:
+            self._video.add(draw(), frame.stamp)
+        if self._sheet is not None:
+            overlay = draw(legend=False) if self._sheet.wants_next() else None
+            words = with_presence(row.status, row.presence)
+            self._sheet.add(overlay, frame.index, words, status_colour(row.status))
 
     def _write_summaries(self) -> None:
         try:
             write_estimates(self._content / ESTIMATES, self.rows)
-            self._sheet.write(self._content / CONTACT_SHEET)
-            plot_estimates(self._content / PLOTS, self.rows, self.truths)
+            if self._sheet is not None:
+                self._sheet.write(self._content / CONTACT_SHEET)
+                plot_estimates(self._content / PLOTS, self.rows, self.truths)
         except OSError as error:
             raise OutputError(
                 f"{self.path}: cannot be written ({error.strerror}); check the disk"

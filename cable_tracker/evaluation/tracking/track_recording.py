@@ -16,7 +16,7 @@ from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder
 from cable_tracker.sequences import output_topics
-from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.convert import write_truth
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED, EstimateRow
@@ -158,26 +158,28 @@ def start_from(tracker: CableTracker, state: CableState | None) -> None:
 
 
 def _track_frame(frame: Frame, tracker: CableTracker, results: ResultFolder) -> None:
-    output = _FrameOutput(results.bag, frame)
+    output = _FrameOutput(results.bag, frame) if results.wanted.bag else None
     try:
         grey = decode_grey(frame.image)
         begin = time.perf_counter()
         estimate = tracker.process(grey, frame.stamp)
         ms = (time.perf_counter() - begin) * 1e3
     except FrameError as error:
-        output.write_refusal(str(error))
+        if output is not None:
+            output.write_refusal(str(error))
         results.add(frame, EstimateRow(frame.index, frame.stamp, REFUSED), None)
         return
     assert tracker.particles is not None
     cloud = cloud_of(tracker.particles)
-    output.write_estimate(estimate, grey, cloud, ms)
+    if output is not None:
+        output.write_estimate(estimate, grey, cloud, ms)
     results.add(frame, row_of(frame, estimate, ms), cloud, estimate.hypotheses)
 
 
 class _FrameOutput:
     """Writes the messages that the node would publish about one frame."""
 
-    def __init__(self, bag: BagWriter, frame: Frame) -> None:
+    def __init__(self, bag: MessageSink, frame: Frame) -> None:
         self._bag = bag
         self._stamp = frame.stamp
         self._factory = RosbagsMessages()

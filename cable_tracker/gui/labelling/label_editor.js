@@ -1,5 +1,5 @@
 // The window in which labels are drawn. It keeps a copy of all labels, so that drawing waits for
-// nobody; the server has the labels that count, and tells every browser of every change.
+// no answer; the server has the labels that count, and tells every browser of every change.
 import {
   FrameView,
   KEYS,

@@ -37,7 +37,7 @@ NOWHERE = CableState(0.0, 0.0, 0.0)
 
 
 class OverwriteError(OutputError):
-    """Saving would destroy labels that nobody has seen here; the user must say so."""
+    """Saving would destroy labels that were not shown here; the user must say so."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,7 +281,7 @@ class LabelFile:
         content : FileContent
             What it is to say.
         overwrite : bool
-            Whether labels that somebody else has written may be lost.
+            Whether labels of another program or user may be lost.
 
         Raises
         ------

@@ -43,7 +43,7 @@ class Origin(str, Enum):
     """The tracker has proposed it, and a person has accepted it as it was."""
 
     INTERPOLATED = "interpolated"
-    """It lies between two key frames, and nobody has looked at it."""
+    """It lies between two key frames, and was not looked at."""
 
 
 @dataclass(frozen=True, slots=True)

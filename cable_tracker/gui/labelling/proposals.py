@@ -81,7 +81,7 @@ class Proposer:
         labels : Labels
             What is labelled.
         stopped : callable
-            Tells whether nobody waits for the answer any more.
+            Tells whether the answer is no longer wanted.
 
         Raises
         ------

@@ -133,7 +133,7 @@ class LabelPage:
             background_tasks.create(self._load_pictures())
 
     async def _load_pictures(self) -> None:
-        """Show the frame that is wanted last; read the one behind it while nobody waits."""
+        """Show the frame that is wanted last; read the one behind it while none is wanted."""
         try:
             while self._wanted is not None:
                 frame, self._wanted = self._wanted, None
@@ -272,7 +272,7 @@ class LabelPage:
         missing = self._workspace.missing_stamps(frames)
         stamps = await self._in(self._server.reader, self._workspace.read_stamps, missing)
         document.stamps.update(stamps)
-        # Somebody else may have edited in the meantime.
+        # Another browser may have edited in the meantime.
         still = [gap for gap in document.gaps_to_fill(None) if gap in wanted]
         self._workspace.interpolate(frame, still)
         count = sum(len(gap.frames) for gap in still)

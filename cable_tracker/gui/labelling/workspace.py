@@ -207,7 +207,7 @@ class Workspace:
         Raises
         ------
         OverwriteError
-            Labels of somebody else would be lost.
+            Labels of another program or user would be lost.
         OutputError
             The file cannot be written.
         """

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import errno
+from dataclasses import replace
 
 import av
 import cv2
@@ -10,7 +11,8 @@ from rosbags.highlevel import AnyReader
 
 from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.tracking import result_folder
-from cable_tracker.evaluation.tracking.result_folder import ResultFolder
+from cable_tracker.evaluation.tracking.result_folder import ResultFolder, WantedResults
+from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.estimates import EstimateRow, read_estimates
 
 NAMES = {"estimates.csv", "overlay.webm", "overlay.png", "estimates.png", "bag"}
@@ -60,6 +62,45 @@ def test_all_results_are_there_and_can_be_opened(tmp_path, dive):
         assert pixels.std() > 5
     with AnyReader([tmp_path / "out" / "bag"]) as reader:
         assert reader.message_count == 0
+
+
+@pytest.mark.parametrize(
+    ("wanted", "missing"),
+    [
+        (WantedResults(video=False), {"overlay.webm"}),
+        (WantedResults(bag=False), {"bag"}),
+        (WantedResults(pictures=False), {"overlay.png", "estimates.png"}),
+        (WantedResults(False, False, False), NAMES - {"estimates.csv"}),
+    ],
+)
+def test_what_is_not_wanted_is_not_written(tmp_path, dive, wanted, missing):
+    with ResultFolder(tmp_path / "out", wanted=wanted) as results:
+        fill(results, dive)
+        results.bag.write_serialised("/state", "std_msgs/msg/Empty", b"\0\1\0\0", 1)
+    assert names_in(tmp_path / "out") == NAMES - missing
+    assert set(wanted.names()) == NAMES - missing
+
+
+def test_a_disk_that_is_full_amid_the_video_is_told(tmp_path, dive, monkeypatch):
+    def refuse(writer, image, stamp):
+        raise OutputError("overlay.webm: cannot be written (No space left on device)")
+
+    monkeypatch.setattr(result_folder.VideoWriter, "add", refuse)
+    with (
+        pytest.raises(OutputError, match="No space left on device"),
+        ResultFolder(tmp_path / "out") as results,
+    ):
+        fill(results, dive)
+    assert names_in(tmp_path) == set()
+
+
+def test_large_frames_are_shrunk_in_the_video(tmp_path, dive):
+    large = raw_from_array(np.zeros((720, 1280), np.uint8), "mono8")
+    with ResultFolder(tmp_path / "out") as results:
+        fill(results, [replace(dive[0], image=large)])
+    with av.open(str(tmp_path / "out" / "overlay.webm")) as video:
+        (picture,) = (picture.to_ndarray(format="bgr24") for picture in video.decode(video=0))
+    assert picture.shape == (540, 960, 3)
 
 
 def test_truths_are_kept_by_frame_number(tmp_path, dive):

@@ -1,0 +1,83 @@
+"""Parameters of the tracker from a preset, a file, and single values on the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cable_tracker.cable.model.initial_state_text import RANDOM
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.commands.terminal import messages
+from cable_tracker.errors import ParameterError
+from cable_tracker.node_parameter_tables import TRACKER_NODE_PARAMETERS
+from cable_tracker.tracking.parameter_files import (
+    filter_parameters,
+    parse_parameters,
+    read_parameter_file,
+)
+
+ValueOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "-p",
+        "--param",
+        metavar="NAME=VALUE",
+        help="One parameter, also as NAME:=VALUE; wins over --params. May be given several times.",
+    ),
+]
+
+
+def parse_value(word: str) -> tuple[str, object]:
+    """Read `name=value` or `name:=value`, the value in the notation of YAML.
+
+    Raises
+    ------
+    ParameterError
+        There is no name or no sign of equality, or the value is no YAML.
+    """
+    name, equals, value = word.partition("=")
+    name = name.removesuffix(":").strip()
+    if not (name and equals):
+        raise ParameterError(f"-p {word}: give a name and a value, such as particle_count=1000")
+    text = value.strip() or "''"
+    return name, parse_parameters(f"{name}: {text}", f"-p {word}").get(name)
+
+
+def given_values(file: Path | None, words: Iterable[str] | None) -> dict[str, object]:
+    """Return the values of a parameter file and of single words, which win.
+
+    Raises
+    ------
+    ParameterError
+        The file or a word cannot be read.
+    """
+    values = read_parameter_file(file) if file is not None else {}
+    return values | dict(map(parse_value, words or ()))
+
+
+def chosen_parameters(
+    preset_name: str | None, values: dict[str, object], seed: int | None
+) -> TrackerParameters:
+    """Combine preset, values of the user, and seed; options win over a file."""
+    node_only = {spec.name for spec in TRACKER_NODE_PARAMETERS}
+    base = preset(preset_name or str(values.get("preset", "default")))
+    parameters = filter_parameters(base, values, node_only)
+    if seed is not None:
+        parameters = parameters.replaced({"seed": seed})
+    if parameters.initial_width_maximum > parameters.width_maximum:
+        messages.print(
+            f"note: initial_width_maximum = {parameters.initial_width_maximum:g} is above"
+            f" width_maximum = {parameters.width_maximum:g}: nothing wider than that is followed;"
+            " raise width_maximum too",
+            soft_wrap=True,
+        )
+    return parameters
+
+
+def chosen_start(init: str | None, values: dict[str, object]) -> str:
+    """Return the words that say where to start; the option wins over the parameter file."""
+    return init if init is not None else str(values.get("initial_state", RANDOM))

@@ -1,0 +1,76 @@
+"""What speaks against a cable where none was claimed in a whole recording, and what to try."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.sequences.estimates import EstimateRow
+
+TRACKING = "TRACKING"
+NEAR_LIMIT = 1.1
+"""A width within this factor of a limit is taken to be held by it."""
+
+
+def advice(
+    rows: Sequence[EstimateRow],
+    widths: Sequence[tuple[float, int]],
+    parameters: TrackerParameters,
+) -> list[str]:
+    """Say why no cable was claimed, in a few lines; nothing where one was.
+
+    Parameters
+    ----------
+    rows : sequence of EstimateRow
+        All frames of the recording.
+    widths : sequence of (float, int)
+        Width of the leading hypothesis and of the image, of the frames that have one [px].
+    parameters : TrackerParameters
+        What the recording was tracked with.
+    """
+    if not rows or any(row.status == TRACKING for row in rows):
+        return []
+    lines = ["no cable was claimed in any frame"]
+    presence = [row.presence for row in rows if row.presence is not None]
+    evidence = [row.evidence for row in rows if row.evidence is not None]
+    is_likely = bool(presence) and max(presence) >= parameters.presence_to_track
+    is_clear = bool(evidence) and max(evidence) >= parameters.evidence_to_track
+    if presence and not is_likely:
+        lines.append(
+            f"presence: at most {max(presence):.0%}, presence_to_track asks for"
+            f" {parameters.presence_to_track:.0%}; is the cable in view, with both its borders?"
+        )
+    if evidence and not is_clear:
+        lines.append(
+            f"evidence: the weaker border reached {max(evidence):.2g}, evidence_to_track asks for"
+            f" {parameters.evidence_to_track:g}; try a lower one, or learn a response table from"
+            " labelled frames of yours (cable-tracker label, learn)"
+        )
+    if is_likely and is_clear:
+        lines.append(
+            "presence and evidence were high enough, but not together for confirmation_time"
+            f" ({parameters.confirmation_time:g} s); try a shorter one"
+        )
+    lines += _width_advice(widths, parameters)
+    lines.append("docs/troubleshooting.md says what else to try; cable-tracker gui shows why")
+    return lines
+
+
+def _width_advice(widths: Sequence[tuple[float, int]], parameters: TrackerParameters) -> list[str]:
+    if not widths:
+        return []
+    width = float(np.median([width * REFERENCE_WIDTH / image for width, image in widths]))
+    low, high = parameters.width_minimum, parameters.initial_width_maximum
+    if width <= NEAR_LIMIT * max(low, parameters.initial_width_minimum):
+        return [
+            f"width: {width:.0f} px at 320 px, at its lower limit; for a thinner cable lower"
+            " initial_width_minimum and width_minimum"
+        ]
+    if width >= high / NEAR_LIMIT:
+        return [
+            f"width: {width:.0f} px at 320 px, at its upper limit; for a wider one raise"
+            " initial_width_maximum and width_maximum"
+        ]
+    return []

@@ -1,0 +1,45 @@
+from pathlib import Path
+
+import pytest
+
+from cable_tracker.commands.tuning import chosen_parameters, given_values, parse_value
+from cable_tracker.errors import ParameterError
+
+
+@pytest.mark.parametrize("equals", ["=", ":=", " = ", ":= "])
+def test_a_value_is_given_as_to_the_command_or_as_to_the_node(equals):
+    assert parse_value(f"particle_count{equals}300") == ("particle_count", 300)
+
+
+def test_values_are_read_as_in_a_parameter_file():
+    words = ["loss_time=1", "detector:=none", "response_table=", "evidence_limit=1e6"]
+    assert given_values(None, words) == {
+        "loss_time": 1,
+        "detector": "none",
+        "response_table": "",
+        "evidence_limit": 1e6,
+    }
+
+
+@pytest.mark.parametrize("word", ["particle_count", "=3", ":=3", ""])
+def test_a_word_without_name_or_sign_is_refused(word):
+    with pytest.raises(ParameterError, match="give a name and a value"):
+        parse_value(word)
+
+
+def test_values_on_the_command_line_win_over_those_of_the_file(tmp_path):
+    file = Path(tmp_path / "mine.yaml")
+    file.write_text("preset: thesis\nparticle_count: 200\nseed: 3\n")
+    chosen = chosen_parameters(None, given_values(file, ["particle_count=300"]), None)
+    assert (chosen.particle_count, chosen.seed, chosen.filter) == (300, 3, "bootstrap")
+
+
+def test_unknown_names_are_refused():
+    with pytest.raises(ParameterError, match="unknown parameter wdith"):
+        chosen_parameters(None, given_values(None, ["wdith=3"]), None)
+
+
+@pytest.mark.parametrize(("width", "is_noted"), [(200.0, True), (160.0, False)])
+def test_a_search_for_wider_things_than_are_followed_is_noted(capsys, width, is_noted):
+    chosen_parameters(None, {"initial_width_maximum": width}, None)
+    assert ("raise width_maximum too" in capsys.readouterr().err) == is_noted
