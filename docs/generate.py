@@ -24,8 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 TITLES = {
     "default": "Preset `default`: what to begin with. Written by `make docs`.",
-    "thesis": "Preset `thesis`: Wirth (2008), Tables 5.1, 5.2."
-    " Written by `make docs`.",
+    "thesis": "Preset `thesis`: Wirth (2008), Tables 5.1, 5.2. Written by `make docs`.",
 }
 
 INTRODUCTION = """\

@@ -239,17 +239,29 @@ def group_means(
             masses[label] += weights[row]
             if heaviest[label] < 0 or weights[row] > weights[heaviest[label]]:
                 heaviest[label] = row
-    place = np.empty(8)
+    member = np.empty(8)
     for row in range(len(labels)):
         label = labels[row]
         if label != NONE and masses[label] > SMALLEST_MASS:
-            unwrap_state(states[row], states[heaviest[label], 1], place)
+            unwrap_state(states[row], states[heaviest[label], 1], member)
             share = weights[row] / masses[label]
             for column in range(8):
-                means[label, column] += share * place[column]
-    order = np.argsort(-masses, kind="mergesort")
-    order = order[masses[order] > SMALLEST_MASS]
-    return order, masses[order], means[order]
+                means[label, column] += share * member[column]
+    order, kept = np.empty(count, np.int64), 0
+    for label in range(count):
+        if masses[label] > SMALLEST_MASS:
+            place = kept
+            # Of equal masses the first comes first.
+            while place > 0 and masses[order[place - 1]] < masses[label]:
+                order[place] = order[place - 1]
+                place -= 1
+            order[place] = label
+            kept += 1
+    sorted_masses, sorted_means = np.empty(kept), np.empty((kept, 8))
+    for index in range(kept):
+        sorted_masses[index] = masses[order[index]]
+        sorted_means[index] = means[order[index]]
+    return order[:kept], sorted_masses, sorted_means
 
 
 @compiled_part
