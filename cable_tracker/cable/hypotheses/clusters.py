@@ -180,12 +180,15 @@ def _gather(
     for row in range(len(labels)):
         if labels[row] != NONE or log_weights[row] == -math.inf:
             continue
+        # Most particles are far away in one component already.
+        c = (states[row, 2] - mean[2]) / radii[2]
         shifted = states[row, 1] - mean[1]
         wrapped = wrapped_angle(shifted)
+        b = wrapped / radii[1]
+        if b * b + c * c > 1.0:
+            continue
         sign = turn_sign(shifted, wrapped)
         a = (sign * states[row, 0] - mean[0]) / radii[0]
-        b = wrapped / radii[1]
-        c = (states[row, 2] - mean[2]) / radii[2]
         d = (sign * states[row, 3] - mean[3]) / radii[3]
         if a * a + b * b + c * c + d * d <= 1.0:
             gathered[row] = True

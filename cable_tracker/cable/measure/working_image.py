@@ -61,7 +61,6 @@ class WorkingImage:
     @cached_property
     def pixels(self) -> Image:
         """Grey levels, float32, shape (h, w); those of a reduced uint8 frame are whole numbers."""
-        # A copy, for frames of messages cannot be written to, and would be compiled for anew.
         return np.array(self._reduced(self.frame), dtype=np.float32, order="C")
 
     def _reduced(self, frame: Image) -> Image:
@@ -92,7 +91,7 @@ class WorkingImage:
             REGION_SIGMA * self.scale,
             max(1, round(CONTRAST_LAG * self.scale)),
         )
-        return scan_frame(self.pixels, self.line_spacing, kernels)
+        return scan_frame(self._reduced(self.frame), self.line_spacing, kernels)
 
     def to_working(self, points: FloatArray) -> FloatArray:
         """Turn points (..., 2) of the frame's image frame into that of the working picture.
