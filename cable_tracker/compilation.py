@@ -1,14 +1,25 @@
-"""Compiling loops with Numba.
+"""Compiling loops with Numba, and keeping the machine code.
 
 A kernel stands beside what uses it. Functions that Python calls are entries, `compiled`: their
 machine code is kept on disk. What they call in turn are parts; a part that Python calls, a test for
 example, is plain Python. `NUMBA_DISABLE_JIT=1` in the environment leaves all of it as it is, for a
 debugger.
+
+Numba does not notice when a function changed that another file calls, and stumbles over modules
+that are gone. So the machine code of a module lies in a folder named after what it was made of: the
+text of that module and of all that it imports of this package, and Numba's version.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import hashlib
+import os
+import re
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
@@ -22,6 +33,14 @@ PART: dict[str, Any] = COMMON | {"no_cpython_wrapper": True}
 
 FAST = {"reassoc", "contract", "nsz", "arcp"}
 """Liberties of the `fast` ones: sums may be taken in any order, so the processor vectorises."""
+
+PACKAGE = Path(__file__).resolve().parent
+
+IMPORTED = re.compile(r"^(?:from|import) cable_tracker((?:\.\w+)+)", re.MULTILINE)
+"""A module of this package that another one imports."""
+
+DIGITS = 16
+"""Of the digest in the name of a folder."""
 
 
 def compiled(function: Function) -> Function:
@@ -54,8 +73,90 @@ def compiled_inside(function: Function) -> Function:
 
 def _entry(function: Function, **options: Any) -> Function:  # noqa: ANN401
     options |= COMMON
+    source = Path(function.__code__.co_filename)
+    if PACKAGE not in source.parents:
+        return cast(Function, numba.njit(**options)(function))
+    folder = _writable(_cache_folders(), digest_of(source))
+    if folder is None:
+        return cast(Function, numba.njit(**options)(function))
+    # Numba asks for the folder when the function is decorated; it is that of others again then.
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder)
     try:
         return cast(Function, numba.njit(cache=True, **options)(function))
-    except RuntimeError:
-        # Neither beside the package nor in the user's folders can anything be written.
-        return cast(Function, numba.njit(**options)(function))
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def _cache_folders() -> Iterator[Path]:
+    """Yield where machine code may be kept, the best place first.
+
+    The folder that `NUMBA_CACHE_DIR` names, else that of the user, else the package's own.
+    """
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    if named:
+        yield Path(named) / "cable_tracker"
+        return
+    of_user = os.environ.get("XDG_CACHE_HOME")
+    if of_user:
+        yield Path(of_user) / "cable_tracker"
+    with suppress(RuntimeError):  # There may be no home.
+        yield Path.home() / ".cache" / "cable_tracker"
+    yield PACKAGE / "__pycache__" / "kernels"
+
+
+def _writable(bases: Iterator[Path], digest: str) -> Path | None:
+    """Return the folder of a digest in the first base that can be written to; None if none can."""
+    for base in bases:
+        if _can_write(base):
+            return base / digest
+    return None
+
+
+@cache
+def _can_write(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def digest_of(source: Path) -> str:
+    """Return what names the machine code of a module of this package.
+
+    It changes with the text of the module, of any that it imports, however far, and with Numba.
+    """
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(_sources_of(source)):
+        digest.update(_text_of(path).encode())
+    return digest.hexdigest()[:DIGITS]
+
+
+@cache
+def _sources_of(source: Path) -> frozenset[Path]:
+    """Return the files of a module and of all modules of this package that it needs."""
+    found: set[Path] = set()
+    left = [source]
+    while left:
+        path = left.pop()
+        if path not in found:
+            found.add(path)
+            left += _imported_by(path)
+    return frozenset(found)
+
+
+@cache
+def _imported_by(source: Path) -> tuple[Path, ...]:
+    paths = []
+    for dotted in IMPORTED.findall(_text_of(source)):
+        path = PACKAGE.joinpath(*dotted.strip(".").split("."))
+        # Of a folder any module may be meant.
+        paths += sorted(path.glob("*.py")) if path.is_dir() else [path.with_suffix(".py")]
+    return tuple(paths)
+
+
+@cache
+def _text_of(source: Path) -> str:
+    return source.read_text(encoding="utf-8")

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cable_tracker import compilation
 from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.compilation import (
     compiled,
@@ -78,3 +79,81 @@ def test_kernels_run_as_plain_python_for_a_debugger():
         env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-3000:]
+
+
+def forget_what_was_read():
+    for remembered in (compilation._text_of, compilation._imported_by, compilation._sources_of):
+        remembered.cache_clear()
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A package of three modules: `entry` calls `part`, which needs `constants`."""
+    monkeypatch.setattr(compilation, "PACKAGE", tmp_path)
+    (tmp_path / "wing").mkdir()
+    (tmp_path / "entry.py").write_text("from cable_tracker.wing.part import half\n")
+    (tmp_path / "wing" / "part.py").write_text("from cable_tracker.constants import TWO\n")
+    (tmp_path / "constants.py").write_text("TWO = 2\n")
+    (tmp_path / "other.py").write_text("")
+    forget_what_was_read()
+    yield tmp_path
+    forget_what_was_read()
+
+
+def digest_after(path, text):
+    path.write_text(text)
+    forget_what_was_read()
+    return compilation.digest_of(compilation.PACKAGE / "entry.py")
+
+
+def test_machine_code_is_of_all_that_it_was_made_of(package):
+    before = compilation.digest_of(package / "entry.py")
+    assert digest_after(package / "other.py", "THREE = 3\n") == before
+    changed = {
+        before,
+        digest_after(package / "constants.py", "TWO = 2.0\n"),
+        digest_after(package / "wing" / "part.py", "TWO = 2\n"),
+        digest_after(package / "entry.py", "from cable_tracker.wing import part\n"),
+    }
+    assert len(changed) == 4
+
+
+def test_another_version_of_numba_has_other_machine_code(package, monkeypatch):
+    before = compilation.digest_of(package / "entry.py")
+    monkeypatch.setattr(compilation.numba, "__version__", "0.0")
+    assert compilation.digest_of(package / "entry.py") != before
+
+
+KEPT = """
+from cable_tracker.particle_filter.weights import log_sum_exp
+import numpy as np
+log_sum_exp(np.zeros(3))
+print(sum(log_sum_exp.stats.cache_hits.values()))
+"""
+
+
+def hits(**environment) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", KEPT],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=ROOT,
+        env={k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"} | environment,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+@pytest.mark.parametrize("name", ["NUMBA_CACHE_DIR", "XDG_CACHE_HOME"])
+def test_the_next_process_finds_the_machine_code_in_the_folder_of_the_user(tmp_path, name):
+    environment = {name: str(tmp_path / "cache")}
+    assert hits(**environment) == "0"
+    assert list((tmp_path / "cache" / "cable_tracker").glob("*/**/*.nbc"))
+    assert hits(**environment) == "1"
+
+
+def test_the_settings_of_numba_are_as_they_were():
+    before = compilation.numba.config.CACHE_DIR
+    compiled(sum_of_squares)
+    assert before == compilation.numba.config.CACHE_DIR

@@ -63,6 +63,7 @@ def goals_of(result: BenchmarkResult) -> list[Goal]:
         *_rival_goals(result),
         *_node_goals(result),
         *_memory_goals(result),
+        *_start_goals(result),
     ]
 
 
@@ -173,3 +174,12 @@ def _memory_goals(result: BenchmarkResult) -> list[Goal]:
         )
         for use in result.memory
     ]
+
+
+def _start_goals(result: BenchmarkResult) -> list[Goal]:
+    goals = []
+    for each in result.starts:
+        if each.name == "default":
+            goals.append(Goal("`default`, first start", 20.0, False, each.cold, "s"))
+            goals.append(Goal("`default`, later starts", 1.0, False, each.warm, "s"))
+    return goals

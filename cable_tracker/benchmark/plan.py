@@ -21,6 +21,7 @@ from cable_tracker.benchmark.round_robin import (
     Subject,
     measure_in_turns,
 )
+from cable_tracker.benchmark.start_time import StartTime, measure_start
 from cable_tracker.benchmark.subjects import (
     copy_subjects,
     frame_subjects,
@@ -59,6 +60,8 @@ class Plan:
         Frames under the profiler.
     memory : int
         Frames over which memory is watched, for each preset; 0 leaves it out.
+    starts : bool
+        Whether each preset is started in fresh processes, cold and warm.
     """
 
     frames: int = 60
@@ -67,6 +70,7 @@ class Plan:
     effort: Effort = field(default_factory=Effort)
     profiled: int = 200
     memory: int = 2000
+    starts: bool = True
 
 
 FULL = Plan()
@@ -77,6 +81,7 @@ QUICK = Plan(
     effort=Effort(rounds=8, budget=0.5),
     profiled=50,
     memory=0,
+    starts=False,
 )
 
 
@@ -88,6 +93,7 @@ class Measured:
     accuracies: tuple[Accuracy, ...]
     profile: tuple[ProfileRow, ...]
     memory: tuple[MemoryUse, ...]
+    starts: tuple[StartTime, ...]
 
 
 class Benchmark:
@@ -101,7 +107,7 @@ class Benchmark:
     Raises
     ------
     ParameterError
-        Numba is missing, without which there is no yardstick, or too few frames are to be watched.
+        Too few frames are to be watched.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -145,7 +151,10 @@ class Benchmark:
             for name in PRESETS if plan.memory else ():
                 memory.append(measure_memory_apart(name, plan.frames, plan.memory))
                 advance(plan.memory)
-        return Measured(tuple(measurements), tuple(accuracies), tuple(profile), tuple(memory))
+            starts = tuple(measure_start(name) for name in PRESETS) if plan.starts else ()
+        return Measured(
+            tuple(measurements), tuple(accuracies), tuple(profile), tuple(memory), starts
+        )
 
 
 @contextmanager

@@ -37,6 +37,7 @@ def tables_of(result: BenchmarkResult) -> list[ResultTable]:
         _growth_table(result),
         _profile_table(result),
         _memory_table(result),
+        _start_table(result),
     ]
     return [table for table in tables if table.rows]
 
@@ -221,6 +222,12 @@ def _memory_table(result: BenchmarkResult) -> ResultTable:
     )
     headings = ("preset", "frames", "begin [MiB]", "growth [MiB]", "slope [KiB per 1000 frames]")
     return ResultTable(headings, rows, "Resident memory of the process")
+
+
+def _start_table(result: BenchmarkResult) -> ResultTable:
+    rows = tuple((each.name, f"{each.cold:.1f}", f"{each.warm:.2f}") for each in result.starts)
+    headings = ("preset", "nothing compiled [s]", "everything kept [s]")
+    return ResultTable(headings, rows, "Until a tracker is ready, time of the processor")
 
 
 def circumstances_text(circumstances: Circumstances) -> str:

@@ -13,6 +13,7 @@ from cable_tracker.benchmark.memory import MemoryUse
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.profiling import ProfileRow
 from cable_tracker.benchmark.round_robin import Label, Measurement
+from cable_tracker.benchmark.start_time import StartTime
 
 FORMAT = "cable_tracker benchmark 1"
 
@@ -60,6 +61,8 @@ class BenchmarkResult:
         Whether memory grows.
     nodes : tuple of NodeTiming
         Node to node; empty if that was not asked for.
+    starts : tuple of StartTime
+        How long each preset takes to be ready; empty if that was not asked for.
     """
 
     circumstances: Circumstances
@@ -69,6 +72,7 @@ class BenchmarkResult:
     profile: tuple[ProfileRow, ...]
     memory: tuple[MemoryUse, ...]
     nodes: tuple[NodeTiming, ...] = ()
+    starts: tuple[StartTime, ...] = ()
 
     def of(self, section: str) -> list[Measurement]:
         """Return the measurements of a section."""

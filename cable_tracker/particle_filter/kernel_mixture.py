@@ -20,7 +20,7 @@ DIMENSIONS = 4
 
 
 class KernelMixture(NamedTuple):
-    """M kernels, with two weightings of them.
+    """M kernels with weights.
 
     Attributes
     ----------
@@ -34,8 +34,8 @@ class KernelMixture(NamedTuple):
         Density of a kernel at its centre.
     relative : Image
         The centres from the first one, over the scales, float32, shape (4, M).
-    target, proposal : Image
-        Weights, each summing to one, float32, shape (M,).
+    target : Image
+        Weights that sum to one, float32, shape (M,).
     """
 
     places: FloatArray
@@ -44,14 +44,12 @@ class KernelMixture(NamedTuple):
     peak: float
     relative: Image
     target: Image
-    proposal: Image
 
 
 def kernel_mixture(
     places: FloatArray, scales: FloatArray, degrees_of_freedom: float, target: FloatArray
 ) -> KernelMixture:
-    """Return kernels about places (M, 4) with weights `target` (M,); `proposal` is even."""
-    count = len(places)
+    """Return kernels about places (M, 4) with weights `target` (M,)."""
     return KernelMixture(
         places=places,
         scales=scales,
@@ -59,7 +57,6 @@ def kernel_mixture(
         peak=peak_density(degrees_of_freedom, DIMENSIONS) / math.prod(scales.tolist()),
         relative=np.ascontiguousarray(((places - places[0]) / scales).T, np.float32),
         target=target.astype(np.float32),
-        proposal=np.full(count, 1.0 / count).astype(np.float32),
     )
 
 
@@ -94,12 +91,12 @@ def kernels_at(point: FloatArray, mixture: KernelMixture, kernels: Image) -> Non
 
 @compiled_fast_part
 def weighted_sums(kernels: Image, mixture: KernelMixture) -> tuple[float, float]:
-    """Return the sums of kernels (M,) by both weightings, `target` first."""
+    """Return the sum of kernels (M,) by the weights of the mixture, and their mean."""
     first, second = np.float32(0.0), np.float32(0.0)
     for index in range(len(kernels)):
         first += mixture.target[index] * kernels[index]
-        second += mixture.proposal[index] * kernels[index]
-    return float(first), float(second)
+        second += kernels[index]
+    return float(first), float(second) / len(kernels)
 
 
 @compiled_part

@@ -180,12 +180,15 @@ def _gather(
     for row in range(len(labels)):
         if labels[row] != NONE or log_weights[row] == -math.inf:
             continue
+        # Most particles are far away in one component already.
+        c = (states[row, 2] - mean[2]) / radii[2]
         shifted = states[row, 1] - mean[1]
         wrapped = wrapped_angle(shifted)
+        b = wrapped / radii[1]
+        if b * b + c * c > 1.0:
+            continue
         sign = turn_sign(shifted, wrapped)
         a = (sign * states[row, 0] - mean[0]) / radii[0]
-        b = wrapped / radii[1]
-        c = (states[row, 2] - mean[2]) / radii[2]
         d = (sign * states[row, 3] - mean[3]) / radii[3]
         if a * a + b * b + c * c + d * d <= 1.0:
             gathered[row] = True
@@ -239,17 +242,29 @@ def group_means(
             masses[label] += weights[row]
             if heaviest[label] < 0 or weights[row] > weights[heaviest[label]]:
                 heaviest[label] = row
-    place = np.empty(8)
+    member = np.empty(8)
     for row in range(len(labels)):
         label = labels[row]
         if label != NONE and masses[label] > SMALLEST_MASS:
-            unwrap_state(states[row], states[heaviest[label], 1], place)
+            unwrap_state(states[row], states[heaviest[label], 1], member)
             share = weights[row] / masses[label]
             for column in range(8):
-                means[label, column] += share * place[column]
-    order = np.argsort(-masses, kind="mergesort")
-    order = order[masses[order] > SMALLEST_MASS]
-    return order, masses[order], means[order]
+                means[label, column] += share * member[column]
+    order, kept = np.empty(count, np.int64), 0
+    for label in range(count):
+        if masses[label] > SMALLEST_MASS:
+            place = kept
+            # Of equal masses the first comes first.
+            while place > 0 and masses[order[place - 1]] < masses[label]:
+                order[place] = order[place - 1]
+                place -= 1
+            order[place] = label
+            kept += 1
+    sorted_masses, sorted_means = np.empty(kept), np.empty((kept, 8))
+    for index in range(kept):
+        sorted_masses[index] = masses[order[index]]
+        sorted_means[index] = means[order[index]]
+    return order[:kept], sorted_masses, sorted_means
 
 
 @compiled_part

@@ -30,8 +30,8 @@ class Prior(NamedTuple):
     Attributes
     ----------
     kernels : KernelMixture
-        About the drifted ancestors, for d, alpha, w, beta: `target` weighs them in f, `proposal`
-        says how often each is drawn from.
+        About the drifted ancestors, for d, alpha, w, beta. Their weights are those in f; survivors
+        are drawn from each alike.
     rates, rate_sigmas : FloatArray
         Drifted rates of the ancestors, shape (M, 4), and scale of their diffusion, shape (4,).
     survived, born : float

@@ -272,9 +272,10 @@ def _record_points(
         offset = border_offset(state, side) * scan.reduction
         cos, sin = math.cos(normal), math.sin(normal)
         if abs(cos) >= abs(sin):
-            lines, crossing = scan.rows, border_line(cos, sin, offset, -side, depths, scan.scale)
+            lines, along, across = scan.rows, cos, sin
         else:
-            lines, crossing = scan.columns, border_line(sin, cos, offset, -side, depths, scan.scale)
+            lines, along, across = scan.columns, sin, cos
+        crossing = border_line(along, across, offset, -side, depths, scan.scale)
         last = float(lines.smooth.shape[1] - 1)
         for number in range(len(lines.places)):
             place = crossing.start + crossing.step * lines.places[number]

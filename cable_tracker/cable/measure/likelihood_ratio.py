@@ -155,11 +155,11 @@ def measure_into(
             offset = border_offset(state, side) * scan.reduction
             cos, sin = math.cos(normal), math.sin(normal)
             if abs(cos) >= abs(sin):
-                crossing = border_line(cos, sin, offset, -side, depths, scan.scale)
-                bright, dark, length = _sum_border(scan.rows, crossing, model)
+                lines, along, across = scan.rows, cos, sin
             else:
-                crossing = border_line(sin, cos, offset, -side, depths, scan.scale)
-                bright, dark, length = _sum_border(scan.columns, crossing, model)
+                lines, along, across = scan.columns, sin, cos
+            crossing = border_line(along, across, offset, -side, depths, scan.scale)
+            bright, dark, length = _sum_border(lines, crossing, model)
             # A border that runs through the picture has as many points as the picture is high.
             # Points beyond the edge cannot be seen, but a cable without is not believed for free.
             lacking = model.missing * max(scan.expected - length, 0.0)

@@ -145,22 +145,25 @@ def line_indices(length: int, spacing: int) -> IndexArray:
     return np.arange(count, dtype=np.int64) * spacing + first
 
 
-def scan_frame(pixels: Image, spacing: int, kernels: ScanKernels) -> ScannedFrame:
+def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFrame:
     """Work out the gradients along the scan lines of a picture.
 
     Parameters
     ----------
-    pixels : Image
-        Grey levels, float32, shape (h, w), one piece of memory that may be written to.
+    picture : Image
+        Grey levels, uint8 or float32, shape (h, w).
     spacing : int
         Distance between the lines [px].
     kernels : ScanKernels
         The filters. Their `contrast_lag` must be shorter than the longer side of the picture.
     """
-    height, width = pixels.shape
+    height, width = picture.shape
     rows, columns = line_indices(height, spacing), line_indices(width, spacing)
     # Columns are scanned upwards: the rows of this one are the columns of that, from below.
-    turned = np.asarray(cv2.rotate(pixels, cv2.ROTATE_90_CLOCKWISE))
+    turned = np.asarray(cv2.rotate(picture, cv2.ROTATE_90_CLOCKWISE))
+    # Copies of one kind of array: for bytes, and for frames that cannot be written to, Numba would
+    # compile anew.
+    pixels, turned = (np.array(each, np.float32, order="C") for each in (picture, turned))
     along_rows, along_columns, scale, contrast_scale = _scan_both(
         pixels, turned, rows, columns, kernels.gaussian, kernels.derivative, kernels.region,
         kernels.contrast_lag,

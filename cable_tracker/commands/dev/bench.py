@@ -117,6 +117,7 @@ def _run(plan: Plan, dds_frames: int) -> BenchmarkResult:
         profile=measured.profile,
         memory=measured.memory,
         nodes=nodes,
+        starts=measured.starts,
     )
 
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 
@@ -64,3 +65,16 @@ def test_frames_of_unusual_shape_are_reduced_too(size):
     working = make_working_image(np.zeros(size[::-1], np.float32), 320)
     assert working.frame_size == size
     assert working.size[0] == min(size[0], 320)
+
+
+@pytest.mark.parametrize("height", [1080, 1081])
+def test_a_large_frame_keeps_its_middle_and_nearly_its_levels(height, rng):
+    rows = np.linspace(20.0, 220.0, height)[:, None]
+    frame = np.clip(rows + rng.normal(0.0, 3.0, (height, 1920)), 0, 255).astype(np.uint8)
+    image = make_working_image(frame, 320)
+    expected = cv2.resize(
+        np.float32(rows * np.ones(1920)), image.size, interpolation=cv2.INTER_AREA
+    )
+    difference = image.pixels - expected
+    assert abs(difference.mean()) < 0.5 + 0.1
+    assert difference.std() < 1.5

@@ -1,0 +1,8 @@
+from __future__ import annotations
+
+from cable_tracker.benchmark.start_time import measure_start
+
+
+def test_the_second_start_finds_what_the_first_has_compiled():
+    start = measure_start("thesis")
+    assert 0.0 < start.warm < start.cold
