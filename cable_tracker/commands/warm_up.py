@@ -10,7 +10,7 @@ from cable_tracker.trackers import warm_up
 
 
 def warm_up_command() -> None:
-    """Compile the inner loops of both presets now, so that no node waits later."""
+    """Compile the inner loops of both presets beforehand."""
     begin = time.perf_counter()
     for parameters in PRESETS.values():
         warm_up(parameters)
