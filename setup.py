@@ -64,6 +64,7 @@ setup(
             "pytest-timeout",
             "pytest-xdist",
             "ruff",
+            "scikit-image",
             "types-PyYAML",
         ],
     },

@@ -13,6 +13,7 @@ MAY_IMPORT = {
     "errors": set(),
     "resources": set(),
     "particle_filter": set(),
+    "contour": set(),
     "cable": {"particle_filter"},
     "metric": {"cable"},
     "node_parameter_tables": {"cable"},
