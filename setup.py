@@ -29,7 +29,7 @@ setup(
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     package_data={
         PACKAGE: ["py.typed"],
-        f"{PACKAGE}.cable": ["*.json"],
+        f"{PACKAGE}.cable.measure": ["*.json"],
         f"{PACKAGE}.evaluation": ["templates/*.j2"],
         f"{PACKAGE}.gui": ["*.css", "*.js", "browser/*.js"],
         f"{PACKAGE}.gui.labelling": ["*.js", "*.css"],

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cable_tracker.cable.parameters import ParameterSpec
-from cable_tracker.cable.presets import PRESETS
+from cable_tracker.cable.parameters.parameters import ParameterSpec
+from cable_tracker.cable.parameters.presets import PRESETS
 
 
 def word(name: str, default: str, meaning: str, choices: tuple[str, ...] = ()) -> ParameterSpec:

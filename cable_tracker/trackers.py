@@ -7,8 +7,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.proposer import CableProposer, NoProposer
+from cable_tracker.cable.hypotheses.proposer import CableProposer, NoProposer
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.compilation import uses_compiled_kernels
 from cable_tracker.detection.compiled.line_pair_proposer import CompiledLinePairProposer

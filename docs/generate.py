@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from cable_tracker.cable.parameter_files import format_parameter_file
-from cable_tracker.cable.parameters import PARAMETER_TABLE, ParameterSpec
-from cable_tracker.cable.presets import PRESETS
+from cable_tracker.cable.parameters.parameter_files import format_parameter_file
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, ParameterSpec
+from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.node_parameter_tables import (
     CONTROLLER_PARAMETERS,
     REPLAY_RUNTIME_PARAMETERS,
@@ -31,7 +31,7 @@ TITLES = {
 INTRODUCTION = """\
 # Parameters
 
-Made from the tables in `cable_tracker/cable/parameters.py` and
+Made from the tables in `cable_tracker/cable/parameters/parameters.py` and
 `cable_tracker/node_parameter_tables.py` by `make docs`; do not edit.
 
 Lengths are for an image 320 px wide and scale with the image. Variances and rates are per frame at

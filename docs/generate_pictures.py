@@ -17,8 +17,8 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.geometry import image_to_pixel, project_borders, segment_inside
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.geometry import image_to_pixel, project_borders, segment_inside
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.scenario import SCENARIO_SIZE, simulate_scenario

@@ -15,8 +15,8 @@ from rich.console import Console
 from rosbags.highlevel import AnyReader
 
 from cable_tracker import __version__, cli
-from cable_tracker.cable.parameter_files import read_parameter_file
-from cable_tracker.cable.parameters import PARAMETERS_BY_NAME, TrackerParameters
+from cable_tracker.cable.parameters.parameter_files import read_parameter_file
+from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.commands import parameters
 from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.track import chosen_parameters, default_output

@@ -6,7 +6,7 @@ import textwrap
 import numpy as np
 import pytest
 
-from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import (
     NUMBA_IS_INSTALLED,
     compiled,
@@ -52,7 +52,7 @@ def test_compiled_kernels_are_refused_where_numba_is_missing(tmp_path):
     done = run_without_numba(
         tmp_path,
         """
-        from cable_tracker.cable.parameters import TrackerParameters
+        from cable_tracker.cable.parameters.parameters import TrackerParameters
         from cable_tracker.errors import ParameterError
         try:
             TrackerParameters(kernels="compiled")
@@ -66,9 +66,9 @@ def test_compiled_kernels_are_refused_where_numba_is_missing(tmp_path):
 def test_without_numba_the_tracker_runs_by_numpy_and_gives_the_same(tmp_path):
     program = """
         from cable_tracker.cable.kernels import make_likelihood_ratio
-        from cable_tracker.cable.likelihood_ratio import BorderLikelihoodRatio
-        from cable_tracker.cable.parameters import TrackerParameters
-        from cable_tracker.cable.response_table import load_table
+        from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+        from cable_tracker.cable.parameters.parameters import TrackerParameters
+        from cable_tracker.cable.measure.response_table import load_table
         from cable_tracker.compilation import NUMBA_IS_INSTALLED
         from cable_tracker.trackers import make_proposer, warm_up
 
@@ -85,7 +85,7 @@ def test_without_numba_the_tracker_runs_by_numpy_and_gives_the_same(tmp_path):
 
 TRACK = """
         import numpy as np
-        from cable_tracker.cable.parameters import TrackerParameters
+        from cable_tracker.cable.parameters.parameters import TrackerParameters
         from cable_tracker.trackers import make_tracker
 
         tracker = make_tracker(TrackerParameters(kernels="KERNELS", particle_count=200))

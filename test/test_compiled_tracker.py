@@ -8,8 +8,8 @@ import sys
 import numpy as np
 import pytest
 
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 from cable_tracker.trackers import make_tracker
@@ -84,9 +84,9 @@ def test_the_same_seed_gives_the_same_particles_bit_for_bit(dive):
 COUNT_WHAT_IS_COMPILED = """
 import sys
 import numpy as np
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.trackers import make_tracker, warm_up
 
 

@@ -8,9 +8,9 @@ import pytest
 import yaml
 
 import cable_tracker
-from cable_tracker.cable.parameter_files import read_parameter_file
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.presets import PRESETS
+from cable_tracker.cable.parameters.parameter_files import read_parameter_file
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import PRESETS
 
 ROOT = Path(__file__).resolve().parents[1]
 SETUP = (ROOT / "setup.py").read_text(encoding="utf-8")
@@ -52,7 +52,7 @@ def test_every_file_of_the_package_is_built_into_it(tmp_path):
     wanted = {path.relative_to(ROOT) for path in package.rglob("*") if path.is_file()}
     built = {path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()}
     assert {path for path in wanted if "__pycache__" not in path.parts} == built
-    assert Path("cable_tracker/cable/border_responses.json") in built
+    assert Path("cable_tracker/cable/measure/border_responses.json") in built
 
 
 @pytest.mark.parametrize("name", PRESETS)

@@ -3,10 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.parameters import PARAMETERS_BY_NAME, TrackerParameters
-from cable_tracker.cable.presets import PRESETS
-from cable_tracker.cable.proposer import NoProposer
-from cable_tracker.cable.working_image import make_working_image
+from cable_tracker.cable.hypotheses.proposer import NoProposer
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
+from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.compilation import NUMBA_IS_INSTALLED
 from cable_tracker.detection.compiled.line_pair_proposer import CompiledLinePairProposer
 from cable_tracker.detection.line_pair_proposer import LinePairProposer

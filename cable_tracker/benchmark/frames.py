@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.frames import JudgedFrame, ScenarioSequence
 from cable_tracker.evaluation.methods import Method
 

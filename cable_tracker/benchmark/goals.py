@@ -12,7 +12,7 @@ from cable_tracker.benchmark.result import BenchmarkResult
 from cable_tracker.benchmark.round_robin import Label
 from cable_tracker.benchmark.statistics import Percentiles
 from cable_tracker.benchmark.subjects import KERNELS, REFERENCE_PARTICLES
-from cable_tracker.cable.presets import PRESETS
+from cable_tracker.cable.parameters.presets import PRESETS
 
 FULL_HD, VGA = (1920, 1080), (640, 480)
 FLAT_MEMORY = 64.0

@@ -20,19 +20,19 @@ from typing import Any, Protocol
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.initialisation import (
+from cable_tracker.cable.measure.working_image import WorkingImage, make_working_image
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.initialisation import (
     StatePrior,
     random_states,
     states_from_prior,
 )
-from cable_tracker.cable.movement import CableMovement
-from cable_tracker.cable.observation import BorderObservation
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.presets import preset
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.statistics import cable_mean_and_covariance
-from cable_tracker.cable.working_image import WorkingImage, make_working_image
+from cable_tracker.cable.thesis.observation import BorderObservation
 
 SMALLEST_WEIGHT = 1e-300
 """Added to weights before they are normalised, as the manual of filterpy does."""

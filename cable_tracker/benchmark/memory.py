@@ -15,7 +15,7 @@ import numpy as np
 
 from cable_tracker.benchmark.frames import RENDERED_SIZE, Footage, FrameLoop, footage
 from cable_tracker.benchmark.statistics import fit_line
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.methods import ConfiguredFilter
 
 STATUS = Path("/proc/self/statm")

@@ -30,7 +30,7 @@ from cable_tracker.benchmark.subjects import (
     yardstick_subject,
 )
 from cable_tracker.benchmark.yardstick import make_yardstick
-from cable_tracker.cable.presets import PRESETS
+from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.compilation import NUMBA_IS_INSTALLED
 from cable_tracker.errors import ParameterError
 from cable_tracker.trackers import warm_up

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cable_tracker.benchmark.frames import Footage, FrameLoop
 from cable_tracker.benchmark.round_robin import WARM_UP_CALLS
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.methods import ConfiguredFilter
 
 MOST_ROWS = 8

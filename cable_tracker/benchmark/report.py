@@ -12,7 +12,7 @@ from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
 from cable_tracker.benchmark.round_robin import Measurement
 from cable_tracker.benchmark.statistics import Percentiles, Quartiles
 from cable_tracker.benchmark.subjects import KERNELS, REFERENCE_PARTICLES
-from cable_tracker.cable.presets import PRESETS
+from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.experiment_result import ResultTable, table_markdown
 from cable_tracker.visualisation.files import write_bytes

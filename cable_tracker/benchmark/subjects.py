@@ -14,19 +14,19 @@ from cable_tracker.benchmark.frames import FIRST_STAMP, FRAME_STEP, Footage, Fra
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.benchmark.round_robin import Label, Step, Subject
 from cable_tracker.benchmark.yardstick import Yardstick
-from cable_tracker.cable.clusters import find_clusters
-from cable_tracker.cable.evidence import border_evidence
-from cable_tracker.cable.geometry import project_borders, sample_points
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.movement import CableMovement
-from cable_tracker.cable.observation import BorderObservation
-from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.cable.presets import PRESETS, preset
-from cable_tracker.cable.proposer import CableProposer
+from cable_tracker.cable.hypotheses.clusters import find_clusters
+from cable_tracker.cable.hypotheses.proposer import CableProposer
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.working_image import WorkingImage, make_working_image
+from cable_tracker.cable.model.geometry import project_borders, sample_points
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.cable.statistics import cable_mean_and_covariance
+from cable_tracker.cable.thesis.evidence import border_evidence
+from cable_tracker.cable.thesis.observation import BorderObservation
 from cable_tracker.cable.tracker import CableTracker
-from cable_tracker.cable.working_image import WorkingImage, make_working_image
 from cable_tracker.compilation import NUMBA_IS_INSTALLED
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.particle_filter.particles import Particles

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, IndexArray
-from cable_tracker.cable.bootstrap_filter import Sight
 from cable_tracker.cable.compiled.bootstrap_filter import (
     look_at_points,
     predict,
@@ -22,19 +21,20 @@ from cable_tracker.cable.compiled.movement import BLOCK as MOVED_AT_ONCE
 from cable_tracker.cable.compiled.movement import NOTHING
 from cable_tracker.cable.compiled.scan_lines import project
 from cable_tracker.cable.compiled.statistics import BLOCK
-from cable_tracker.cable.geometry import image_to_pixel
-from cable_tracker.cable.motion_aid import MotionAid
-from cable_tracker.cable.movement import (
+from cable_tracker.cable.measure.scan_lines import ScanPlan, scan_plan, table_step
+from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.geometry import image_to_pixel
+from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.cable.model.movement import (
     CableMovement,
     effective_time,
     rate_damping_over,
     state_limits,
 )
-from cable_tracker.cable.observation import scaled_filter, scattered_lines
-from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.cable.scan_lines import ScanPlan, scan_plan, table_step
-from cable_tracker.cable.state import PLACES, STATE_SIZE
-from cable_tracker.cable.working_image import WorkingImage
+from cable_tracker.cable.model.state import PLACES, STATE_SIZE
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.thesis.bootstrap_filter import Sight
+from cable_tracker.cable.thesis.observation import scaled_filter, scattered_lines
 from cable_tracker.particle_filter.compiled.resampling import invert_cumulative_weights
 from cable_tracker.particle_filter.normal import uniform_rows
 from cable_tracker.particle_filter.particles import Particles

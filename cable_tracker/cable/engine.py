@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.estimate import Hypothesis
-from cable_tracker.cable.motion_aid import MotionAid
-from cable_tracker.cable.proposer import CableProposer
+from cable_tracker.cable.hypotheses.proposer import CableProposer
+from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.status import StatusMachine
-from cable_tracker.cable.working_image import WorkingImage
 from cable_tracker.particle_filter.particles import Particles
 
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from cable_tracker.cable.compiled.likelihood_ratio import CompiledLikelihoodRatio
 from cable_tracker.cable.compiled.multi_hypothesis_filter import CompiledMultiHypothesisFilter
-from cable_tracker.cable.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.multi_hypothesis_filter import MultiHypothesisFilter
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.response_table import ResponseTable
+from cable_tracker.cable.hypotheses.multi_hypothesis_filter import MultiHypothesisFilter
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.response_table import ResponseTable
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import uses_compiled_kernels
 
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.geometry import (
+from cable_tracker.cable.model.geometry import (
     SIGN_CHANGING_COLUMNS,
     unwrap_states,
     wrap_angle,
     wrap_states,
 )
-from cable_tracker.cable.state import StateColumn
+from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from cable_tracker.cable.estimate import TrackingStatus
-from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 
 @dataclass(frozen=True, slots=True)

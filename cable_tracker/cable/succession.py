@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cable_tracker.cable.parameters import REFERENCE_RATE
+from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
 from cable_tracker.errors import FrameError
 
 NANOSECONDS = 1e9

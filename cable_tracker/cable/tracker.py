@@ -8,19 +8,19 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.bootstrap_engine import BootstrapEngine
 from cable_tracker.cable.engine import Finding, TrackingEngine
-from cable_tracker.cable.estimate import CableEstimate
-from cable_tracker.cable.initialisation import StatePrior, states_from_prior
-from cable_tracker.cable.motion_aid import MotionAid
-from cable_tracker.cable.multi_hypothesis_engine import MultiHypothesisEngine
-from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.cable.proposer import CableProposer, NoProposer
-from cable_tracker.cable.response_table import ResponseTable, load_table
-from cable_tracker.cable.state import CableState, StateColumn
+from cable_tracker.cable.hypotheses.multi_hypothesis_engine import MultiHypothesisEngine
+from cable_tracker.cable.hypotheses.proposer import CableProposer, NoProposer
+from cable_tracker.cable.measure.response_table import ResponseTable, load_table
+from cable_tracker.cable.measure.working_image import WorkingImage, check_frame, make_working_image
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.initialisation import StatePrior, states_from_prior
+from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.cable.status import StatusMachine
 from cable_tracker.cable.succession import FrameMark, succession
-from cable_tracker.cable.working_image import WorkingImage, check_frame, make_working_image
+from cable_tracker.cable.thesis.bootstrap_engine import BootstrapEngine
 from cable_tracker.compilation import uses_compiled_kernels
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles

@@ -25,7 +25,7 @@ from cable_tracker.benchmark.report import (
 )
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances, is_benchmark, to_json
 from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
-from cable_tracker.cable.presets import PRESETS, preset
+from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.terminal import advance, console, progress_bar

@@ -12,7 +12,7 @@ import typer
 from rich.table import Table
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.state import STATE_SIZE
+from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.commands.options import (
     OutsideOption,
     RateOption,

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.cable.initial_state_text import RANDOM
-from cable_tracker.cable.parameter_files import read_parameter_file
+from cable_tracker.cable.model.initial_state_text import RANDOM
+from cable_tracker.cable.parameters.parameter_files import read_parameter_file
 from cable_tracker.commands.options import (
     InitOption,
     OutsideOption,

@@ -12,11 +12,11 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from cable_tracker.cable.learning import ResponseCounts
-from cable_tracker.cable.parameter_files import read_parameter_file
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.response_table import is_table
-from cable_tracker.cable.working_image import check_frame, make_working_image
+from cable_tracker.cable.measure.learning import ResponseCounts
+from cable_tracker.cable.measure.response_table import is_table
+from cable_tracker.cable.measure.working_image import check_frame, make_working_image
+from cable_tracker.cable.parameters.parameter_files import read_parameter_file
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.commands.options import (
     ForceOption,
     OutsideOption,

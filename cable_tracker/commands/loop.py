@@ -13,7 +13,7 @@ import typer
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from cable_tracker.cable.parameter_files import read_parameter_file
+from cable_tracker.cable.parameters.parameter_files import read_parameter_file
 from cable_tracker.commands.evaluate import seeds_from
 from cable_tracker.commands.loop_campaign import MOST_WORKERS, LoopCampaign, run_campaign
 from cable_tracker.commands.options import ForceOption

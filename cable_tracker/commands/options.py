@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.cable.presets import PRESETS
+from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.terminal import messages
 from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.sequences.source import Source, open_source

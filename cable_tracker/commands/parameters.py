@@ -9,9 +9,16 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from cable_tracker.cable.parameter_files import format_parameter_file, read_parameter_file
-from cable_tracker.cable.parameters import PARAMETER_TABLE, ParameterSpec, TrackerParameters
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.parameter_files import (
+    format_parameter_file,
+    read_parameter_file,
+)
+from cable_tracker.cable.parameters.parameters import (
+    PARAMETER_TABLE,
+    ParameterSpec,
+    TrackerParameters,
+)
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.options import ForceOption, PresetName
 from cable_tracker.commands.terminal import console
 from cable_tracker.errors import ParameterError

@@ -10,10 +10,10 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from cable_tracker.cable.initial_state_text import RANDOM
-from cable_tracker.cable.parameter_files import filter_parameters, read_parameter_file
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.model.initial_state_text import RANDOM
+from cable_tracker.cable.parameters.parameter_files import filter_parameters, read_parameter_file
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.options import (
     ForceOption,
     InitOption,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from cable_tracker.cable.presets import PRESETS
+from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.terminal import console
 from cable_tracker.compilation import NUMBA_IS_INSTALLED
 from cable_tracker.trackers import warm_up

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.geometry import segment_inside
-from cable_tracker.cable.parameters import REFERENCE_WIDTH
+from cable_tracker.cable.model.geometry import segment_inside
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.edges import EdgePoints
 
 FIT_TOLERANCES = (4.0, 2.5, 2.0)

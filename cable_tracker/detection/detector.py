@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.parameters import REFERENCE_WIDTH
-from cable_tracker.cable.state import CableState
-from cable_tracker.cable.working_image import check_frame, make_working_image
+from cable_tracker.cable.measure.working_image import check_frame, make_working_image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.search_region import SearchRegion, scaled_state
 
 

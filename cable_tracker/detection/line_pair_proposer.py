@@ -15,9 +15,9 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.scanned_gradients import Channel, ScanLines
-from cable_tracker.cable.state import PLACES, StateColumn
-from cable_tracker.cable.working_image import WorkingImage
+from cable_tracker.cable.measure.scanned_gradients import Channel, ScanLines
+from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.state import PLACES, StateColumn
 from cable_tracker.detection.border_lines import BorderLines
 from cable_tracker.detection.line_pairs import states_of_pairs
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.cable.geometry import Borders, states_from_borders, wrap_states
-from cable_tracker.cable.parameters import REFERENCE_WIDTH
-from cable_tracker.cable.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.geometry import Borders, states_from_borders, wrap_states
+from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.border_lines import BorderLines, turn_between
 from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.search_region import SearchRegion

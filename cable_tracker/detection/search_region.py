@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.geometry import image_to_pixel, unwrap_states
-from cable_tracker.cable.state import CableState, StateColumn
+from cable_tracker.cable.model.geometry import image_to_pixel, unwrap_states
+from cable_tracker.cable.model.state import CableState, StateColumn
 
 
 @dataclass(frozen=True, slots=True)

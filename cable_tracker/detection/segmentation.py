@@ -21,7 +21,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, IndexArray
-from cable_tracker.cable.parameters import REFERENCE_WIDTH
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import Gradient, gradient_of, gradient_ridge
 from cable_tracker.detection.line_pairs import pair_lines

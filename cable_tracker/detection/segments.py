@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, IndexArray
-from cable_tracker.cable.geometry import image_to_pixel
+from cable_tracker.cable.model.geometry import image_to_pixel
 from cable_tracker.detection.border_lines import BorderLines, fit_lines
 from cable_tracker.detection.edges import EdgePoints, Gradient
 

@@ -22,7 +22,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.parameters import REFERENCE_WIDTH
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.border_lines import CONTRAST_CAP
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import EdgePoints, gradient_of, gradient_ridge

@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cable_tracker.cable.parameters import ParameterValue
+from cable_tracker.cable.parameters.parameters import ParameterValue
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.ablation_rows import (
     ABLATION_TABLES,

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from cable_tracker.cable.parameters import ParameterValue, TrackerParameters
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
 
 DEFAULT, THESIS = "default", "thesis"

@@ -9,8 +9,8 @@ from functools import lru_cache
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.estimate import CableEstimate
-from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.flights import (
     NANOSECONDS,
     InstrumentNoise,

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.parameters import REFERENCE_WIDTH
-from cable_tracker.cable.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.measure.working_image import check_frame
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.cable.succession import FrameMark, succession
-from cable_tracker.cable.working_image import check_frame
 from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.ablation import AblationExperiment
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.experiment_result import ExperimentResult, Picture, ResultTable

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.evaluation.trace import UNKNOWN_VISIBILITY
 from cable_tracker.sequences.encodings import decode_grey

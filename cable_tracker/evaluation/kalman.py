@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.geometry import SIGN_CHANGING_COLUMNS, unwrap_states, wrap_angle
-from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH
-from cable_tracker.cable.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, unwrap_states, wrap_angle
+from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
 
 MEASURED = 4
 """d, alpha, w, beta."""

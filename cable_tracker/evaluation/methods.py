@@ -12,11 +12,11 @@ from types import MappingProxyType
 from typing import Protocol
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.estimate import CableEstimate
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.presets import PRESETS, preset
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.evaluation.baselines import DetectorTracker
 from cable_tracker.evaluation.kalman import FourSigmas, KalmanNoise

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.geometry import wrap_angle
-from cable_tracker.cable.parameters import REFERENCE_WIDTH
-from cable_tracker.cable.presets import preset
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.geometry import wrap_angle
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.aided import AidedFilter
 from cable_tracker.evaluation.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.flights import (

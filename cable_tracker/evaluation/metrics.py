@@ -11,8 +11,8 @@ from statistics import NormalDist
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.geometry import unwrap_states
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.trace import COMPONENTS, LOST_ANGLE, Trace, spans
 from cable_tracker.sequences.estimates import EstimateRow
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.frames import ScenarioSequence, scenario_sequences

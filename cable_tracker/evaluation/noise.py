@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.geometry import wrap_states
-from cable_tracker.cable.state import STATE_SIZE
+from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.errors import ParameterError
 
 UNITS = np.array((1.0, np.rad2deg(1.0) ** 2, 1.0, np.rad2deg(1.0) ** 2))

@@ -10,8 +10,8 @@ from types import TracebackType
 from typing import Self
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.estimate import Hypothesis
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, OutputError
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import decode_bgr

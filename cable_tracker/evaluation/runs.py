@@ -9,8 +9,8 @@ from enum import Enum
 
 import cv2
 
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.frames import JudgedFrame
 from cable_tracker.evaluation.methods import Method

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.geometry import SIGN_CHANGING_COLUMNS, unwrap_states
-from cable_tracker.cable.parameters import REFERENCE_WIDTH
-from cable_tracker.cable.state import CableState, StateColumn
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, unwrap_states
+from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 
 COMPONENTS = 4
 """d, alpha, w, beta: what there is truth for."""

@@ -6,10 +6,10 @@ import time
 from collections.abc import Callable
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.initial_state_text import parse_initial_state
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.initial_state_text import parse_initial_state
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.errors import FrameError, ParameterError, RecordingError

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cable_tracker.cable.parameters import ParameterSpec
+from cable_tracker.cable.parameters.parameters import ParameterSpec
 
 GROUPS: tuple[tuple[str, tuple[str, ...]], ...] = (
     (

@@ -6,19 +6,19 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from cable_tracker.cable.parameter_files import (
+from cable_tracker.cable.parameters.parameter_files import (
     filter_parameters,
     format_values,
     parse_parameters,
 )
-from cable_tracker.cable.parameters import (
+from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
     PARAMETERS_BY_NAME,
     ParameterSpec,
     ParameterValue,
     TrackerParameters,
 )
-from cable_tracker.cable.presets import PRESETS, preset
+from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.errors import GuiError, OutputError, ParameterError
 from cable_tracker.gui.parameter_groups import grouped
 from cable_tracker.node_parameter_tables import (

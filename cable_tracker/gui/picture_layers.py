@@ -8,9 +8,9 @@ from typing import TypeAlias
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.estimate import Hypothesis
-from cable_tracker.cable.geometry import project_borders, segment_inside
-from cable_tracker.cable.state import CableState, StateColumn
+from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.geometry import project_borders, segment_inside
+from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.gui.session import Snapshot
 from cable_tracker.visualisation.palette import HYPOTHESES, TRUTH, Colour, status_colour
 

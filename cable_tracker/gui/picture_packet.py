@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.state import STATE_SIZE, CableState
+from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.gui.packet import Section, float_section, jpeg_section, pack
 from cable_tracker.gui.picture_layers import css, heaviest, layers_of, particle_lines
 from cable_tracker.gui.session import Snapshot

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cable_tracker.cable.initial_state_text import RANDOM
+from cable_tracker.cable.model.initial_state_text import RANDOM
 from cable_tracker.sequences.source import ChosenRecording
 
 

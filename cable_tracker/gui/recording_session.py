@@ -11,9 +11,9 @@ from contextlib import ExitStack, suppress
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import (
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
     ParameterSpec,
     ParameterValue,

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Protocol, TypeAlias, runtime_checkable
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.estimate import Hypothesis
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import ParameterSpec, ParameterValue
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import ParameterSpec, ParameterValue
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from cable_tracker.cable.geometry import wrap_state
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import ParameterValue, TrackerParameters
-from cable_tracker.cable.state import STATE_SIZE, CableState
+from cable_tracker.cable.model.geometry import wrap_state
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import STATE_SIZE, CableState
+from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
 from cable_tracker.errors import GuiError
 from cable_tracker.gui.parameter_sheet import filter_values, references
 from cable_tracker.gui.picture_feed import PictureFeed

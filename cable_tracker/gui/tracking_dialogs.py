@@ -9,8 +9,8 @@ from pathlib import Path
 
 from nicegui import run, ui
 
-from cable_tracker.cable.initial_state_text import RANDOM
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.initial_state_text import RANDOM
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import CableTrackerError
 from cable_tracker.gui.parameter_sheet import write_parameter_file
 from cable_tracker.gui.recording_request import RecordingRequest

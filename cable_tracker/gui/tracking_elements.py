@@ -7,7 +7,7 @@ from typing import Any
 
 from nicegui.element import Element
 
-from cable_tracker.cable.state import StateColumn
+from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.gui.frame_channel import FrameChannel
 from cable_tracker.gui.picture_layers import css
 from cable_tracker.gui.tracking_history import STATUSES

@@ -9,8 +9,8 @@ from typing import Any
 from nicegui import run, ui
 from nicegui.events import GenericEventArguments
 
-from cable_tracker.cable.parameters import ParameterValue
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import ParameterValue
 from cable_tracker.errors import CableTrackerError
 from cable_tracker.gui.parameter_sheet import (
     groups_for_page,

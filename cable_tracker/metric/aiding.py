@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.geometry import unwrap_states
-from cable_tracker.cable.parameters import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
 from cable_tracker.metric.homography import (
     PlaneMotion,
     diffusion_covariance,

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.geometry import image_to_pixel
+from cable_tracker.cable.model.geometry import image_to_pixel
 from cable_tracker.metric.withheld import Reason, Withheld
 
 UNDISTORTION_STEPS = 100

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.geometry import project_borders, segment_inside, wrap_angle
-from cable_tracker.cable.state import PLACES, StateColumn
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.geometry import project_borders, segment_inside, wrap_angle
+from cable_tracker.cable.model.state import PLACES, StateColumn
 from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.frames import Attitude, Mounting, rotations_of

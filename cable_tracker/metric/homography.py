@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.geometry import Borders, project_borders, states_from_borders
-from cable_tracker.cable.state import PLACES, STATE_SIZE
+from cable_tracker.cable.model.geometry import Borders, project_borders, states_from_borders
+from cable_tracker.cable.model.state import PLACES, STATE_SIZE
 from cable_tracker.metric.calibration import CameraModel
 from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
 from cable_tracker.metric.motion import PoseChange, rotation_by

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cable_tracker.cable.estimate import CableEstimate
+from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.metric.altitude import Altimeter, Altitude
 from cable_tracker.metric.calibration import Calibration, camera_for
 from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter, MetricSettings

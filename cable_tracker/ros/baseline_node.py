@@ -13,11 +13,11 @@ from collections.abc import Callable
 from typing import Final
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.estimate import CableEstimate
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.motion_aid import MotionAid
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.proposer import CableProposer
+from cable_tracker.cable.hypotheses.proposer import CableProposer
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.methods import BASELINES, METHODS, Method
 from cable_tracker.node_parameter_tables import word
 from cable_tracker.ros import node_parameters

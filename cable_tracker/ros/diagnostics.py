@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.ros.latency import LatencyStatistics
 from cable_tracker.sequences.messages import Message, MessageFactory
 

@@ -12,7 +12,7 @@ import numpy as np
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from sensor_msgs.msg import Image, JointState
 
-from cable_tracker.cable.state import STATE_SIZE, CableState
+from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.ros import qos
 from cable_tracker.ros.process import ProcessNode, run_node
 from cable_tracker.ros.rclpy_messages import RclpyMessages

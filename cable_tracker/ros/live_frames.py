@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cable_tracker.cable.estimate import TrackingStatus
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.gui.session import Snapshot
 from cable_tracker.sequences.encodings import decode_grey

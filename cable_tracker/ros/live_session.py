@@ -27,8 +27,8 @@ from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.initialisation import StatePrior, usual_sigma
-from cable_tracker.cable.parameters import PARAMETER_TABLE, ParameterSpec, ParameterValue
+from cable_tracker.cable.model.initialisation import StatePrior, usual_sigma
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, ParameterSpec, ParameterValue
 from cable_tracker.errors import ParameterError, RosError
 from cable_tracker.gui.session import Listener, Snapshot
 from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS

@@ -19,7 +19,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.parameters import ParameterValue
+from cable_tracker.cable.parameters.parameters import ParameterValue
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.closed_loop import (
     SUMMARY,

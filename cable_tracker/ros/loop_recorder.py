@@ -15,7 +15,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
 from cable_tracker.arrays import Image as Picture
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.closed_loop import LoopRow
 from cable_tracker.ros import qos
 from cable_tracker.ros.diagnostics import WARMING_UP

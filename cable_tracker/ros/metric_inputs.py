@@ -16,8 +16,8 @@ from rclpy.publisher import Publisher
 from sensor_msgs.msg import CameraInfo, Imu, Range
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.estimate import CableEstimate
-from cable_tracker.cable.motion_aid import MotionAid
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.metric.aiding import MotionAiding
 from cable_tracker.metric.altitude import Altimeter
 from cable_tracker.metric.cross_track import CrossTrack, MetricSettings

@@ -26,8 +26,8 @@ from cable_tracker.arrays import Image as Picture
 from cable_tracker.benchmark.frames import FIRST_STAMP, FRAME_STEP, Footage
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.statistics import Percentiles
-from cable_tracker.cable.initial_state_text import format_initial_state
-from cable_tracker.cable.parameters import ParameterValue, TrackerParameters
+from cable_tracker.cable.model.initial_state_text import format_initial_state
+from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.ros import qos

@@ -13,7 +13,7 @@ from rcl_interfaces.msg import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from cable_tracker.cable.parameters import ParameterSpec, ParameterValue
+from cable_tracker.cable.parameters.parameters import ParameterSpec, ParameterValue
 from cable_tracker.errors import ParameterError
 
 FOREIGN_PREFIXES = ("qos_overrides.",)

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
-from cable_tracker.cable.estimate import TrackingStatus
+from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
 from cable_tracker.ros.diagnostics import WARMING_UP

@@ -21,8 +21,8 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import SetBool, Trigger
 
-from cable_tracker.cable.parameters import PARAMETER_TABLE, ParameterSpec, ParameterValue
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, ParameterSpec, ParameterValue
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError, RosError
 from cable_tracker.ros.child_process import NodeProcess
 from cable_tracker.ros.diagnostics import STALE_INPUT

@@ -15,9 +15,9 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from cable_tracker.cable.initial_state_text import RANDOM, format_initial_state
-from cable_tracker.cable.parameters import ParameterValue, TrackerParameters
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.initial_state_text import RANDOM, format_initial_state
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
 from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.result_folder import ResultFolder
 from cable_tracker.ros.child_process import START_TIMEOUT, NodeProcess

@@ -16,16 +16,16 @@ from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 from std_srvs.srv import SetBool, Trigger
 
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.initial_state_text import parse_initial_state
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import (
+from cable_tracker.cable.measure.response_table import load_table
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.initial_state_text import parse_initial_state
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
     PARAMETERS_BY_NAME,
     TrackerParameters,
 )
-from cable_tracker.cable.presets import preset
-from cable_tracker.cable.response_table import load_table
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import FrameError
 from cable_tracker.node_parameter_tables import (
     TRACKER_RUNTIME_PARAMETERS,

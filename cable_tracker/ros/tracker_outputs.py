@@ -15,8 +15,8 @@ from visualization_msgs.msg import MarkerArray
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.arrays import Image as Picture
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
 from cable_tracker.ros.rclpy_messages import RclpyMessages

@@ -6,7 +6,7 @@ import threading
 import time
 from typing import TypeAlias
 
-from cable_tracker.cable.parameters import PARAMETER_TABLE, TrackerParameters
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, TrackerParameters
 from cable_tracker.trackers import warm_up
 
 Variant: TypeAlias = tuple[str, ...]

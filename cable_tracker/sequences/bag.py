@@ -11,7 +11,7 @@ import numpy as np
 import zstandard
 from rosbags.serde import SerdeError
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bag_limits import LARGEST_UNPACKED, unpack_zstd
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage

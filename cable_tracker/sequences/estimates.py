@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cable_tracker.cable.state import STATE_SIZE, STATE_SYMBOLS, CableState
+from cable_tracker.cable.model.state import STATE_SIZE, STATE_SYMBOLS, CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.stamps import NANOSECONDS
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 
 
 @dataclass(frozen=True, slots=True, eq=False)

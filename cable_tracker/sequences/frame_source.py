@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import Self
 from weakref import WeakSet
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import check_image
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage

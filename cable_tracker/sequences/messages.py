@@ -14,10 +14,10 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.estimate import CableEstimate
-from cable_tracker.cable.geometry import foot_point, project_borders, segment_inside
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.state import STATE_SIZE, STATE_SYMBOLS, CableState, StateColumn
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.geometry import foot_point, project_borders, segment_inside
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import STATE_SIZE, STATE_SYMBOLS, CableState, StateColumn
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.frame import CompressedImage, RawImage

@@ -15,8 +15,8 @@ from pathlib import Path, PurePosixPath
 
 import numpy as np
 
-from cable_tracker.cable.geometry import wrap_states
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, OutputError, RecordingError
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame

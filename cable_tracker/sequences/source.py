@@ -9,7 +9,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self, runtime_checkable
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.bag_storage import BAG_SUFFIXES, METADATA, is_ros1, storage_files

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.geometry import Borders, states_from_borders, wrap_states
-from cable_tracker.cable.state import STATE_SIZE
+from cable_tracker.cable.model.geometry import Borders, states_from_borders, wrap_states
+from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.simulation.camera import Camera, CameraPoses
 from cable_tracker.simulation.tube import Tube
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.geometry import wrap_states
-from cable_tracker.cable.state import CableState, StateColumn
+from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.borders import (

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
 from cable_tracker.simulation.camera import Camera, CameraPoses, VehiclePoses

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.state import STATE_SIZE
+from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.camera import Camera

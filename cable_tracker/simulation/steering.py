@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.geometry import project_borders, unwrap_states
-from cable_tracker.cable.state import STATE_SIZE
+from cable_tracker.cable.model.geometry import project_borders, unwrap_states
+from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.simulation.borders import fit_states, project_tube
 from cable_tracker.simulation.camera import Camera, CameraPoses, chain
 from cable_tracker.simulation.tube import Tube

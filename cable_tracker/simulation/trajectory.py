@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.state import STATE_SIZE
+from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.errors import ParameterError
 
 REFERENCE_WIDTH = 320

@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.estimate import Hypothesis
-from cable_tracker.cable.geometry import image_to_pixel, project_borders, segment_inside
-from cable_tracker.cable.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.geometry import image_to_pixel, project_borders, segment_inside
+from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.errors import FrameError
 from cable_tracker.visualisation.palette import (
     ESTIMATE,

@@ -16,8 +16,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.geometry import unwrap_states
-from cable_tracker.cable.state import CableState, StateColumn
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.sequences.stamps import NANOSECONDS

@@ -5,7 +5,7 @@ import pytest
 
 from cable_tracker.benchmark.frames import FIRST_STAMP, FRAME_STEP
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 
 
 @pytest.fixture(params=LIBRARY_LOOPS)

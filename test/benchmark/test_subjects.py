@@ -17,7 +17,7 @@ from cable_tracker.benchmark.subjects import (
     step_subjects,
     yardstick_subject,
 )
-from cable_tracker.cable.presets import PRESETS, preset
+from cable_tracker.cable.parameters.presets import PRESETS, preset
 
 
 def test_every_step_of_both_presets_can_be_called_again_and_again(shown):

@@ -4,9 +4,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cable_tracker.benchmark.yardstick import yardstick_of
-from cable_tracker.cable.observation import BorderObservation
-from cable_tracker.cable.presets import preset
-from cable_tracker.cable.working_image import make_working_image
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.cable.thesis.observation import BorderObservation
 
 THESIS = preset("thesis").replaced({"kernels": "numpy"})
 

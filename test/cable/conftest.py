@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.geometry import project_borders
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.geometry import project_borders
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 

@@ -11,17 +11,17 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cable_tracker.cable.estimate import CableEstimate
-from cable_tracker.cable.geometry import project_borders, wrap_states
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.movement import CableMovement
-from cable_tracker.cable.observation import BorderObservation
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.presets import PRESETS, preset
-from cable_tracker.cable.state import CableState, StateColumn
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.geometry import project_borders, wrap_states
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.cable.statistics import cable_mean_and_covariance
+from cable_tracker.cable.thesis.observation import BorderObservation
 from cable_tracker.cable.tracker import CableTracker
-from cable_tracker.cable.working_image import make_working_image
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.weights import normalise_log_weights
 

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from cable_tracker.cable.estimate import TrackingStatus
-from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.status import StatusMachine
 
 PARAMETERS = TrackerParameters(

@@ -3,13 +3,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.estimate import TrackingStatus
-from cable_tracker.cable.geometry import unwrap_states
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.presets import preset
-from cable_tracker.cable.response_table import load_table
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.measure.response_table import load_table
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import FrameError, ParameterError
 from cable_tracker.trackers import make_tracker

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from cable_tracker import cli
-from cable_tracker.cable.response_table import is_table, load_table
+from cable_tracker.cable.measure.response_table import is_table, load_table
 from cable_tracker.commands.learn import describe_origin, parse_seeds
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.convert import write_bag

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.geometry import project_borders, unwrap_states
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.geometry import project_borders, unwrap_states
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.edges import EdgePoints
 
 

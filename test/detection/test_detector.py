@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.hough import HoughDetector
 from cable_tracker.detection.line_segments import LineSegmentDetector
 from cable_tracker.detection.search_region import SearchRegion

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.edges import GRADIENT_FLOOR, gradient_of, gradient_ridge
 from cable_tracker.detection.search_region import SearchRegion
 

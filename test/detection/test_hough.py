@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.border_lines import turn_between
 from cable_tracker.detection.hough import hough_peaks, zero_crossings
 

@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.geometry import unwrap_states
-from cable_tracker.cable.state import CableState
-from cable_tracker.cable.working_image import make_working_image
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.line_pair_proposer import (
     MOST_CABLES,
     MOST_SKEW,

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.geometry import project_borders
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.geometry import project_borders
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.border_lines import BorderLines
 from cable_tracker.detection.line_pairs import MOST_DETECTIONS, REGION_SHARE, pair_lines
 from cable_tracker.detection.search_region import SearchRegion

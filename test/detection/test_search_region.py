@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.geometry import image_to_pixel
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.geometry import image_to_pixel
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.search_region import SearchRegion, pixel_to_image, scaled_state
 
 UPRIGHT = SearchRegion(CableState(10.0, 0.0, 30.0), distance=5.0, angle=0.1, width=6.0)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.edges import gradient_of
 from cable_tracker.detection.segmentation import make_grid, region_contours, straight_segments
 

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.border_lines import turn_between
 from cable_tracker.detection.edges import gradient_of
 from cable_tracker.detection.segments import Segments, lines_of_segments

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.texture import Cells, cable_cells, describe_cells
 
 STRAIGHTNESS, ABRUPTNESS, DISCONTINUITY, GRANULARITY, BLURRINESS = range(5)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.frames import JudgedFrame, JudgedSequence
 from cable_tracker.evaluation.runs import RunResult, Start

@@ -1,7 +1,7 @@
 import pytest
 
-from cable_tracker.cable.parameters import PARAMETERS_BY_NAME, TrackerParameters
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.ablation_rows import (
     ABLATION_TABLES,

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.aided import AidedFilter, OdometryFault, faulty
 from cable_tracker.evaluation.frames import ScenarioSequence
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from cable_tracker.cable.estimate import TrackingStatus
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError

@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.frames import RecordingSequence, ScenarioSequence

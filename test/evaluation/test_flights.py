@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.flights import (
     LOOK_AHEAD,
     InstrumentNoise,

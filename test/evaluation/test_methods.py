@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.estimate import TrackingStatus
-from cable_tracker.cable.geometry import project_borders
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.cable.model.geometry import project_borders
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.methods import METHODS
 from cable_tracker.evaluation.metrics import is_off, state_errors
 from cable_tracker.sequences.encodings import decode_grey

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.frames import ScenarioSequence
 from cable_tracker.evaluation.metres_experiment import MetresExperiment, is_on_cable
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.metrics import is_off, state_errors, summarise_errors
 from cable_tracker.sequences.estimates import EstimateRow
 

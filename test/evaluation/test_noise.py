@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cable_tracker.cable.geometry import wrap_states
+from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.noise import increment_variances
 from cable_tracker.simulation.scenario import scenario_states

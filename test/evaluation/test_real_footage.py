@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.evaluation.metrics import is_off, state_errors
 from cable_tracker.evaluation.track_recording import initial_state_for, start_from

@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.frames import JudgedFrame
 from cable_tracker.evaluation.runs import MethodRun, Start, run_together

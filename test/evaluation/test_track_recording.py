@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
 
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.evaluation.result_folder import BAG, ESTIMATES, ResultFolder

@@ -22,14 +22,14 @@ from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from cable_tracker.cable.initial_state_text import parse_initial_state
-from cable_tracker.cable.parameter_files import (
+from cable_tracker.cable.model.initial_state_text import parse_initial_state
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameter_files import (
     filter_parameters,
     format_parameter_file,
     read_parameter_file,
 )
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.node_parameter_tables import TRACKER_NODE_PARAMETERS
 from cable_tracker.sequences.encodings import ENCODINGS, decode_bgr, decode_grey

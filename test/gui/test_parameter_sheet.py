@@ -1,6 +1,10 @@
 import pytest
 
-from cable_tracker.cable.parameters import PARAMETER_TABLE, PARAMETERS_BY_NAME, TrackerParameters
+from cable_tracker.cable.parameters.parameters import (
+    PARAMETER_TABLE,
+    PARAMETERS_BY_NAME,
+    TrackerParameters,
+)
 from cable_tracker.errors import GuiError, OutputError, ParameterError
 from cable_tracker.gui.parameter_groups import OTHERS, grouped
 from cable_tracker.gui.parameter_sheet import (

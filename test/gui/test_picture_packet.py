@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.estimate import Hypothesis
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.gui.packet import unpack
 from cable_tracker.gui.picture_layers import (
     LARGEST_CLOUD,

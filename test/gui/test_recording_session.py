@@ -5,9 +5,9 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, GuiError, ParameterError, RecordingError
 from cable_tracker.evaluation.result_folder import ESTIMATES, ResultFolder
 from cable_tracker.evaluation.track_recording import (

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.gui.tracker_memory import FIRST_INTERVAL, LARGEST_COUNT, TrackerMemory
 

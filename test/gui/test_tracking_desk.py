@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import GuiError, RecordingError
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.tracking_commands import COMMANDS, SPEEDS, command_player, speed_words

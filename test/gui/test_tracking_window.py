@@ -7,8 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker.cable.parameter_files import format_parameter_file, read_parameter_file
-from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.parameters.parameter_files import (
+    format_parameter_file,
+    read_parameter_file,
+)
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.sequences.source import open_source
 
 LAST = 59

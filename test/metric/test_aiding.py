@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.estimate import TrackingStatus
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.aiding import (
     CALM_FRAMES,
     CALM_PICTURES,

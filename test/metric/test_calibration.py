@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.geometry import image_to_pixel
+from cable_tracker.cable.model.geometry import image_to_pixel
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.withheld import Reason, Withheld
 

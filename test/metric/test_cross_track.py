@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.estimate import TrackingStatus
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter, MetricSettings
 from cable_tracker.metric.frames import Attitude, Mounting

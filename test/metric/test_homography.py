@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.geometry import unwrap_states
+from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.metric.frames import Attitude, rotations_of
 from cable_tracker.metric.homography import (
     Overflight,

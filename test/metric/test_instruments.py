@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.altitude import Altimeter, Altitude
 from cable_tracker.metric.cross_track import CrossTrack, MetricSettings
 from cable_tracker.metric.frames import Attitude

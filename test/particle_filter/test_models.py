@@ -5,8 +5,8 @@ import inspect
 from pathlib import Path
 
 import cable_tracker.particle_filter as package
-from cable_tracker.cable.movement import CableMovement
-from cable_tracker.cable.observation import BorderObservation
+from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.thesis.observation import BorderObservation
 from cable_tracker.particle_filter.models import MovementModel, ObservationModel
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.environment import PROFILE_VARIABLE, RANGE_VARIABLE, local_environment
 from cable_tracker.sequences.convert import ImageFormat, write_bag
 from cable_tracker.sequences.encodings import raw_from_array

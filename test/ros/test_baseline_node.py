@@ -10,7 +10,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from sensor_msgs.msg import CameraInfo, JointState, PointCloud2, Range
 from std_srvs.srv import Trigger
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.methods import BASELINES, METHODS
 from cable_tracker.sequences.messages import read_state

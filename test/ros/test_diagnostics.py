@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.estimate import CableEstimate, Hypothesis, TrackingStatus
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, TrackingStatus
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.diagnostics import (
     DISABLED,
     FROZEN_INPUT,

@@ -6,8 +6,8 @@ import pytest
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from sensor_msgs.msg import Image
 
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RosError
 from cable_tracker.ros.live_session import LiveSession
 

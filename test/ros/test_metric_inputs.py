@@ -10,7 +10,7 @@ from nav_msgs.msg import Odometry
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import CameraInfo, Imu, JointState, Range
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 
 ALTITUDE, FOCAL = 1.4, 280.0
 K = [FOCAL, 0.0, 159.5, 0.0, FOCAL, 119.5, 0.0, 0.0, 1.0]

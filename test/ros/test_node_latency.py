@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from cable_tracker.benchmark.frames import Footage, footage
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import RosError
 from cable_tracker.ros import node_latency
 from cable_tracker.ros.node_latency import NodeTrial, cpu_seconds, measure_node

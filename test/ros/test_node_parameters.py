@@ -13,9 +13,9 @@ from rcl_interfaces.msg import ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, SetParametersAtomically
 from rclpy.parameter import Parameter
 
-from cable_tracker.cable.parameters import PARAMETER_TABLE
-from cable_tracker.cable.presets import preset
-from cable_tracker.cable.response_table import load_table
+from cable_tracker.cable.measure.response_table import load_table
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
 from cable_tracker.node_parameter_tables import REPLAY_NODE_PARAMETERS, TRACKER_NODE_PARAMETERS
 from cable_tracker.ros import node_parameters

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
-from cable_tracker.cable.estimate import CableEstimate, Hypothesis, TrackingStatus
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, TrackingStatus
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.diagnostics import FrameStatistics, diagnostic_values, make_diagnostics
 from cable_tracker.ros.rclpy_messages import RclpyMessages, message_class
 from cable_tracker.sequences import messages

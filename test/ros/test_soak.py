@@ -13,7 +13,7 @@ from geometry_msgs.msg import Point, PoseWithCovarianceStamped
 from sensor_msgs.msg import Image, JointState
 from visualization_msgs.msg import Marker, MarkerArray
 
-from cable_tracker.cable.parameters import PARAMETER_TABLE
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
 from cable_tracker.errors import ParameterError
 from cable_tracker.ros import soak, soak_camera
 from cable_tracker.ros.rclpy_messages import RclpyMessages

@@ -19,7 +19,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CompressedImage, Image, JointState
 from std_srvs.srv import SetBool
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros import tracker_node, tracker_outputs
 from cable_tracker.sequences.encodings import MAX_PIXELS
 from cable_tracker.sequences.messages import read_state

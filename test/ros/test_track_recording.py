@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rclpy.serialization import serialize_message
 
-from cable_tracker.cable.estimate import CableEstimate, Hypothesis, TrackingStatus
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, TrackingStatus
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.track_recording import row_of
 from cable_tracker.ros.rclpy_messages import RclpyMessages
 from cable_tracker.ros.recorder import RecordedFrame

@@ -11,9 +11,9 @@ from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
-from cable_tracker.cable.initial_state_text import parse_initial_state
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.initial_state_text import parse_initial_state
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.track_recording import start_from
 from cable_tracker.ros import tracker_outputs
 from cable_tracker.sequences.messages import UNKNOWN_VARIANCE, read_cloud, read_state

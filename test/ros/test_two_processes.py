@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import Reader
 
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.result_folder import BAG, ESTIMATES, ResultFolder
 from cable_tracker.evaluation.track_recording import (

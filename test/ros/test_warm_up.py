@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from cable_tracker.cable.parameters import TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.ros import warm_up
 from cable_tracker.ros.warm_up import ENOUGH, WarmUp, few_particles, variant_of
 

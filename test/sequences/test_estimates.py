@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.state import STATE_SIZE, CableState
+from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.estimates import (
     HEADER,

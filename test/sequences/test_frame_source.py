@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, one_line
 

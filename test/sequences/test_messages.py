@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.estimate import CableEstimate, Hypothesis, TrackingStatus
-from cable_tracker.cable.geometry import wrap_states
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, TrackingStatus
+from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.frame import CompressedImage, RawImage

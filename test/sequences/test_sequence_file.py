@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import OutputError, RecordingError
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.sequence_file import (

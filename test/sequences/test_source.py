@@ -5,7 +5,7 @@ import math
 import cv2
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.image_folder import ImageFolderSource

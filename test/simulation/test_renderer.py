@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.geometry import image_to_pixel, project_borders, sample_points
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.geometry import image_to_pixel, project_borders, sample_points
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.simulation.borders import project_tube
 from cable_tracker.simulation.camera import Camera, VehiclePoses
 from cable_tracker.simulation.laid_cable import BuriedStretch, LaidCable

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.estimate import Hypothesis
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.visualisation.overlay import draw_overlay
 from cable_tracker.visualisation.palette import GREEN, HYPOTHESES, PINK, RED, to_bgr

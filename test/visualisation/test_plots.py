@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.visualisation import plots

@@ -24,7 +24,7 @@ from cable_tracker.cable.compiled.scan_lines import (
 )
 from cable_tracker.cable.compiled.scan_lines import scatter_responses as scatter_scanned_responses
 from cable_tracker.cable.compiled.statistics import mean_and_covariance
-from cable_tracker.cable.scan_lines import TABLE_COUNT
+from cable_tracker.cable.measure.scan_lines import TABLE_COUNT
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.compiled.normal import fill_normals
 from cable_tracker.particle_filter.compiled.weights import normalise

@@ -1,4 +1,4 @@
-"""See `cable_tracker.cable.clusters`."""
+"""See `cable_tracker.cable.hypotheses.clusters`."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.cable.clusters import CENTRINGS, MOST_CLUSTERS, RADII, SMALLEST_MASS
 from cable_tracker.cable.compiled.geometry import turn_sign, unwrap_state, wrapped_angle
-from cable_tracker.cable.parameters import REFERENCE_WIDTH
+from cable_tracker.cable.hypotheses.clusters import CENTRINGS, MOST_CLUSTERS, RADII, SMALLEST_MASS
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled
 
 NONE = -1

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.evidence import GAUSSIAN_MAD, MINIMUM_POINTS, NOISE_FLOOR
-from cable_tracker.cable.observation import SMALLEST_SUM
+from cable_tracker.cable.thesis.evidence import GAUSSIAN_MAD, MINIMUM_POINTS, NOISE_FLOOR
+from cable_tracker.cable.thesis.observation import SMALLEST_SUM
 from cable_tracker.compilation import compiled
 
 

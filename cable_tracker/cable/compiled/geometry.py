@@ -1,4 +1,4 @@
-"""See `cable_tracker.cable.geometry`."""
+"""See `cable_tracker.cable.model.geometry`."""
 
 from __future__ import annotations
 

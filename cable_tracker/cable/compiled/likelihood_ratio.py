@@ -1,4 +1,4 @@
-"""See `cable_tracker.cable.likelihood_ratio`."""
+"""See `cable_tracker.cable.measure.likelihood_ratio`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.likelihood_ratio import (
+from cable_tracker.cable.measure.likelihood_ratio import (
     BEHIND,
     FARTHEST_BEHIND,
     FARTHEST_MIDDLE,
@@ -18,8 +18,7 @@ from cable_tracker.cable.likelihood_ratio import (
     BorderLikelihoodRatio,
     CableEvidence,
 )
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.response_table import (
+from cable_tracker.cable.measure.response_table import (
     COARSE,
     CONTRAST_BINS,
     CONTRAST_LIMIT,
@@ -29,7 +28,8 @@ from cable_tracker.cable.response_table import (
     SLOPE_LIMIT,
     ResponseTable,
 )
-from cable_tracker.cable.working_image import WorkingImage
+from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled, compiled_inside
 
 EDGE_FACTOR = np.float32(RESPONSE_BINS / (2 * RESPONSE_LIMIT))

@@ -1,4 +1,4 @@
-"""See `cable_tracker.cable.mixture_sample` and `cable_tracker.cable.multi_hypothesis_filter`."""
+"""See the mixture sample and the filter in `cable_tracker.cable.hypotheses`."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
-from cable_tracker.cable.state import PLACES, StateColumn
+from cable_tracker.cable.model.state import PLACES, StateColumn
 from cable_tracker.compilation import compiled_fast
 
 DISTANCE, ANGLE = int(StateColumn.DISTANCE), int(StateColumn.ANGLE)

@@ -1,4 +1,4 @@
-"""See `cable_tracker.cable.multi_hypothesis_filter`.
+"""See `cable_tracker.cable.hypotheses.multi_hypothesis_filter`.
 
 The same random numbers are drawn in the same order, and the same particles come out, to rounding.
 """
@@ -8,8 +8,6 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.belief import Belief
-from cable_tracker.cable.clusters import Cluster
 from cable_tracker.cable.compiled.clusters import leading_covariance
 from cable_tracker.cable.compiled.conclusion import conclude
 from cable_tracker.cable.compiled.likelihood_ratio import CompiledLikelihoodRatio
@@ -17,8 +15,9 @@ from cable_tracker.cable.compiled.mixture_sample import Balance
 from cable_tracker.cable.compiled.prediction import Step, ancestor_groups, survivors_of
 from cable_tracker.cable.compiled.prior_density import prior_arrays
 from cable_tracker.cable.compiled.rounds import Frame, Plan, Rules, draw_sample, empty_sample
-from cable_tracker.cable.movement import rate_damping_over, state_limits
-from cable_tracker.cable.multi_hypothesis_filter import (
+from cable_tracker.cable.hypotheses.belief import Belief
+from cable_tracker.cable.hypotheses.clusters import Cluster
+from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     DETECTION_SIGMAS,
     LEAST_PRESENCE,
     MOST_PRESENCE,
@@ -30,10 +29,11 @@ from cable_tracker.cable.multi_hypothesis_filter import (
     annealing_power,
     widening_in,
 )
-from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.cable.prior_density import Prior
-from cable_tracker.cable.state import STATE_SIZE
-from cable_tracker.cable.working_image import WorkingImage
+from cable_tracker.cable.hypotheses.prior_density import Prior
+from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.movement import rate_damping_over, state_limits
+from cable_tracker.cable.model.state import STATE_SIZE
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.particle_filter.compiled.weights import effective_sample_size
 from cable_tracker.particle_filter.existence import update_existence
 from cable_tracker.particle_filter.particles import Particles

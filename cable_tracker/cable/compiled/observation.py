@@ -8,8 +8,8 @@ import numpy as np
 from numpy import float32 as f32
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.observation import SMALLEST_SUM
-from cable_tracker.cable.state import StateColumn
+from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.thesis.observation import SMALLEST_SUM
 from cable_tracker.compilation import compiled, compiled_fast
 
 DISTANCE, ANGLE = int(StateColumn.DISTANCE), int(StateColumn.ANGLE)

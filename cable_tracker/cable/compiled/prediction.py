@@ -11,10 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.cable.clusters import SMALLEST_MASS
 from cable_tracker.cable.compiled.clusters import NONE
 from cable_tracker.cable.compiled.geometry import unwrap_state
-from cable_tracker.cable.multi_hypothesis_filter import LEAST_SURVIVING, SMALLEST_CLUSTER_SHARE
+from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS
+from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
+    LEAST_SURVIVING,
+    SMALLEST_CLUSTER_SHARE,
+)
 from cable_tracker.compilation import compiled
 
 

@@ -1,4 +1,4 @@
-"""See `cable_tracker.cable.prior_density`, and `cable_tracker.cable.leaving` for the births."""
+"""See the prior density, and for the births leaving, in `cable_tracker.cable.hypotheses`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.compiled.geometry import turn_sign, wrapped_angle
-from cable_tracker.cable.frame_noise import FrameNoise
-from cable_tracker.cable.leaving import MOST_TURNS, TAIL
-from cable_tracker.cable.prior_density import MINIMUM_DENSITY, Prior
-from cable_tracker.cable.state import PLACES, STATE_SIZE
-from cable_tracker.cable.usual_width import TAIL as WIDTH_TAIL
+from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
+from cable_tracker.cable.hypotheses.leaving import MOST_TURNS, TAIL
+from cable_tracker.cable.hypotheses.prior_density import MINIMUM_DENSITY, Prior
+from cable_tracker.cable.hypotheses.usual_width import TAIL as WIDTH_TAIL
+from cable_tracker.cable.model.state import PLACES, STATE_SIZE
 from cable_tracker.compilation import compiled, compiled_fast, compiled_inside
 from cable_tracker.particle_filter.compiled.student_t import peak_density, tail
 

@@ -1,4 +1,4 @@
-"""The rounds of a frame in one go; see `cable_tracker.cable.multi_hypothesis_filter`."""
+"""The rounds of a frame in one go; see `cable_tracker.cable.hypotheses.multi_hypothesis_filter`."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from cable_tracker.cable.compiled.prior_density import (
     place_births,
     weigh_by_prior,
 )
-from cable_tracker.cable.frame_noise import FrameNoise
-from cable_tracker.cable.prior_density import MINIMUM_DENSITY
-from cable_tracker.cable.state import PLACES, STATE_SIZE
+from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
+from cable_tracker.cable.hypotheses.prior_density import MINIMUM_DENSITY
+from cable_tracker.cable.model.state import PLACES, STATE_SIZE
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.compiled.weights import normalised
 

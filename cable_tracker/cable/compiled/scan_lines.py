@@ -7,8 +7,8 @@ from numpy import float32 as f32
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
 from cable_tracker.cable.compiled.geometry import sine_and_cosine
-from cable_tracker.cable.scan_lines import CABLES_PER_CELL
-from cable_tracker.cable.state import StateColumn
+from cable_tracker.cable.measure.scan_lines import CABLES_PER_CELL
+from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.compilation import compiled_fast
 
 DISTANCE, ANGLE = int(StateColumn.DISTANCE), int(StateColumn.ANGLE)

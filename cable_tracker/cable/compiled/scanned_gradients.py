@@ -1,4 +1,4 @@
-"""See `cable_tracker.cable.scanned_gradients`."""
+"""See `cable_tracker.cable.measure.scanned_gradients`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image, IndexArray
-from cable_tracker.cable.scanned_gradients import (
+from cable_tracker.cable.measure.scanned_gradients import (
     GAUSSIAN_MAD,
     NOISE_FLOOR,
     SCALE_STEP,

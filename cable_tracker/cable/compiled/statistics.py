@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.compiled.geometry import sine_and_cosine
-from cable_tracker.cable.state import STATE_SIZE, StateColumn
+from cable_tracker.cable.model.state import STATE_SIZE, StateColumn
 from cable_tracker.compilation import compiled_fast
 
 ANGLE = int(StateColumn.ANGLE)

@@ -8,8 +8,8 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
 from cable_tracker.cable.compiled.geometry import turn_sign, wrapped_angle
-from cable_tracker.cable.state import PLACES
-from cable_tracker.cable.working_image import WorkingImage
+from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.state import PLACES
 from cable_tracker.compilation import compiled, compiled_fast, compiled_inside
 from cable_tracker.detection.line_pair_proposer import (
     ANGLE_BINS,

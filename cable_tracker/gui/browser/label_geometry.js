@@ -1,6 +1,6 @@
 // Where the borders of a labelled cable are, and how a label follows the hand that drags it.
 //
-// A state is [d, alpha, w, beta], px and rad, as in cable/geometry.py: origin at the image centre,
+// A state is [d, alpha, w, beta], px and rad, as in cable/model/geometry.py: origin at the image centre,
 // x to the right, y up. A rectangle is [left, bottom, right, top] in the same frame.
 
 export const SMALLEST_WIDTH = 1;

@@ -7,7 +7,7 @@ import io
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.label_file import write_atomically
 from cable_tracker.gui.labelling.labels import NO_CABLE, FrameLabel, Labels, flagged_label

@@ -11,14 +11,14 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cable_tracker.cable.geometry import (
+from cable_tracker.cable.model.geometry import (
     Borders,
     project_borders,
     states_from_borders,
     unwrap_states,
     wrap_states,
 )
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
 
 NO_CABLE = "no_cable"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from cable_tracker.cable.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.geometry import unwrap_states
-from cable_tracker.cable.initialisation import StatePrior
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.errors import FrameError

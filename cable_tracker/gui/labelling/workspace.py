@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TypeAlias
 
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.gui.labelling.autosave import autosave_path, read_autosave, write_autosave
 from cable_tracker.gui.labelling.document import Changes, LabelDocument

@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.bootstrap_filter import NumpyBootstrapFilter, make_observation
 from cable_tracker.cable.compiled_bootstrap_filter import CompiledBootstrapFilter
-from cable_tracker.cable.presets import preset
-from cable_tracker.cable.response_table import load_table
-from cable_tracker.cable.state import CableState
-from cable_tracker.cable.working_image import make_working_image
+from cable_tracker.cable.measure.response_table import load_table
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.cable.thesis.bootstrap_filter import NumpyBootstrapFilter, make_observation
 from cable_tracker.particle_filter.particles import Particles
 
 TABLE = load_table("")

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable import clusters as plain
-from cable_tracker.cable.geometry import wrap_states
+from cable_tracker.cable.hypotheses import clusters as plain
+from cable_tracker.cable.model.geometry import wrap_states
 
 pytest.importorskip("numba")
 

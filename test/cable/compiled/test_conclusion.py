@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.clusters import MOST_CLUSTERS, clusters_of, find_groups
-from cable_tracker.cable.geometry import wrap_states
-from cable_tracker.cable.likelihood_ratio import BorderLikelihoodRatio, bright_shares
-from cable_tracker.cable.multi_hypothesis_filter import MultiHypothesisFilter
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
-from cable_tracker.cable.working_image import make_working_image
+from cable_tracker.cable.hypotheses.clusters import MOST_CLUSTERS, clusters_of, find_groups
+from cable_tracker.cable.hypotheses.multi_hypothesis_filter import MultiHypothesisFilter
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio, bright_shares
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 pytest.importorskip("numba")
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cable_tracker.cable import geometry
+from cable_tracker.cable.model import geometry
 
 pytest.importorskip("numba")
 

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
-from cable_tracker.cable.working_image import make_working_image
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 pytest.importorskip("numba")
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.clusters import find_clusters
-from cable_tracker.cable.likelihood_ratio import bright_shares, marginal_log_ratios
-from cable_tracker.cable.mixture_sample import log_density
+from cable_tracker.cable.hypotheses.clusters import find_clusters
+from cable_tracker.cable.hypotheses.mixture_sample import log_density
+from cable_tracker.cable.measure.likelihood_ratio import bright_shares, marginal_log_ratios
 from cable_tracker.particle_filter.kernel_mixture import KernelMixture
 from cable_tracker.particle_filter.student_t import StudentT
 from cable_tracker.particle_filter.weights import log_sum_exp

@@ -5,15 +5,15 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.compiled.bootstrap_filter import predict
 from cable_tracker.cable.compiled.movement import BLOCK, NOTHING
-from cable_tracker.cable.initialisation import random_states
-from cable_tracker.cable.movement import (
+from cable_tracker.cable.model.initialisation import random_states
+from cable_tracker.cable.model.movement import (
     CableMovement,
     effective_time,
     rate_damping_over,
     state_limits,
 )
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.particle_filter.normal import uniform_rows
 from cable_tracker.particle_filter.student_t import student_t_stretches
 

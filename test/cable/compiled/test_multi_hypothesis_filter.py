@@ -3,11 +3,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.multi_hypothesis_filter import LEAST_PRESENCE, MultiHypothesisFilter
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.state import CableState
-from cable_tracker.cable.working_image import make_working_image
+from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
+    LEAST_PRESENCE,
+    MultiHypothesisFilter,
+)
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
 pytest.importorskip("numba")

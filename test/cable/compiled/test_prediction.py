@@ -5,12 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.clusters import SMALLEST_MASS
-from cable_tracker.cable.geometry import unwrap_states
-from cable_tracker.cable.leaving import survival_probabilities
-from cable_tracker.cable.movement import CableMovement, rate_damping_over
-from cable_tracker.cable.multi_hypothesis_filter import LEAST_SURVIVING, SMALLEST_CLUSTER_SHARE
-from cable_tracker.cable.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS
+from cable_tracker.cable.hypotheses.leaving import survival_probabilities
+from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
+    LEAST_SURVIVING,
+    SMALLEST_CLUSTER_SHARE,
+)
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.movement import CableMovement, rate_damping_over
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.particle_filter.resampling import systematic_resampling
 
 pytest.importorskip("numba")

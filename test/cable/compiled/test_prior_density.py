@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.frame_noise import draw_frame_noise
-from cable_tracker.cable.geometry import unwrap_states
-from cable_tracker.cable.initialisation import search_box
-from cable_tracker.cable.leaving import BirthDensity, RememberedCable
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.prior_density import Prior
-from cable_tracker.cable.usual_width import UsualWidth
+from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.leaving import BirthDensity, RememberedCable
+from cable_tracker.cable.hypotheses.prior_density import Prior
+from cable_tracker.cable.hypotheses.usual_width import UsualWidth
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.initialisation import search_box
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.existence import PredictedExistence
 from cable_tracker.particle_filter.kernel_mixture import KernelMixture
 

@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.frame_noise import draw_frame_noise
-from cable_tracker.cable.geometry import unwrap_states
-from cable_tracker.cable.initialisation import search_box
-from cable_tracker.cable.leaving import BirthDensity, RememberedCable
-from cable_tracker.cable.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.movement import state_limits
-from cable_tracker.cable.multi_hypothesis_filter import MultiHypothesisFilter
-from cable_tracker.cable.parameters import TrackerParameters
-from cable_tracker.cable.prior_density import Prior
-from cable_tracker.cable.state import CableState
-from cable_tracker.cable.working_image import make_working_image
+from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.leaving import BirthDensity, RememberedCable
+from cable_tracker.cable.hypotheses.multi_hypothesis_filter import MultiHypothesisFilter
+from cable_tracker.cable.hypotheses.prior_density import Prior
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.initialisation import search_box
+from cable_tracker.cable.model.movement import state_limits
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.existence import PredictedExistence
 from cable_tracker.particle_filter.kernel_mixture import KernelMixture
 

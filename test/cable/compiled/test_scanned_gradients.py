@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable import scanned_gradients as plain
+from cable_tracker.cable.measure import scanned_gradients as plain
 
 pytest.importorskip("numba")
 

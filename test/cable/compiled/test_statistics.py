@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.compiled.statistics import BLOCK, mean_and_covariance
-from cable_tracker.cable.geometry import wrap_states
+from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.statistics import cable_mean_and_covariance
 
 SIGMA = np.array([5.0, 0.1, 4.0, 0.03, 20.0, 0.1, 3.0, 0.1])

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.geometry import unwrap_states
-from cable_tracker.cable.state import CableState
-from cable_tracker.cable.working_image import make_working_image
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 
 pytest.importorskip("numba")

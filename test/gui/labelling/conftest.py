@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.geometry import project_borders
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.geometry import project_borders
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.source import open_source
 

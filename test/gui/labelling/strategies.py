@@ -4,7 +4,7 @@ import math
 
 from hypothesis import strategies as st
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel, Origin
 
 lengths = st.floats(-1e4, 1e4)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cable_tracker.cable.geometry import (
+from cable_tracker.cable.model.geometry import (
     Borders,
     project_borders,
     segment_inside,

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cable_tracker.cable.geometry import project_borders
+from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.gui.labelling.label_file import flags_path, read_label_file
 from cable_tracker.gui.labelling.names import names_of
 from cable_tracker.sequences.source import open_source

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.geometry import project_borders, unwrap_states, wrap_angle
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.geometry import project_borders, unwrap_states, wrap_angle
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
 from cable_tracker.gui.labelling.labels import (
     NO_CABLE,

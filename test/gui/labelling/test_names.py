@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker.cable.state import CableState
+from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.names import names_of
 from cable_tracker.sequences.sequence_file import Label

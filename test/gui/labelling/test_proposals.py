@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cable_tracker.cable.presets import preset
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel
 from cable_tracker.gui.labelling.proposals import (
     MOST_FRAMES,

@@ -1,0 +1,27 @@
+"""What the tracker asks of a whole-image detector; the detectors themselves are in `detection`."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.state import PLACES
+
+
+class CableProposer(Protocol):
+    """Proposes cables in a frame, without a memory."""
+
+    def propose(self, image: WorkingImage) -> FloatArray:
+        """Return d, alpha, w, beta of cables in the frame [px, rad], best first, shape (K, 4)."""
+        ...
+
+
+class NoProposer:
+    """Proposes nothing."""
+
+    def propose(self, image: WorkingImage) -> FloatArray:
+        """Return no cables, shape (0, 4)."""
+        return np.empty((0, PLACES))

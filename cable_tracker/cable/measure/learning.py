@@ -1,0 +1,121 @@
+"""Learn the tables of the likelihood ratio from frames in which the cable is labelled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.leaving import support
+from cable_tracker.cable.measure.likelihood_ratio import BorderPoints, measure_points
+from cable_tracker.cable.measure.response_table import (
+    PointMeasures,
+    ResponseHistograms,
+    ResponseTable,
+    table_from_histograms,
+)
+from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.geometry import project_borders
+from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+
+RANDOM_CABLES = 20
+"""Cables drawn through each frame for what is not a border; a few meet one by chance."""
+
+SHIFTED_CABLES = 6
+"""Cables per frame that share one border with the true one: the mistakes that lie nearest."""
+
+WIDTHS = (6.0, 120.0)
+"""Widths of random cables [px at the reference width]."""
+
+MOST_SKEW = float(np.deg2rad(10.0))
+
+SHIFTS = (0.3, 1.2)
+"""How far the other border of a shifted cable is from where it should be [widths]."""
+
+
+class ResponseCounts:
+    """Histograms of what is measured on borders and elsewhere.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Draws what is elsewhere.
+    """
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+        self._border = ResponseHistograms()
+        self._background = ResponseHistograms()
+        self.frames = 0
+
+    @property
+    def border_points(self) -> int:
+        """Number of points on borders."""
+        return round(float(self._border.edges.sum()))
+
+    @property
+    def background_points(self) -> int:
+        """Number of points elsewhere."""
+        return round(float(self._background.edges.sum()))
+
+    def add(self, image: WorkingImage, state: CableState) -> None:
+        """Count one labelled frame; one whose cable lies outside the image does not count.
+
+        The polarity of the cable in the frame is that which most of its border speaks for.
+        """
+        true = state.to_array()[None, :]
+        points = _measure(true, image).measures
+        if not len(points.responses):
+            return
+        is_bright = float(points.responses.sum() + points.contrasts.sum()) >= 0.0
+        self._border.add(points if is_bright else points.negative())
+        self._count_elsewhere(self._random_cables(image), image)
+        self._count_shifted(true[0], image, is_bright)
+        self.frames += 1
+
+    def table(self, source: str) -> ResponseTable:
+        """Return the tables learnt so far.
+
+        Raises
+        ------
+        ParameterError
+            No frame with a border has been counted.
+        """
+        return table_from_histograms(self._border, self._background, source)
+
+    def _count_elsewhere(self, states: FloatArray, image: WorkingImage) -> None:
+        points = _measure(states, image).measures
+        # A line has no polarity of its own.
+        self._background.add(points)
+        self._background.add(points.negative())
+
+    def _count_shifted(self, true: FloatArray, image: WorkingImage, is_bright: bool) -> None:
+        """Count the wrong borders of cables that have one border right."""
+        share = self._rng.uniform(*SHIFTS, SHIFTED_CABLES)
+        moved = np.arange(SHIFTED_CABLES) % 2  # 0: the left border is wrong, 1: the right one.
+        states = np.tile(true, (SHIFTED_CABLES, 1))
+        states[:, StateColumn.WIDTH] += share * true[StateColumn.WIDTH]
+        outward = np.where(moved == 0, -0.5, 0.5)
+        states[:, StateColumn.DISTANCE] += outward * share * true[StateColumn.WIDTH]
+        crossed = _measure(states, image)
+        wrong = crossed.borders % 2 == moved[crossed.borders // 2]
+        points = crossed.measures
+        chosen = PointMeasures(
+            points.responses[wrong], points.slopes[wrong], points.contrasts[wrong]
+        )
+        self._background.add(chosen if is_bright else chosen.negative())
+
+    def _random_cables(self, image: WorkingImage) -> FloatArray:
+        scale = image.frame_size[0] / REFERENCE_WIDTH
+        states = np.zeros((RANDOM_CABLES, STATE_SIZE))
+        angles = self._rng.uniform(-np.pi / 2, np.pi / 2, RANDOM_CABLES)
+        reach = support(angles, image.frame_size)
+        states[:, StateColumn.ANGLE] = angles
+        states[:, StateColumn.DISTANCE] = reach * self._rng.uniform(-1.0, 1.0, RANDOM_CABLES)
+        states[:, StateColumn.WIDTH] = scale * self._rng.uniform(*WIDTHS, RANDOM_CABLES)
+        states[:, StateColumn.SKEW] = self._rng.uniform(-MOST_SKEW, MOST_SKEW, RANDOM_CABLES)
+        return states
+
+
+def _measure(states: FloatArray, image: WorkingImage) -> BorderPoints:
+    return measure_points(project_borders(states), image)

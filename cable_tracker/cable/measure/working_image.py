@@ -1,0 +1,165 @@
+"""The picture in which borders are measured: grey, of a moderate width."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.compiled.scanned_gradients import scan_frame as compiled_scan_frame
+from cable_tracker.cable.measure.scanned_gradients import ScannedFrame, scan_frame, scan_kernels
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.errors import FrameError
+
+MINIMUM_SIDE = 16
+"""Smallest height and width of a frame that a cable can be measured in [px]."""
+
+SMALLEST_SIGMA = 0.5
+"""Sigma that filters keep in narrow pictures [px]; below it, they fall between the pixels."""
+
+REGION_SIGMA = 3.0
+"""Sigma of the Gaussian that takes away the fine texture [px at the reference width]."""
+
+CONTRAST_LAG = 12
+"""Distance of the places whose difference is the contrast [px at the reference width]."""
+
+LARGEST_LEVEL = 1e12
+"""Largest grey level, of either sign: squares of sums of larger ones leave the range of float32."""
+
+MAXIMUM_SIDE = 32_766
+"""Largest height and width of a frame that OpenCV looks up pixels in [px]."""
+
+
+@dataclass(frozen=True, eq=False)
+class WorkingImage:
+    """A frame made ready for measuring. What nobody reads is not worked out.
+
+    Attributes
+    ----------
+    frame : Image
+        Grey levels, uint8 or float32, shape (H, W). Whoever keeps this longer than the frame is
+        valid must copy it.
+    size : (int, int)
+        Width and height of the picture, at most those of the frame [px].
+    filter_sigma : float
+        Sigma of the Gaussian for the gradients [px at the reference width].
+    sample_spacing : float
+        Distance between scan lines [px at the reference width].
+    compiled : bool
+        Whether compiled loops work out what is asked for.
+    """
+
+    frame: Image
+    size: tuple[int, int]
+    filter_sigma: float = 1.6
+    sample_spacing: float = 16.0
+    compiled: bool = False
+
+    @property
+    def frame_size(self) -> tuple[int, int]:
+        """Width and height of the frame that it was made from [px]."""
+        return self.frame.shape[1], self.frame.shape[0]
+
+    @cached_property
+    def pixels(self) -> Image:
+        """Grey levels, float32, shape (h, w); those of a reduced uint8 frame are whole numbers."""
+        return np.ascontiguousarray(self._reduced(self.frame), dtype=np.float32)
+
+    @cached_property
+    def averaged(self) -> Image:
+        """Grey levels, float32, shape (h, w), not rounded."""
+        return self._reduced(np.asarray(self.frame, dtype=np.float32))
+
+    def _reduced(self, frame: Image) -> Image:
+        if self.size == self.frame_size:
+            return frame
+        return np.asarray(cv2.resize(frame, self.size, interpolation=cv2.INTER_AREA))
+
+    @cached_property
+    def reduction(self) -> float:
+        """Working pixels per frame pixel, at most 1."""
+        return self.size[0] / self.frame_size[0]
+
+    @cached_property
+    def scale(self) -> float:
+        """Working pixels per pixel of an image of the reference width."""
+        return self.size[0] / REFERENCE_WIDTH
+
+    @cached_property
+    def line_spacing(self) -> int:
+        """Distance between scan lines in the picture [px]."""
+        return max(1, round(self.sample_spacing * self.scale))
+
+    @cached_property
+    def scanned(self) -> ScannedFrame:
+        """The gradients along its scan lines, worked out when they are first asked for."""
+        kernels = scan_kernels(
+            max(self.filter_sigma * self.scale, SMALLEST_SIGMA),
+            REGION_SIGMA * self.scale,
+            max(1, round(CONTRAST_LAG * self.scale)),
+        )
+        if self.compiled:
+            grey = np.ascontiguousarray(self._reduced(self.frame))
+            return compiled_scan_frame(grey, self.line_spacing, kernels)
+        return scan_frame(self.pixels, self.line_spacing, kernels)
+
+    def to_working(self, points: FloatArray) -> FloatArray:
+        """Turn points (..., 2) of the frame's image frame into that of the working picture.
+
+        Both have their origin at the image centre, so only the scale differs.
+        """
+        return points * self.reduction
+
+
+def check_frame(image: Image) -> None:
+    """Refuse what is no grey picture.
+
+    Raises
+    ------
+    FrameError
+        The array has not two dimensions, is too small or large, of an unknown dtype, not finite, or
+        has levels beyond `LARGEST_LEVEL`.
+    """
+    if image.ndim != 2:
+        raise FrameError(f"a grey picture has shape (height, width), not {image.shape}")
+    if min(image.shape) < MINIMUM_SIDE:
+        height, width = image.shape
+        raise FrameError(f"{width}x{height} px is too small; at least {MINIMUM_SIDE} px each way")
+    if max(image.shape) > MAXIMUM_SIDE:
+        height, width = image.shape
+        raise FrameError(f"{width}x{height} px is too large; at most {MAXIMUM_SIDE} px each way")
+    if image.dtype not in (np.uint8, np.float32):
+        raise FrameError(f"grey levels must be uint8 or float32, not {image.dtype}")
+    if image.dtype == np.float32 and not np.isfinite(image).all():
+        raise FrameError("the picture has pixels that are NaN or infinite")
+    if image.dtype == np.float32 and float(np.abs(image).max()) > LARGEST_LEVEL:
+        raise FrameError(f"grey levels must lie between -{LARGEST_LEVEL:g} and {LARGEST_LEVEL:g}")
+
+
+def make_working_image(
+    image: Image,
+    working_width: int,
+    filter_sigma: float = 1.6,
+    sample_spacing: float = 16.0,
+    *,
+    compiled: bool = False,
+) -> WorkingImage:
+    """Reduce a wider frame to the working width by averaging over areas.
+
+    Parameters
+    ----------
+    image : Image
+        Grey levels, uint8 or float32, shape (H, W).
+    working_width : int
+        Wanted width [px].
+    filter_sigma, sample_spacing, compiled : float, float, bool
+        See `WorkingImage`.
+    """
+    height, width = image.shape
+    size = (width, height)
+    if width > working_width:
+        size = (working_width, max(1, round(height * working_width / width)))
+    return WorkingImage(image, size, filter_sigma, sample_spacing, compiled)

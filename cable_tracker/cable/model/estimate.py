@@ -1,0 +1,89 @@
+"""What the tracker says about one frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.model.state import CableState
+
+
+class TrackingStatus(str, Enum):
+    """How far the tracker may be trusted."""
+
+    INITIALISING = "INITIALISING"
+    """No cable found yet: the particles are spread out and search."""
+
+    TRACKING = "TRACKING"
+    """A cable is claimed; only now do state and covariance mean anything to a controller."""
+
+    LOST = "LOST"
+    """There was a cable, and the image does not support it any more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """One of the places where the cable may be.
+
+    Attributes
+    ----------
+    probability : float
+        Its share of the belief, given that there is a cable, 0 to 1.
+    state : CableState
+        Mean of its particles [px, rad, per second].
+    """
+
+    probability: float
+    state: CableState
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CableEstimate:
+    """The posterior over the cable after one frame.
+
+    Attributes
+    ----------
+    stamp : int
+        Time of the frame [ns].
+    status : TrackingStatus
+        Whether a cable is claimed.
+    state : CableState
+        Weighted mean of the particles (MMSE) of the leading hypothesis [px, rad, per second]. Meant
+        for the controller only while the status is TRACKING.
+    covariance : FloatArray
+        Covariance of its error, shape (8, 8), columns of `StateColumn`.
+    effective_sample_size : float
+        N_eff, between 1 and N, before resampling.
+    evidence : float
+        How clearly the image shows the weaker border of the estimate. With the observation
+        `likelihood_ratio`: mean log-likelihood ratio of its points, border against bottom. With
+        `responses`: mean response of its points over the frame's robust scale; zero when the
+        borders disagree.
+    image_size : (int, int)
+        Width and height of the frame [px].
+    event : str
+        Why the tracker started anew with this frame; empty on ordinary frames.
+    presence : float or None
+        Probability that a cable is in view, 0 to 1; None where the filter has no notion of it.
+    hypotheses : tuple of Hypothesis
+        Where the cable may be, likeliest first. The first is that of `state`.
+    """
+
+    stamp: int
+    status: TrackingStatus
+    state: CableState
+    covariance: FloatArray
+    effective_sample_size: float
+    evidence: float
+    image_size: tuple[int, int]
+    event: str = ""
+    presence: float | None = None
+    hypotheses: tuple[Hypothesis, ...] = ()
+
+    def standard_deviations(self) -> FloatArray:
+        """Return the square roots of the covariance's diagonal, shape (8,)."""
+        variances: FloatArray = np.maximum(np.diag(self.covariance), 0.0)
+        return np.sqrt(variances)

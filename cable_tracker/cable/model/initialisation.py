@@ -1,0 +1,140 @@
+"""Where the particles start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.movement import clip_to_limits, state_limits
+from cable_tracker.cable.model.state import PLACES, STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.parameters.parameters import (
+    REFERENCE_RATE,
+    REFERENCE_WIDTH,
+    TrackerParameters,
+)
+
+SMALLEST_RANGE = 1e-6
+"""Smallest width of the search box in d, alpha, w, beta [px, rad]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StatePrior:
+    """A Gaussian belief about the cable, from an operator, a planner, or ground truth.
+
+    Attributes
+    ----------
+    state : CableState
+        Mean [px, rad, per second].
+    sigma : FloatArray
+        Standard deviations, shape (8,) [px, rad, per second]. An infinite one means "not known":
+        that component is drawn as in a random start. NaN means "not said": the component is taken
+        as known well, see `usual_sigma`.
+    """
+
+    state: CableState
+    sigma: FloatArray
+
+    @classmethod
+    def around(cls, state: CableState) -> StatePrior:
+        """Return the prior for a state that is known well."""
+        return cls(state, np.full(STATE_SIZE, np.nan))
+
+
+def usual_sigma(image_width: int) -> FloatArray:
+    """Return the spread about a state that is known well, shape (8,): 2 px, half a degree."""
+    scale = image_width / REFERENCE_WIDTH
+    half_degree = float(np.deg2rad(0.5))
+    return np.array(
+        [
+            2.0 * scale,
+            half_degree,
+            2.0 * scale,
+            half_degree,
+            0.5 * scale * REFERENCE_RATE,
+            0.1 * half_degree * REFERENCE_RATE,
+            0.2 * scale * REFERENCE_RATE,
+            0.04 * half_degree * REFERENCE_RATE,
+        ]
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchBox:
+    """The cables among which a search without knowledge draws, all alike (thesis, Table 5.2).
+
+    Attributes
+    ----------
+    lower, upper : FloatArray
+        Shape (8,) [px, rad, per second].
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+
+    def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
+        """Draw cables, shape (count, 8)."""
+        return self.placed(rng.random((count, STATE_SIZE)))
+
+    def placed(self, uniform: FloatArray) -> FloatArray:
+        """Return the cables for numbers from 0 to 1, both of shape (N, 8)."""
+        return self.lower + uniform * (self.upper - self.lower)
+
+    def log_density_of_places(self, states: FloatArray) -> FloatArray:
+        """Return the log-density of d, alpha, w, beta, shape (N,); -inf outside the box."""
+        lower, upper = self.lower[:PLACES], self.upper[:PLACES]
+        places = states[:, :PLACES]
+        inside = ((places >= lower) & (places <= upper)).all(axis=1)
+        return np.where(inside, -np.log(upper - lower).sum(), -np.inf)
+
+
+def search_box(parameters: TrackerParameters, image_width: int) -> SearchBox:
+    """Return the box for frames of a given width [px]."""
+    scale = image_width / REFERENCE_WIDTH
+    distance = parameters.initial_distance_range * scale
+    angle = np.deg2rad(parameters.initial_angle_range)
+    distance_rate = parameters.initial_distance_rate_range * scale * REFERENCE_RATE
+    angle_rate = np.deg2rad(parameters.initial_angle_rate_range) * REFERENCE_RATE
+    lower = np.array(
+        [-distance, -angle, parameters.initial_width_minimum * scale,
+         np.deg2rad(parameters.initial_skew_minimum), -distance_rate, -angle_rate, 0.0, 0.0]
+    )  # fmt: skip
+    upper = np.array(
+        [distance, angle, parameters.initial_width_maximum * scale,
+         np.deg2rad(parameters.initial_skew_maximum), distance_rate, angle_rate, 0.0, 0.0]
+    )  # fmt: skip
+    # A range of zero is a density without end.
+    upper[:PLACES] = np.maximum(upper[:PLACES], lower[:PLACES] + SMALLEST_RANGE)
+    return SearchBox(lower, upper)
+
+
+def random_states(
+    parameters: TrackerParameters, image_width: int, rng: np.random.Generator
+) -> FloatArray:
+    """Draw states uniformly from the ranges of Table 5.2, shape (N, 8), within the limits."""
+    states = search_box(parameters, image_width).draw(parameters.particle_count, rng)
+    return clip_to_limits(wrap_states(states), state_limits(parameters, image_width))
+
+
+def states_from_prior(
+    prior: StatePrior,
+    parameters: TrackerParameters,
+    image_width: int,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Draw states from a Gaussian prior, shape (N, 8), within the limits."""
+    states = random_states(parameters, image_width, rng)
+    noise = rng.standard_normal(states.shape)
+    usual = usual_sigma(image_width)
+    # Rates that never change are none that the model has, as in the thesis: a wrong one would stay.
+    if parameters.width_rate_variance == 0.0:
+        usual[StateColumn.WIDTH_RATE] = 0.0
+    if parameters.skew_rate_variance == 0.0:
+        usual[StateColumn.SKEW_RATE] = 0.0
+    sigma = np.where(np.isnan(prior.sigma), usual, prior.sigma)
+    known = np.isfinite(sigma)
+    drawn = prior.state.to_array() + noise * np.where(known, sigma, 0.0)
+    states[:, known] = drawn[:, known]
+    return clip_to_limits(wrap_states(states), state_limits(parameters, image_width))

@@ -1,0 +1,1 @@
+"""All settings of a tracker, their files and presets."""

@@ -1,0 +1,151 @@
+"""Parameters in YAML files, in the form that ROS nodes read."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import yaml
+
+from cable_tracker.cable.parameters.parameters import (
+    PARAMETER_TABLE,
+    ParameterSpec,
+    ParameterValue,
+    TrackerParameters,
+)
+from cable_tracker.errors import ParameterError
+
+ROS_KEY = "ros__parameters"
+
+PLAIN_WORD = re.compile(r"(?!(?:true|false|yes|no|on|off|y|n|null|nan|inf)$)[a-z][a-z_]*")
+"""A text that YAML does not take for anything else."""
+
+
+class _ParameterLoader(yaml.SafeLoader):
+    """Reads 1e-5 as a number, as ROS and YAML 1.2 do; YAML 1.1 takes it for a word."""
+
+
+_ParameterLoader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"[-+]?\d+[eE][-+]?\d+"), list("-+0123456789")
+)
+
+
+def read_parameter_file(path: Path) -> dict[str, object]:
+    """Read the parameters of a ROS parameter file, or of a plain mapping of names to values.
+
+    The names are not checked. In a ROS file, the sections `/**` and those of any node named
+    `tracker` count, the later ones first.
+
+    Raises
+    ------
+    ParameterError
+        The file cannot be read or has another form.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise _unreadable(str(path), error) from error
+    return parse_parameters(text, str(path))
+
+
+def parse_parameters(text: str, path: str) -> dict[str, object]:
+    """Read the text of a parameter file; see `read_parameter_file`.
+
+    Parameters
+    ----------
+    text : str
+        What is in the file.
+    path : str
+        What it is called in messages.
+
+    Raises
+    ------
+    ParameterError
+        The text has another form.
+    """
+    try:
+        # A SafeLoader with one more way of writing numbers.
+        content = yaml.load(text, _ParameterLoader)
+    except (ValueError, RecursionError, yaml.YAMLError) as error:
+        raise _unreadable(path, error) from error
+    if not isinstance(content, dict):
+        raise ParameterError(f"{path}: holds no parameters by name; see config/default.yaml")
+    sections = [
+        section[ROS_KEY]
+        for node, section in content.items()
+        if isinstance(section, dict) and ROS_KEY in section and _is_for_tracker(str(node))
+    ]
+    if not sections:
+        sections = [content]
+    values: dict[str, object] = {}
+    for section in sections:
+        if not isinstance(section, dict):
+            raise ParameterError(f"{path}: {ROS_KEY} is no mapping; see config/default.yaml")
+        values.update({str(name): value for name, value in section.items()})
+    return values
+
+
+def _unreadable(path: str, error: Exception) -> ParameterError:
+    reason = " ".join(str(error).split())
+    return ParameterError(f"{path}: cannot be read as YAML ({reason})")
+
+
+def _is_for_tracker(node: str) -> bool:
+    return node.strip("/") == "**" or node.rsplit("/", maxsplit=1)[-1] == "tracker"
+
+
+def filter_parameters(
+    base: TrackerParameters, values: dict[str, object], also_known: set[str]
+) -> TrackerParameters:
+    """Apply the values of a file to a preset, passing over those that only the node knows.
+
+    Raises
+    ------
+    ParameterError
+        A name is neither the filter's nor in `also_known`, or a value is not acceptable.
+    """
+    return base.replaced({name: value for name, value in values.items() if name not in also_known})
+
+
+def format_parameter_file(parameters: TrackerParameters, title: str) -> str:
+    """Write all parameters of the filter as a commented ROS parameter file."""
+    return format_values(PARAMETER_TABLE, parameters.as_mapping(), title)
+
+
+def format_values(
+    table: Iterable[ParameterSpec], values: Mapping[str, ParameterValue], title: str
+) -> str:
+    """Write the parameters of a table as a commented ROS parameter file.
+
+    Parameters
+    ----------
+    table : iterable of ParameterSpec
+        What to write, in this order.
+    values : mapping
+        The value of each.
+    title : str
+        First line of the file.
+    """
+    lines = [
+        f"# {' '.join(title.split())}",
+        "# Lengths are for an image 320 px wide, variances per frame at 25 frames per second;",
+        "# docs/parameters.md explains each.",
+        "/**:",
+        f"  {ROS_KEY}:",
+    ]
+    for spec in table:
+        text = _scalar(values[spec.name])
+        unit = f" {spec.unit}," if spec.unit else ""
+        lines.append(f"    {spec.name}: {text}  #{unit} {spec.range_text()}")
+    return "\n".join(lines) + "\n"
+
+
+def _scalar(value: ParameterValue) -> str:
+    """Write a value so that YAML and ROS read it back; what is no plain word is quoted."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str) and not PLAIN_WORD.fullmatch(value):
+        return yaml.safe_dump(value, default_style='"', width=math.inf).strip()
+    return str(value)

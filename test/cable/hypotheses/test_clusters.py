@@ -1,0 +1,121 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.hypotheses.clusters import (
+    MOST_CLUSTERS,
+    RADII,
+    clusters_of,
+    find_clusters,
+    find_groups,
+)
+from cable_tracker.cable.model.geometry import unwrap_states, wrap_states
+
+WIDTH = 320
+SIGMA = np.array([2.0, 0.01, 2.0, 0.01, 1.0, 0.1, 1.0, 0.1])
+
+
+def cloud(rng, distance, angle, count=100, width=30.0) -> np.ndarray:
+    middle = np.array([distance, angle, width, 0.0, 0.0, 0.0, 0.0, 0.0])
+    return wrap_states(middle + rng.standard_normal((count, 8)) * SIGMA)
+
+
+def equal(count) -> np.ndarray:
+    return np.full(count, 1.0 / count)
+
+
+@pytest.mark.parametrize("angle", [0.2, np.pi / 2, -np.pi / 2 + 0.005])
+def test_two_separate_clouds_are_two_clusters_and_no_mean_lies_between(angle, rng):
+    states = np.concatenate((cloud(rng, -60.0, angle, 60), cloud(rng, 60.0, angle, 40)))
+    first, second = find_clusters(states, equal(100), WIDTH)
+    assert first.members.tolist() == [True] * 60 + [False] * 40
+    assert second.members.tolist() == [False] * 60 + [True] * 40
+    assert (first.mass, second.mass) == pytest.approx((0.6, 0.4))
+    for cluster, distance in ((first, -60.0), (second, 60.0)):
+        chart = unwrap_states(cluster.state[None, :], angle)[0]
+        assert chart[0] == pytest.approx(distance, abs=2.0)
+        assert chart[1] == pytest.approx(angle, abs=0.01)
+        assert -np.pi / 2 < cluster.state[1] <= np.pi / 2
+
+
+def test_a_cloud_on_both_sides_of_the_wrap_is_one_cluster(rng):
+    states = cloud(rng, 20.0, np.pi / 2)
+    assert {-1.0, 1.0} == set(np.sign(states[:, 0]))
+    (cluster,) = find_clusters(states, equal(100), WIDTH)
+    assert cluster.mass == pytest.approx(1.0)
+    spread = np.sqrt(np.diag(cluster.covariance(states, equal(100))))
+    np.testing.assert_allclose(spread, SIGMA, rtol=0.4)
+
+
+def test_cables_of_other_widths_are_other_clusters(rng):
+    states = np.concatenate((cloud(rng, 0.0, 0.0, width=20.0), cloud(rng, 0.0, 0.0, width=90.0)))
+    assert len(find_clusters(states, equal(200), WIDTH)) == 2
+
+
+def test_the_leading_cluster_has_the_greatest_mass_not_the_heaviest_particle(rng):
+    states = np.concatenate((cloud(rng, -60.0, 0.0, 1), cloud(rng, 60.0, 0.0, 99)))
+    weights = np.concatenate(([0.1], np.full(99, 0.9 / 99)))
+    leader = find_clusters(states, weights, WIDTH)[0]
+    assert leader.mean[0] == pytest.approx(60.0, abs=2.0)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 60))
+def test_every_particle_is_in_one_cluster_at_most(seed, count):
+    rng = np.random.default_rng(seed)
+    states = rng.uniform(-1, 1, (count, 8)) * np.array([190, np.pi / 2, 0, 0.1, 1, 1, 1, 1])
+    states[:, 2] = rng.uniform(5, 120, count)
+    weights = rng.dirichlet(np.full(count, 0.3))
+    clusters = find_clusters(wrap_states(states), weights, WIDTH)
+    assert 1 <= len(clusters) <= MOST_CLUSTERS
+    assert np.sum([cluster.members for cluster in clusters], axis=0).max() == 1
+    masses = [cluster.mass for cluster in clusters]
+    assert masses == sorted(masses, reverse=True)
+    assert sum(masses) <= 1.0 + 1e-9
+    for cluster in clusters:
+        assert cluster.mass == pytest.approx(weights[cluster.members].sum())
+        assert np.isfinite(cluster.mean).all()
+
+
+def test_particles_without_weight_belong_to_none(rng):
+    states = np.concatenate((cloud(rng, -60.0, 0.0, 50), cloud(rng, 60.0, 0.0, 50)))
+    weights = np.concatenate((np.full(50, 1 / 50), np.zeros(50)))
+    (cluster,) = find_clusters(states, weights, WIDTH)
+    assert not cluster.members[50:].any()
+    assert find_groups(states, np.full(100, -np.inf), WIDTH) == []
+
+
+def test_the_lightest_cloud_gathers_too(rng):
+    states = np.concatenate((cloud(rng, -60.0, 0.0, 50), cloud(rng, 60.0, 0.0, 50)))
+    groups = find_groups(states, np.repeat([0.0, -2000.0], 50), WIDTH)
+    assert [group.sum() for group in groups] == [50, 50]
+    # It has no weight in numbers, so that it is no cluster.
+    assert len(clusters_of(groups, states, np.repeat([1 / 50, 0.0], 50))) == 1
+
+
+def test_the_first_group_is_at_the_anchor_however_light(rng):
+    states = np.concatenate((cloud(rng, -60.0, 0.0, 50), cloud(rng, 60.0, 0.0, 50)))
+    log_weights = np.repeat([0.0, -50.0], 50)
+    anchor = np.array([62.0, 0.0, 30.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    anchored, free = find_groups(states, log_weights, WIDTH, anchor)
+    assert anchored[50:].all()
+    assert free[:50].all()
+    beyond = anchor + np.array([90.0, *[0.0] * 7])
+    assert find_groups(states, log_weights, WIDTH, beyond)[0][:50].all()
+
+
+def test_lengths_scale_with_the_image():
+    states = np.zeros((2, 8))
+    states[:, 2] = 30.0
+    states[1, 0] = RADII[0] * 1.5
+    assert len(find_clusters(states, equal(2), 320)) == 2
+    assert len(find_clusters(states, equal(2), 640)) == 1
+
+
+def test_one_particle_is_one_cluster_without_a_spread(rng):
+    states = cloud(rng, 5.0, 0.1, 1)
+    (cluster,) = find_clusters(states, np.ones(1), WIDTH)
+    np.testing.assert_allclose(cluster.state, states[0])
+    np.testing.assert_allclose(cluster.covariance(states, np.ones(1)), 0.0)

@@ -1,0 +1,182 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.hypotheses.leaving import (
+    BirthDensity,
+    RememberedCable,
+    distance_inside,
+    remember,
+    support,
+    survival_probabilities,
+)
+from cable_tracker.cable.model.geometry import project_borders, segment_inside, wrap_states
+from cable_tracker.cable.model.initialisation import search_box
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+SIZE = (320, 240)
+PARAMETERS = TrackerParameters(
+    disappearance_rate=0.25, leaving_rate=10.0, leaving_margin=8.0, memory_time=4.0
+)
+ANGLES = st.floats(-np.pi / 2, np.pi / 2)
+
+
+def cable(distance, angle=0.0, width=30.0, skew=0.0) -> np.ndarray:
+    return np.array([distance, angle, width, skew, 0.0, 0.0, 0.0, 0.0])
+
+
+def births(memory=None, parameters=PARAMETERS, size=SIZE) -> BirthDensity:
+    return BirthDensity(search_box(parameters, size[0]), memory, parameters.memory_time, size)
+
+
+@given(ANGLES)
+def test_a_line_meets_the_image_up_to_the_support_and_not_beyond(angle):
+    reach = float(support(np.array(angle), (321, 241)))  # Lines are clipped to pixel centres.
+    assert segment_inside(angle, reach - 1.5, (321, 241)) is not None
+    assert segment_inside(angle, reach + 0.1, (321, 241)) is None
+
+
+@given(st.floats(-300, 300), ANGLES)
+def test_how_far_a_line_is_inside_does_not_depend_on_how_it_is_written(distance, angle):
+    states = np.array([cable(distance, angle), cable(-distance, angle + np.pi)])
+    here, there = distance_inside(states, SIZE)
+    assert here == pytest.approx(there, abs=1e-9)
+
+
+def test_survival_falls_toward_the_edge_and_hardly_any_cable_survives_beyond():
+    states = np.array([cable(distance) for distance in (0.0, 100.0, 140.0, 155.0, 165.0, 220.0)])
+    survival = survival_probabilities(states, SIZE, PARAMETERS, 1.0)
+    assert (np.diff(survival) < 0.0).all()
+    assert survival[0] == pytest.approx(np.exp(-0.25), rel=1e-6)
+    assert survival[-1] < 1e-4
+    assert survival_probabilities(states, SIZE, PARAMETERS, 0.0) == pytest.approx(np.ones(6))
+
+
+@given(st.floats(0.0, 2.0), st.floats(0.0, 2.0))
+def test_surviving_two_times_is_surviving_their_sum(first, second):
+    state = cable(150.0)[None, :]
+    one, two, both = (
+        survival_probabilities(state, SIZE, PARAMETERS, dt)[0]
+        for dt in (first, second, first + second)
+    )
+    assert one * two == pytest.approx(both)
+
+
+def test_the_same_scene_twice_as_large_survives_alike():
+    large = survival_probabilities(cable(300.0)[None], (640, 480), PARAMETERS, 0.5)
+    np.testing.assert_allclose(
+        large, survival_probabilities(cable(150.0)[None], SIZE, PARAMETERS, 0.5)
+    )
+
+
+@pytest.mark.parametrize(("distance", "side"), [(150.0, 1.0), (-150.0, -1.0), (20.0, 0.0)])
+def test_a_cable_at_the_edge_is_remembered_with_its_side(distance, side):
+    memory = remember(cable(distance), SIZE, PARAMETERS)
+    assert memory.side == side
+    assert memory.aged(0.5).aged(0.25).seconds == 0.75
+    np.testing.assert_array_equal(memory.places, cable(distance)[:4])
+
+
+MEMORIES = {
+    "none": None,
+    "in the middle": RememberedCable(cable(20.0, 0.3)[:4], 0.0, 0.1),
+    "in the middle, long ago": RememberedCable(cable(20.0, 0.3)[:4], 0.0, 3.0),
+    "left by a side": RememberedCable(cable(150.0, 0.1)[:4], 1.0, 0.5),
+    "left by a side, long ago": RememberedCable(cable(-150.0, -0.1)[:4], -1.0, 5.0),
+    "beside the wrap": RememberedCable(cable(20.0, np.pi / 2 - 0.01)[:4], 0.0, 0.1),
+    "forgotten": RememberedCable(cable(20.0, 0.3)[:4], 0.0, 1e4),
+}
+
+
+@pytest.mark.parametrize("memory", MEMORIES.values(), ids=MEMORIES)
+def test_births_are_drawn_from_the_density_that_is_said(memory, rng):
+    """The mean of g / density over draws is the integral of g, here of a box and of half of it."""
+    density = births(memory)
+    draws = density.draw(60_000, rng)
+    assert ((draws[:, 1] > -np.pi / 2) & (draws[:, 1] <= np.pi / 2)).all()
+    lower, upper = density.box.lower[:4], density.box.upper[:4]
+    within = ((draws[:, :4] >= lower) & (draws[:, :4] <= upper)).all(axis=1)
+    whole = within / np.exp(density.log_density(draws)) / np.prod(upper - lower)
+    for ratios, expected in ((whole, 1.0), (whole * (draws[:, 0] > 0), 0.5)):
+        error = ratios.std() / np.sqrt(len(ratios))
+        assert ratios.mean() == pytest.approx(expected, abs=5 * error + 1e-9)
+        assert error < 0.02
+
+
+@pytest.mark.parametrize("memory", MEMORIES.values(), ids=MEMORIES)
+def test_the_density_of_births_integrates_to_one(memory, rng):
+    """By importance sampling from a flat mixture: boxes and a broad cloud about the memory."""
+    density = births(memory)
+    centre = np.zeros(4) if memory is None else memory.places
+    other = births(RememberedCable(centre, 0.0, 0.4))
+    draws = np.concatenate((density.draw(30_000, rng), other.draw(30_000, rng)))
+    wanted = density.log_density(draws)
+    mixture = np.logaddexp(wanted, other.log_density(draws)) - np.log(2.0)
+    ratios = np.exp(wanted - mixture)
+    assert ratios.mean() == pytest.approx(1.0, abs=5 * ratios.std() / np.sqrt(len(ratios)) + 0.005)
+
+
+@given(st.floats(-170, 170), ANGLES, st.floats(7, 100), st.floats(-0.1, 0.1))
+def test_the_density_of_births_does_not_depend_on_how_a_line_is_written(d, alpha, w, beta):
+    one, other = cable(d, alpha, w, beta), cable(-d, alpha + np.pi, w, -beta)
+    density = births(MEMORIES["left by a side"])
+    np.testing.assert_allclose(
+        density.log_density(one[None]), density.log_density(other[None]), rtol=1e-6
+    )
+
+
+@pytest.mark.parametrize("angle", [-0.5, 0.0, 0.7])
+def test_a_cable_that_left_is_looked_for_along_its_side_whatever_its_angle(angle, rng):
+    memory = remember(cable(155.0, 0.05), SIZE, PARAMETERS).aged(0.3)
+    density = births(memory)
+    at_the_edge = support(np.array([angle]), SIZE)[0] - 5.0
+    here, there, across = (
+        density.log_density(cable(distance, angle)[None])[0]
+        for distance in (at_the_edge, 0.3 * at_the_edge, -at_the_edge)
+    )
+    assert here > there + 0.5
+    assert here > across + 0.5
+    draws = density.draw(3000, rng)
+    assert (np.abs(distance_inside(draws, SIZE)) < 30.0).mean() > 0.4
+    right = project_borders(draws).offsets.mean(axis=1) * np.cos(draws[:, 1])
+    assert (right > 0.0).mean() > 0.7
+
+
+def test_a_cable_that_vanished_in_the_middle_is_looked_for_there(rng):
+    memory = remember(cable(20.0, 0.3), SIZE, PARAMETERS).aged(0.1)
+    draws = births(memory).draw(3000, rng)
+    near = (np.abs(draws[:, 0] - 20.0) < 40.0) & (np.abs(draws[:, 1] - 0.3) < 0.3)
+    assert 0.5 < near.mean() < 0.75
+
+
+def test_the_longer_it_is_gone_the_farther_it_is_looked_for(rng):
+    memory = remember(cable(20.0, 0.3), SIZE, PARAMETERS)
+    spreads = [
+        np.median(np.abs(births(memory.aged(seconds)).draw(4000, rng)[:, 0] - 20.0))
+        for seconds in (0.0, 0.5, 2.0, 60.0)
+    ]
+    assert spreads == sorted(spreads)
+    uniform = np.median(np.abs(births().draw(4000, rng)[:, 0] - 20.0))
+    assert spreads[-1] == pytest.approx(uniform, rel=0.1)
+
+
+@pytest.mark.parametrize("memory", MEMORIES.values(), ids=MEMORIES)
+def test_the_first_births_are_about_the_memory_and_the_others_anywhere(memory, rng):
+    density = births(memory)
+    uniform = rng.random((60, 8))
+    placed = density.placed(uniform, np.zeros((60, 4)))
+    remembered = density.remembered_of(60)
+    assert remembered == round(60 * density.memory_share)
+    np.testing.assert_array_equal(placed[remembered:], density.box.placed(uniform)[remembered:])
+    if memory is not None:
+        # Without noise they are where it was.
+        expected = np.tile([*memory.places, 0.0, 0.0, 0.0, 0.0], (remembered, 1))
+        np.testing.assert_allclose(placed[:remembered], expected)
+
+
+def test_births_that_are_drawn_are_wrapped(rng):
+    draws = births(MEMORIES["beside the wrap"]).draw(2000, rng)
+    np.testing.assert_allclose(wrap_states(draws), draws)

@@ -1,0 +1,304 @@
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.hypotheses.belief import initial_belief
+from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
+    FIRST_POWER,
+    LEAST_PRESENCE,
+    MOST_PRESENCE,
+    MultiHypothesisFilter,
+    allot,
+    annealing_power,
+    round_weights,
+)
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+SIZE = (160, 120)
+FRAME = 0.04
+STRIP = CableState(12.0, 0.2, 24.0, 0.03)
+OTHER = CableState(-45.0, -0.15, 20.0, 0.0)
+NONE = np.empty((0, 4))
+FOUND = STRIP.to_array()[None, :4] + np.array([1.0, 0.02, -1.0, 0.0])
+
+
+def parameters(**changes) -> TrackerParameters:
+    return TrackerParameters(particle_count=400).replaced(changes)
+
+
+def make_filter(seed=0, **changes) -> MultiHypothesisFilter:
+    values = parameters(**changes)
+    rng = np.random.default_rng(seed)
+    return MultiHypothesisFilter(values, BorderLikelihoodRatio(values), SIZE, rng)
+
+
+def cloud(state, count=400, seed=0, wide=1.0) -> np.ndarray:
+    sigma = wide * np.array([2.0, 0.03, 2.0, 0.02, 5.0, 0.05, 2.0, 0.02])
+    rng = np.random.default_rng(seed)
+    return state.to_array() + rng.standard_normal((count, 8)) * sigma
+
+
+def working(image):
+    return make_working_image(image, 320)
+
+
+@pytest.fixture
+def strip(draw_strip):
+    return working(draw_strip(STRIP, SIZE, strip=130.0, ground=100.0, blur=2.0))
+
+
+@pytest.fixture
+def noise(noise_picture):
+    return lambda seed: working(noise_picture(seed, SIZE))
+
+
+@given(st.integers(1, 6))
+def test_the_power_of_the_likelihood_rises_round_by_round_to_one(rounds):
+    powers = [annealing_power(number, rounds) for number in range(rounds)]
+    assert powers[0] == pytest.approx(FIRST_POWER)
+    assert powers == sorted(powers)
+    if rounds > 1:
+        assert powers[-1] == 1.0
+
+
+@given(st.integers(1, 6))
+def test_the_rounds_share_all_and_the_last_has_most(rounds):
+    weights = round_weights(rounds)
+    assert len(weights) == rounds
+    assert sum(weights) == pytest.approx(1.0)
+    assert max(weights) == weights[-1]
+    assert round_weights(0) == []
+
+
+@given(st.integers(0, 5000), st.lists(st.floats(1e-6, 1.0), min_size=1, max_size=5))
+def test_what_is_split_adds_up_again(count, masses):
+    counts = allot(count, np.array(masses))
+    assert sum(counts) == count
+    assert min(counts) >= 0
+    for number, mass in zip(counts[1:], masses[1:], strict=True):
+        assert number == pytest.approx(count * mass / sum(masses), abs=1.0)
+
+
+def mean_of(belief) -> np.ndarray:
+    return belief.clusters[0].mean[:4]
+
+
+def posterior(image, detections, runs=10, **changes) -> tuple[np.ndarray, np.ndarray]:
+    """Mean over several seeds of the estimate of one frame, and its standard error, (4,) each."""
+    means = []
+    for seed in range(runs):
+        cable_filter = make_filter(seed, **changes)
+        belief = cable_filter.belief_given(cloud(STRIP, seed=seed, wide=1.5))
+        means.append(mean_of(cable_filter.step(belief, image, FRAME, detections)))
+    values = np.array(means)
+    return values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(runs)
+
+
+BROAD = {"particle_count": 600, "tempering": 0.01, "ancestor_count": 600}
+PROPOSALS = {
+    name: dict(zip(("detector_share", "search_share", "refinement_share"), shares, strict=True))
+    for name, shares in {
+        "no proposal": (0.0, 0.05, 0.0),
+        "a detector": (0.4, 0.05, 0.0),
+        "rounds": (0.0, 0.05, 0.6),
+        "a search": (0.0, 0.4, 0.0),
+        "all": (0.2, 0.2, 0.4),
+    }.items()
+}
+
+
+def test_no_proposal_is_a_second_prior(strip):
+    """Wherever particles are drawn, their weights give the posterior of the same prior.
+
+    The detector sees the cable beside its place and the likelihood is weak: if what is proposed
+    counted as evidence, the estimate would be drawn there.
+    """
+    beside = STRIP.to_array()[None, :4] + np.array([3.0, 0.05, 3.0, 0.0])
+    results = {
+        name: posterior(strip, beside, **BROAD, **changes) for name, changes in PROPOSALS.items()
+    }
+    reference, reference_error = results.pop("no proposal")
+    for name, (mean, error) in results.items():
+        tolerance = 4.5 * np.hypot(error, reference_error)
+        assert (np.abs(mean - reference) < tolerance).all(), name
+        # The shift of the detector is more than what could hide in the tolerance.
+        assert (tolerance[:3] < 0.5 * (beside[0, :3] - STRIP.to_array()[:3])).all(), name
+
+
+def test_no_proposal_changes_whether_there_is_a_cable(strip):
+    log_odds = {}
+    for name, changes in PROPOSALS.items():
+        values = []
+        for seed in range(8):
+            cable_filter = make_filter(seed, **BROAD, **changes, evidence_of_bottom=0.0)
+            belief = initial_belief(cloud(STRIP, seed=seed), 0.5, SIZE[0])
+            presence = cable_filter.step(belief, strip, FRAME, FOUND).presence
+            values.append(np.log(presence / (1.0 - presence)))
+        log_odds[name] = np.mean(values)
+    assert np.ptp(list(log_odds.values())) < 0.25, log_odds
+
+
+def run(cable_filter, belief, images, detections=NONE, dt=FRAME) -> list:
+    beliefs = []
+    for image in images:
+        belief = cable_filter.step(belief, image, dt, detections)
+        beliefs.append(belief)
+    return beliefs
+
+
+def assert_sound(belief) -> None:
+    assert np.isfinite(belief.particles.states).all()
+    assert belief.particles.weights.sum() == pytest.approx(1.0)
+    assert LEAST_PRESENCE <= belief.presence <= MOST_PRESENCE
+    assert 0.0 < belief.bright < 1.0
+    masses = [cluster.mass for cluster in belief.clusters]
+    assert masses
+    assert masses == sorted(masses, reverse=True)
+    assert np.isfinite([belief.evidence, belief.seen]).all()
+    angles = belief.particles.states[:, 1]
+    assert ((angles > -np.pi / 2) & (angles <= np.pi / 2)).all()
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_presence_rises_on_a_strip_and_stays_low_on_noise(strip, noise, seed):
+    cable_filter = make_filter(seed)
+    seen = run(cable_filter, cable_filter.first_belief(), [strip] * 15, FOUND)
+    assert seen[-1].presence > 0.95
+    np.testing.assert_allclose(mean_of(seen[-1])[[0, 2]], [12.0, 24.0], atol=1.5)
+    cable_filter = make_filter(seed)
+    images = [noise(100 * seed + k) for k in range(15)]
+    unseen = run(cable_filter, cable_filter.first_belief(), images, FOUND)
+    assert max(belief.presence for belief in unseen) < 0.5
+
+
+def test_a_bright_cable_becomes_known_as_bright_and_a_dark_one_as_dark(draw_strip):
+    for strip, ground in ((180.0, 80.0), (80.0, 180.0)):
+        image = working(draw_strip(STRIP, SIZE, strip=strip, ground=ground))
+        cable_filter = make_filter()
+        bright = run(cable_filter, cable_filter.belief_given(cloud(STRIP)), [image] * 10)[-1].bright
+        assert bright > 0.9 if strip > ground else bright < 0.1
+
+
+def test_two_strips_are_two_hypotheses_and_the_estimate_is_on_one_of_them(draw_strip):
+    pictures = [draw_strip(state, SIZE, strip=180.0, ground=80.0) for state in (STRIP, OTHER)]
+    image = working(np.maximum(*pictures))
+    detections = np.array([STRIP.to_array()[:4], OTHER.to_array()[:4]])
+    cable_filter = make_filter()
+    states = np.concatenate((cloud(STRIP, 200), cloud(OTHER, 200)))
+    belief = cable_filter.belief_given(states)
+    assert len(belief.clusters) == 2
+    for after in run(cable_filter, belief, [image] * 10, detections):
+        distance = mean_of(after)[0]
+        assert min(abs(distance - 12.0), abs(distance + 45.0)) < 3.0
+        assert_sound(after)
+
+
+def test_the_usual_width_and_the_place_are_remembered_while_a_cable_is_tracked(strip, noise):
+    cable_filter = make_filter()
+    seen = run(cable_filter, cable_filter.belief_given(cloud(STRIP)), [strip] * 15, FOUND)[-1]
+    assert np.exp(seen.usual_width.log_width) == pytest.approx(24.0, abs=2.5)
+    assert seen.memory.seconds == 0.0
+    np.testing.assert_allclose(seen.memory.places, STRIP.to_array()[:4], atol=1.5)
+    gone = run(cable_filter, seen, [noise(k) for k in range(25)])[-1]
+    assert gone.presence < 0.5
+    assert gone.memory.seconds == pytest.approx(gone.usual_width.unseen)
+    assert gone.memory.seconds > 0.4
+
+
+def test_what_cannot_be_is_a_new_search(strip):
+    # No width that particles may have is one that is drawn.
+    cable_filter = make_filter(
+        width_minimum=150.0, initial_width_minimum=6.0, initial_width_maximum=20.0,
+        detector_share=0.0, diffusion_degrees_of_freedom=0.0,
+    )  # fmt: skip
+    before = cable_filter.first_belief()
+    (after,) = run(cable_filter, before, [strip])
+    assert_sound(after)
+    assert after.presence == LEAST_PRESENCE
+    assert after.particles.count == 400
+    assert not np.array_equal(after.particles.states, before.particles.states)
+
+
+def test_nothing_born_for_ever_is_no_problem(strip, noise):
+    cable_filter = make_filter(appearance_rate=0.0, evidence_repeated=0.0)
+    images = [noise(k) for k in range(6)] + [strip] * 6
+    for belief in run(cable_filter, cable_filter.first_belief(), images, FOUND):
+        assert_sound(belief)
+
+
+@pytest.mark.parametrize("count", [1, 3, 900])
+def test_another_number_of_particles_keeps_what_is_believed(strip, count):
+    cable_filter = make_filter()
+    belief = run(cable_filter, cable_filter.belief_given(cloud(STRIP)), [strip] * 3)[-1]
+    adapted = make_filter(particle_count=count).adapted(belief)
+    assert adapted.particles.count == count
+    assert adapted.presence == belief.presence
+    assert adapted.memory is belief.memory
+    assert all(len(cluster.members) == count for cluster in adapted.clusters)
+    np.testing.assert_allclose(mean_of(adapted)[0], mean_of(belief)[0], atol=3.0)
+
+
+@pytest.mark.parametrize("count", [1, 2, 8, 3000])
+@pytest.mark.parametrize("rounds", [0, 4])
+def test_any_number_of_particles_runs_without_a_warning(strip, noise, count, rounds):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cable_filter = make_filter(particle_count=count, refinement_rounds=rounds)
+        belief = cable_filter.first_belief()
+        for image, detections in ((strip, NONE), (strip, FOUND), (noise(1), FOUND)):
+            belief = cable_filter.step(belief, image, FRAME, detections)
+            assert_sound(belief)
+            assert belief.particles.count == count
+
+
+EXTREMES = {
+    "all detected": {"detector_share": 0.9, "refinement_share": 0.0, "search_share": 0.0},
+    "all refined": {"detector_share": 0.0, "refinement_share": 0.9, "search_share": 0.0},
+    "all searching": {"detector_share": 0.0, "refinement_share": 0.0, "search_share": 0.9},
+    "no movement": dict.fromkeys(
+        [f"{name}_variance" for name in ("distance", "angle", "width", "skew")]
+        + [f"{name}_rate_variance" for name in ("distance", "angle", "width", "skew")],
+        0.0,
+    ),
+    "no damping": {"rate_damping": 1.0},
+    "no rates": {"rate_damping": 0.0},
+    "one place to start": {
+        "initial_distance_range": 0.0, "initial_angle_range": 0.0,
+        "initial_width_minimum": 30.0, "initial_width_maximum": 30.0,
+        "initial_skew_minimum": 0.0, "initial_skew_maximum": 0.0,
+    },
+    "never gone": {"disappearance_rate": 0.0, "leaving_rate": 0.0, "appearance_rate": 100.0},
+    "always gone": {"disappearance_rate": 100.0, "leaving_rate": 100.0, "appearance_rate": 0.0},
+    "evidence as it is": {"evidence_repeated": 1.0, "evidence_limit": 1e6, "tempering": 1.0},
+    "no polarity": {"polarity_memory": 0.0},
+    "cauchy": {"diffusion_degrees_of_freedom": 1.0},
+    "gaussian": {"diffusion_degrees_of_freedom": 0.0},
+}  # fmt: skip
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("kind", EXTREMES)
+def test_extreme_parameters_run_without_a_warning(strip, noise, kind):
+    cable_filter = make_filter(particle_count=150, **EXTREMES[kind])
+    belief = cable_filter.first_belief()
+    steps = [(strip, FRAME)] * 3 + [(noise(1), 3.0), (strip, 3.0), (noise(2), 1e-9)]
+    for image, dt in steps:
+        belief = cable_filter.step(belief, image, dt, FOUND)
+        assert_sound(belief)
+
+
+def test_the_belief_before_is_not_changed(strip):
+    cable_filter = make_filter()
+    belief = cable_filter.belief_given(cloud(STRIP))
+    states, weights = belief.particles.states.copy(), belief.particles.log_weights.copy()
+    cable_filter.step(belief, strip, FRAME, FOUND)
+    np.testing.assert_array_equal(belief.particles.states, states)
+    np.testing.assert_array_equal(belief.particles.log_weights, weights)

@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.hypotheses.usual_width import UsualWidth, width_seen
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+PARAMETERS = TrackerParameters(width_spread=0.3, width_time=2.0, memory_time=4.0)
+
+
+def factors(usual, widths) -> np.ndarray:
+    states = np.zeros((len(widths), 8))
+    states[:, 2] = widths
+    return usual.log_factors(states, PARAMETERS)
+
+
+@given(st.floats(3.0, 200.0), st.floats(0.01, 2.0), st.floats(0.01, 1.0))
+def test_the_usual_width_fits_best_and_others_the_worse_the_farther(width, far, farther):
+    ratios = np.exp([0.0, far, far + farther, -far, -far - farther])
+    values = factors(UsualWidth(math.log(width)), width * ratios)
+    assert values[0] == pytest.approx(0.0, abs=1e-9)
+    assert values[0] > values[1] > values[2]
+    # As much narrower is as bad as as much wider.
+    np.testing.assert_allclose(values[3:], values[1:3], atol=1e-6)
+
+
+def test_it_says_less_the_longer_no_cable_is_seen():
+    usual = UsualWidth(math.log(30.0))
+    now, soon, late = (factors(usual.aged(s), [60.0])[0] for s in (0.0, 4.0, 4000.0))
+    assert now < soon < late < 0.0
+    assert late == pytest.approx(0.0, abs=1e-3)
+    assert usual.aged(1.0).aged(2.0).unseen == 3.0
+
+
+def test_widths_of_nothing_and_less_are_bad_but_no_error():
+    assert np.isfinite(factors(UsualWidth(math.log(30.0)), [0.0, -5.0])).all()
+
+
+def test_the_first_width_is_the_usual_one():
+    assert width_seen(None, 30.0, 0.04, PARAMETERS) == UsualWidth(math.log(30.0))
+
+
+def test_the_mean_follows_within_its_time_and_is_seen_again():
+    usual = UsualWidth(math.log(30.0), unseen=3.0)
+    for _ in range(50):
+        usual = width_seen(usual, 60.0, 0.04, PARAMETERS)
+    assert usual.unseen == 0.0
+    assert usual.log_width - math.log(30.0) == pytest.approx((1 - math.exp(-1)) * math.log(2.0))
+
+
+@given(st.floats(0.0, 5.0), st.floats(0.0, 5.0))
+def test_it_is_time_that_counts_not_frames(first, second):
+    usual = UsualWidth(math.log(30.0))
+    twice = width_seen(width_seen(usual, 60.0, first, PARAMETERS), 60.0, second, PARAMETERS)
+    once = width_seen(usual, 60.0, first + second, PARAMETERS)
+    assert twice.log_width == pytest.approx(once.log_width)

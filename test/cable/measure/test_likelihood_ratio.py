@@ -1,0 +1,216 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.measure.likelihood_ratio import (
+    BorderLikelihoodRatio,
+    agreed_contrast,
+    bright_shares,
+    marginal_log_ratios,
+    measure_points,
+)
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.geometry import CABLES_AT_ONCE, project_borders
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.errors import ParameterError
+
+SIZE = (160, 120)
+STRIP = CableState(12.0, 0.2, 24.0, 0.03)
+MODEL = BorderLikelihoodRatio(TrackerParameters())
+
+
+def changed(**changes) -> np.ndarray:
+    values = STRIP.to_array()
+    names = list(CableState.__slots__)
+    for name, change in changes.items():
+        values[names.index(name)] += change
+    return values
+
+
+def working(image):
+    return make_working_image(image, 320)
+
+
+def measured(image, *states):
+    return MODEL.measure(np.array(states), working(image))
+
+
+@pytest.fixture
+def strip(draw_strip, noise_picture):
+    """A bright strip on a bottom with some texture."""
+    picture = draw_strip(STRIP, SIZE, strip=180.0, ground=80.0).astype(np.float32)
+    return picture + noise_picture(1, SIZE, 6.0).astype(np.float32) - 110.0
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"distance": 4.0},
+        {"distance": 30.0},
+        {"angle": 0.1},
+        {"angle": 0.8},
+        {"width": 8.0},
+        {"skew": 0.12},
+    ],
+    ids=str,
+)
+def test_the_true_cable_is_likelier_than_others(strip, change, sign):
+    other = changed(**{name: sign * value for name, value in change.items()})
+    true, wrong = marginal_log_ratios(measured(strip, changed(), other).log_ratios, 0.5)
+    assert true > wrong + 0.5
+
+
+def test_the_true_cable_speaks_for_itself_and_a_wrong_one_against(strip):
+    evidence = measured(strip, changed(), changed(distance=-40.0))
+    assert evidence.log_ratios[0, 0] > 1.0
+    assert evidence.weaker_borders[0, 0] > 0.5
+    assert evidence.log_ratios[1].max() < 0.0
+    assert evidence.weaker_borders[1].max() < 0.0
+
+
+def test_a_negative_of_the_picture_swaps_bright_and_dark(strip):
+    states = [changed(distance=d, angle=a) for d in (-20, 0, 3, 30) for a in (-0.3, 0, 0.02)]
+    picture, negative = measured(strip, *states), measured(255.0 - strip, *states)
+    np.testing.assert_allclose(picture.log_ratios, negative.log_ratios[:, ::-1], atol=0.15)
+    np.testing.assert_allclose(picture.weaker_borders, negative.weaker_borders[:, ::-1], atol=0.2)
+    assert picture.log_ratios[4, 0] > picture.log_ratios[4, 1]
+
+
+def test_how_a_cable_is_written_makes_no_difference(strip):
+    here = changed(distance=1.0)
+    there = here * np.array([-1, 1, 1, -1, -1, 1, 1, -1]) + np.pi * np.eye(8)[1]
+    one, other = measured(strip, here, there).log_ratios
+    np.testing.assert_allclose(one, other, atol=1e-6)
+
+
+def test_a_cable_outside_the_image_is_seen_nowhere_and_not_believed(strip):
+    evidence = measured(strip, changed(distance=500.0), changed())
+    assert evidence.seen[0] == 0.0
+    assert evidence.seen[1] > 3.0
+    assert evidence.log_ratios[0].max() < 0.0
+    assert np.ptp(evidence.log_ratios[0]) == 0.0
+
+
+def test_a_cable_half_outside_has_less_to_say_than_one_within(draw_strip):
+    inside, edge = (CableState(d, 0.0, 24.0) for d in (0.0, 79.0))
+    ratios = [
+        measured(draw_strip(state, SIZE), state.to_array()).log_ratios[0, 0]
+        for state in (inside, edge)
+    ]
+    assert ratios[0] > ratios[1] + 0.5
+
+
+@pytest.mark.parametrize("value", [0, 128, 255])
+def test_a_flat_picture_speaks_against_every_cable(value, rng):
+    states = rng.uniform(-1, 1, (50, 8)) * np.array([70, 1.5, 0, 0.1, 1, 1, 1, 1])
+    states[:, 2] = rng.uniform(5, 60, 50)
+    evidence = measured(np.full(SIZE[::-1], value, np.uint8), *states)
+    assert (evidence.log_ratios < 0.0).all()
+    assert (evidence.weaker_borders < 0.0).all()
+    # No response at all lies on the border of two bins of the table, which differ a little.
+    np.testing.assert_allclose(evidence.log_ratios[:, 0], evidence.log_ratios[:, 1], rtol=0.1)
+
+
+def test_the_scene_twice_as_large_has_nearly_the_same_ratios(draw_strip):
+    # Both fill the reference width or less: nothing is reduced.
+    double = CableState(24.0, 0.2, 48.0, 0.03)
+    small = measured(draw_strip(STRIP, SIZE, blur=2.0), STRIP.to_array(), changed(distance=20.0))
+    large = measured(
+        draw_strip(double, (320, 240), blur=4.0),
+        double.to_array(),
+        double.to_array() + np.array([40.0, *[0.0] * 7]),
+    )
+    np.testing.assert_allclose(large.log_ratios, small.log_ratios, rtol=0.25, atol=0.4)
+    np.testing.assert_allclose(large.seen, small.seen, atol=1.0)
+
+
+def test_a_frame_that_is_reduced_has_nearly_the_ratios_of_the_small_one(draw_strip):
+    double = CableState(24.0, 0.2, 48.0, 0.03)
+    picture = draw_strip(double, (320, 240), blur=3.0)
+    whole, reduced = (
+        MODEL.measure(double.to_array()[None], make_working_image(picture, width)).log_ratios
+        for width in (320, 160)
+    )
+    np.testing.assert_allclose(reduced, whole, rtol=0.35, atol=0.4)
+
+
+def test_denser_scan_lines_say_about_as_much(strip):
+    images = [make_working_image(strip, 320, sample_spacing=spacing) for spacing in (16.0, 2.5)]
+    assert [image.line_spacing for image in images] == [8, 1]
+    sparse, dense = (MODEL.measure(changed()[None], image).log_ratios[0, 0] for image in images)
+    assert dense == pytest.approx(sparse, rel=0.25)
+
+
+def test_no_cable_at_all_is_measured_as_none(strip):
+    evidence = MODEL.measure(np.empty((0, 8)), working(strip))
+    assert evidence.log_ratios.shape == evidence.weaker_borders.shape == (0, 2)
+    assert evidence.seen.shape == (0,)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.6, -0.7, np.pi / 2, 1.0, -1.2])
+def test_a_border_is_measured_once_on_every_line_that_it_crosses_steeply(strip, angle):
+    image = working(strip)
+    points = measure_points(project_borders(np.array([[0.0, angle, 8.0, 0.0]])), image)
+    steep = abs(np.cos(angle)) >= abs(np.sin(angle))
+    lines = image.scanned.rows if steep else image.scanned.columns
+    for border, offset in enumerate((-4.0, 4.0)):
+        along, across = (np.cos(angle), np.sin(angle))[:: 1 if steep else -1]
+        crossings = (offset - across * lines.places) / along
+        inside = np.abs(crossings) <= (lines.smooth.shape[1] - 1) / 2
+        assert (points.borders == border).sum() == inside.sum() > 0
+        assert points.per_border(points.lengths)[0, border] == pytest.approx(
+            inside.sum() / abs(along)
+        )
+
+
+def test_on_the_border_of_a_strip_the_response_is_high_the_slope_low_and_the_inside_brighter(strip):
+    here, beside = (
+        measure_points(project_borders(state[None]), working(strip)).measures
+        for state in (changed(), changed(width=6.0))
+    )
+    assert np.median(here.responses) > 5.0
+    assert np.median(here.contrasts) > 2.0
+    assert np.median(np.abs(here.slopes)) < 0.15 < np.median(np.abs(beside.slopes))
+
+
+def test_where_the_parts_of_the_inside_disagree_there_is_no_contrast():
+    behind = np.array([3.0, 3.0, -3.0, -3.0, 0.0], np.float32)
+    middle = np.array([2.0, -2.0, -5.0, 5.0, 1.0], np.float32)
+    assert agreed_contrast(behind, middle).tolist() == [2.0, 0.0, -3.0, 0.0, 0.0]
+
+
+def test_many_cables_are_measured_like_each_alone(strip, rng):
+    count = CABLES_AT_ONCE + 3
+    states = np.tile(changed(), (count, 1))
+    states[:, 0] = rng.uniform(-60, 60, count)
+    together = measured(strip, *states)
+    for index in (0, CABLES_AT_ONCE - 1, CABLES_AT_ONCE, count - 1):
+        alone = measured(strip, states[index])
+        np.testing.assert_allclose(together.log_ratios[index], alone.log_ratios[0])
+        assert together.seen[index] == alone.seen[0]
+
+
+@given(st.floats(-50, 50), st.floats(-50, 50), st.floats(0.02, 0.98))
+def test_an_unknown_polarity_is_averaged_over(bright, dark, probability):
+    ratios = np.array([[bright, dark]])
+    marginal = marginal_log_ratios(ratios, probability)[0]
+    expected = probability * np.exp(bright) + (1 - probability) * np.exp(dark)
+    assert marginal == pytest.approx(np.log(expected))
+    share = bright_shares(ratios, probability)[0]
+    assert share == pytest.approx(probability * np.exp(bright) / expected)
+
+
+def test_shares_of_extreme_ratios_are_no_overflow():
+    with np.errstate(over="raise", invalid="raise"):
+        shares = bright_shares(np.array([[1e4, 0.0], [0.0, 1e4]]), 0.5)
+    np.testing.assert_allclose(shares, [1.0, 0.0], atol=1e-12)
+
+
+def test_a_table_that_is_not_there_is_said_at_once(tmp_path):
+    with pytest.raises(ParameterError, match="response_table"):
+        BorderLikelihoodRatio(TrackerParameters(response_table=str(tmp_path / "none.json")))

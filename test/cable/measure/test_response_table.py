@@ -1,0 +1,194 @@
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.measure.response_table import (
+    CONTRAST_SHAPE,
+    EDGE_SHAPE,
+    RATIO_LIMIT,
+    PointMeasures,
+    ResponseHistograms,
+    ResponseTable,
+    load_table,
+    parse_table,
+    table_from_histograms,
+)
+from cable_tracker.errors import ParameterError
+
+NUMBERS = st.floats(-1e6, 1e6, width=32)
+
+
+def points(responses, slopes=0.0, contrasts=0.0) -> PointMeasures:
+    arrays = np.broadcast_arrays(responses, slopes, contrasts)
+    return PointMeasures(*(np.atleast_1d(np.asarray(array, np.float32)) for array in arrays))
+
+
+def any_table(rng) -> ResponseTable:
+    edges, contrasts = (
+        rng.uniform(-3, 3, shape).astype(np.float32) for shape in (EDGE_SHAPE, CONTRAST_SHAPE)
+    )
+    return ResponseTable(edges, contrasts, 'two "dives"')
+
+
+@pytest.fixture
+def content(tmp_path, rng) -> dict:
+    path = tmp_path / "table.json"
+    any_table(rng).save(path)
+    return json.loads(path.read_text())
+
+
+def test_a_table_that_is_saved_is_read_back(tmp_path, rng):
+    table, path = any_table(rng), tmp_path / "table.json"
+    table.save(path)
+    again = load_table(str(path))
+    assert again.source == table.source
+    np.testing.assert_allclose(again.edges, table.edges, atol=6e-4)
+    np.testing.assert_allclose(again.contrasts, table.contrasts, atol=6e-4)
+    again.save(tmp_path / "again.json")
+    assert (tmp_path / "again.json").read_text() == path.read_text()
+
+
+def test_our_own_table_favours_sharp_edges_of_something_bright():
+    table = load_table("")
+    assert table is load_table("")
+    clear, faint, beside, furrow = table.look_up(
+        points([8.0, 0.0, 8.0, 8.0], [0.0, 0.0, 0.7, 0.0], [8.0, 0.0, 8.0, -8.0])
+    )[:, 0]
+    assert clear > 0.5
+    assert clear > beside
+    assert clear > furrow
+    assert table.absent == pytest.approx(table.look_up(points(0.0)).mean())
+    assert faint < 0.0
+    assert table.absent < 0.0
+
+
+@given(NUMBERS, NUMBERS, NUMBERS)
+def test_every_point_has_a_cell(response, slope, contrast):
+    measured = points(response, slope, contrast)
+    assert 0 <= measured.edge_cells()[0] < np.prod(EDGE_SHAPE)
+    assert 0 <= measured.contrast_cells()[0] < np.prod(CONTRAST_SHAPE)
+
+
+@given(NUMBERS, NUMBERS, NUMBERS)
+def test_a_negative_of_a_negative_is_the_picture_and_slopes_have_no_sign(response, slope, contrast):
+    measured = points(response, slope, contrast)
+    twice = measured.negative().negative()
+    assert twice.edge_cells() == measured.edge_cells()
+    assert twice.contrast_cells() == measured.contrast_cells()
+    assert points(response, -slope, contrast).edge_cells() == measured.edge_cells()
+
+
+def test_cells_of_known_points(rng):
+    table = any_table(rng)
+    found = table.look_up(points([-12.0, 11.99, 0.1], [0.0, 9.0, 0.06], [-99.0, 99.0, 0.1]))
+    cells = [((0, 0), (0, 0)), ((95, 14), (23, 24)), ((48, 1), (12, 12))]
+    bright = [table.edges[edge] + table.contrasts[contrast] for edge, contrast in cells]
+    np.testing.assert_allclose(found[:, 0], bright)
+    cells = [((95, 0), (23, 24)), ((0, 14), (0, 0)), ((47, 1), (11, 12))]
+    dark = [table.edges[edge] + table.contrasts[contrast] for edge, contrast in cells]
+    np.testing.assert_allclose(found[:, 1], dark)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_a_dark_border_is_a_bright_one_in_the_negative(seed):
+    rng = np.random.default_rng(seed)
+    table = any_table(rng)
+    measured = points(rng.normal(0, 8, 50), rng.normal(0, 0.5, 50), rng.normal(0, 8, 50))
+    picture, negative = table.look_up(measured), table.look_up(measured.negative())
+    np.testing.assert_array_equal(picture, negative[:, ::-1])
+
+
+def broken(change):
+    def apply(content: dict) -> str:
+        change(content)
+        return json.dumps(content)
+
+    return apply
+
+
+BROKEN = {
+    "empty": lambda _: "",
+    "no JSON": lambda _: "{",
+    "a list": lambda _: "[1, 2]",
+    "a number": lambda _: "3",
+    "nothing": lambda _: "null",
+    "too deep": lambda _: "[" * 100_000,
+    "no source": broken(lambda content: content.pop("source")),
+    "no table": broken(lambda content: content.pop("edges")),
+    "no limit": broken(lambda content: content.pop("slope_limit")),
+    "another limit": broken(lambda content: content.update(slope_limit=1.0)),
+    "a limit that is NaN": broken(lambda content: content.update(slope_limit=float("nan"))),
+    "a limit in words": broken(lambda content: content.update(slope_limit="wide")),
+    "a row less": broken(lambda content: content["edges"].pop()),
+    "a ragged row": broken(lambda content: content["edges"][3].pop()),
+    "words": broken(lambda content: content["contrasts"][0].__setitem__(0, "high")),
+    "objects": broken(lambda content: content["contrasts"][0].__setitem__(0, {})),
+    "null": broken(lambda content: content["contrasts"][0].__setitem__(0, None)),
+    "NaN": broken(lambda content: content["contrasts"][0].__setitem__(0, float("nan"))),
+    "infinite": broken(lambda content: content["edges"][0].__setitem__(0, float("inf"))),
+    "too large": broken(lambda content: content["edges"][0].__setitem__(0, 6.1)),
+    "beyond float32": broken(lambda content: content["edges"][0].__setitem__(0, 1e300)),
+    "beyond any float": broken(lambda content: content["edges"][0].__setitem__(0, 10**400)),
+    "a scalar": broken(lambda content: content.update(edges=1.0)),
+}
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("kind", BROKEN)
+def test_a_broken_table_is_refused_in_one_line_that_says_which_and_what_to_do(content, kind):
+    with pytest.raises(ParameterError, match=r"response_table: my\.json") as caught:
+        parse_table(BROKEN[kind](content), "my.json")
+    message = str(caught.value)
+    assert "\n" not in message
+    assert "learn" in message or "not finite or beyond" in message
+
+
+@pytest.mark.parametrize("path", ["none.json", ".", "bad.json", "\0", "~nobody-at-all/x.json"])
+def test_a_file_that_cannot_be_read_is_said_with_its_path(tmp_path, monkeypatch, path):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad.json").write_bytes(b"\xff\xfe\x80")
+    with pytest.raises(ParameterError, match=r"response_table: .*cannot be read") as caught:
+        load_table(path)
+    assert path in str(caught.value)
+
+
+def histograms(rng, response, count=4000) -> ResponseHistograms:
+    counted = ResponseHistograms()
+    counted.add(
+        points(
+            rng.normal(response, 1.0, count),
+            np.abs(rng.normal(0.0, 0.2, count)),
+            rng.normal(response, 1.0, count),
+        )
+    )
+    assert counted.edges.sum() == counted.contrasts.sum() == count
+    return counted
+
+
+def test_what_is_met_on_borders_is_for_them_and_what_is_met_elsewhere_against(rng):
+    table = table_from_histograms(histograms(rng, 5.0), histograms(rng, 0.0), "test")
+    border, background = table.look_up(points([5.0, 0.0], 0.0, [5.0, 0.0]))[:, 0]
+    assert border > 2.0
+    assert background < -2.0
+    assert table.source == "test"
+    assert np.abs(table.edges).max() <= RATIO_LIMIT
+    assert np.abs(table.contrasts).max() <= RATIO_LIMIT
+
+
+def test_the_same_on_borders_and_elsewhere_says_nothing(rng):
+    same = histograms(rng, 1.0)
+    table = table_from_histograms(same, same, "test")
+    np.testing.assert_allclose(table.edges, 0.0, atol=1e-6)
+    np.testing.assert_allclose(table.contrasts, 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("border", [True, False])
+def test_nothing_can_be_learnt_from_nothing(rng, border):
+    pair = (histograms(rng, 1.0), ResponseHistograms())
+    with pytest.raises(ParameterError, match="nothing to learn"):
+        table_from_histograms(*(pair if border else pair[::-1]), "test")

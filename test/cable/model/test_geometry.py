@@ -1,0 +1,227 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.model.geometry import (
+    CABLES_AT_ONCE,
+    Borders,
+    foot_point,
+    image_to_pixel,
+    project_borders,
+    sample_points,
+    segment_inside,
+    states_from_borders,
+    unwrap_states,
+    wrap_angle,
+    wrap_states,
+)
+
+SIZE = (320, 240)
+ANGLES = st.floats(-np.pi / 2, np.pi / 2)
+
+
+@st.composite
+def cables(draw) -> np.ndarray:
+    """One state, shape (1, 8)."""
+    return np.array(
+        [
+            [
+                draw(st.floats(-400, 400)),
+                draw(st.floats(-10, 10)),
+                draw(st.floats(0.5, 300)),
+                draw(st.floats(-1.2, 1.2)),
+                draw(st.floats(-100, 100)),
+                draw(st.floats(-3, 3)),
+                draw(st.floats(-50, 50)),
+                draw(st.floats(-1, 1)),
+            ]
+        ]
+    )
+
+
+def points_on(borders: Borders, side: int) -> np.ndarray:
+    """Two points of the first cable's border, shape (2, 2)."""
+    angle, offset = borders.angles[0, side], borders.offsets[0, side]
+    along = np.array([[-50.0], [80.0]])
+    return offset * np.array([np.cos(angle), np.sin(angle)]) + along * np.array(
+        [-np.sin(angle), np.cos(angle)]
+    )
+
+
+def distance_to(borders: Borders, side: int, points: np.ndarray) -> np.ndarray:
+    angle, offset = borders.angles[0, side], borders.offsets[0, side]
+    return points @ [np.cos(angle), np.sin(angle)] - offset
+
+
+def test_borders_of_an_upright_cable():
+    borders = project_borders(np.array([[10.0, 0.0, 30.0, 0.0]]))
+    np.testing.assert_allclose(borders.angles, [[0.0, 0.0]])
+    np.testing.assert_allclose(borders.offsets, [[-5.0, 25.0]])
+
+
+def test_borders_of_a_leaning_tapering_cable_worked_by_hand():
+    # d = 20, alpha = 30 deg, w = 40, beta = 10 deg: the foot point is (17.32, 10), the points half
+    # a width beside it are (0, 0) and (34.64, 20), and cos 10 deg = 0.984808.
+    degree = np.pi / 180
+    borders = project_borders(np.array([[20.0, 30 * degree, 40.0, 10 * degree]]))
+    np.testing.assert_allclose(borders.angles, [[20 * degree, 40 * degree]])
+    np.testing.assert_allclose(borders.offsets, [[0.0, 39.3923]], atol=1e-4)
+    assert distance_to(borders, 0, np.array([0.0, 0.0])) == pytest.approx(0.0, abs=1e-9)
+    assert distance_to(borders, 1, np.array([34.6410, 20.0])) == pytest.approx(0.0, abs=1e-4)
+
+
+def test_a_positive_angle_leans_the_top_to_the_left():
+    (bottom_x, bottom_y), (top_x, top_y) = segment_inside(0.2, 0.0, SIZE)
+    assert top_y > bottom_y
+    assert top_x < bottom_x
+
+
+def test_borders_of_positive_skew_converge_upwards():
+    borders = project_borders(np.array([[0.0, 0.0, 40.0, 0.1]]))
+    (low_left, high_left), (low_right, high_right) = (
+        segment_inside(borders.angles[0, side], borders.offsets[0, side], SIZE) for side in (0, 1)
+    )
+    assert 0 < high_right[0] - high_left[0] < low_right[0] - low_left[0]
+
+
+@given(cables())
+def test_borders_give_the_cable_back(states):
+    np.testing.assert_allclose(
+        states_from_borders(project_borders(states)), states[:, :4], rtol=1e-9, atol=1e-9
+    )
+
+
+@given(st.floats(-1e3, 1e3))
+def test_wrapped_angles_are_in_the_half_open_interval_and_whole_half_turns_away(angle):
+    wrapped = float(wrap_angle(np.array(angle)))
+    assert -np.pi / 2 < wrapped <= np.pi / 2
+    assert np.sin(wrapped - angle) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("angle", "wrapped"),
+    [(np.pi / 2, np.pi / 2), (-np.pi / 2, np.pi / 2), (0.0, 0.0), (np.pi, 0.0), (-2.0, np.pi - 2)],
+)
+def test_the_ends_of_the_interval(angle, wrapped):
+    assert float(wrap_angle(np.array(angle))) == pytest.approx(wrapped, abs=1e-12)
+
+
+@given(cables(), st.integers(-3, 3))
+def test_a_cable_written_the_other_way_round_has_the_same_borders(states, half_turns):
+    turned = states.copy()
+    turned[:, 1] += np.pi * half_turns
+    if half_turns % 2:
+        turned[:, [0, 3, 4, 7]] *= -1
+    before, after = project_borders(states), project_borders(turned)
+    for side in (0, 1):
+        other = 1 - side if half_turns % 2 else side
+        distances = distance_to(after, other, points_on(before, side))
+        np.testing.assert_allclose(distances, 0.0, atol=1e-8)
+    once, again = wrap_states(states), wrap_states(turned)
+    apart = np.abs(once[0, 1] - again[0, 1])
+    if apart < 1:  # Beside the wrap rounding may write a line either way.
+        np.testing.assert_allclose(again, once, atol=1e-8)
+
+
+@given(cables())
+def test_wrapping_keeps_what_is_wrapped(states):
+    once = wrap_states(states)
+    others = [0, 2, 3, 4, 5, 6, 7]
+    np.testing.assert_array_equal(wrap_states(once)[:, others], once[:, others])
+    assert -np.pi / 2 < once[0, 1] <= np.pi / 2
+    assert once[0, 2] == states[0, 2]
+    assert once[0, 5] == states[0, 5]
+
+
+@given(cables(), ANGLES)
+def test_in_a_chart_angles_are_near_its_centre_and_the_line_is_the_same(states, reference):
+    chart = unwrap_states(states, reference)
+    assert abs(chart[0, 1] - reference) <= np.pi / 2 + 1e-9
+    back, wanted = wrap_states(chart), wrap_states(states)
+    if abs(back[0, 1] - wanted[0, 1]) < 1:
+        np.testing.assert_allclose(back, wanted, atol=1e-8)
+
+
+def test_the_states_given_are_not_changed():
+    states = np.array([[10.0, 3.0, 20.0, 0.1, 1.0, 0.1, 2.0, 0.05]])
+    before = states.copy()
+    wrap_states(states)
+    unwrap_states(states, 1.0)
+    np.testing.assert_array_equal(states, before)
+
+
+@given(cables(), st.floats(3.0, 40.0))
+def test_sample_points_lie_on_the_border_at_equal_distances(states, spacing):
+    borders = project_borders(states)
+    points, inside = sample_points(borders, spacing, SIZE)
+    assert points.shape == (1, 2, inside.shape[2], 2)
+    for side in (0, 1):
+        np.testing.assert_allclose(distance_to(borders, side, points[0, side]), 0.0, atol=1e-8)
+        steps = np.linalg.norm(np.diff(points[0, side], axis=0), axis=1)
+        np.testing.assert_allclose(steps, spacing)
+        x, y = points[0, side].T
+        expected = (np.abs(x) <= 159.5) & (np.abs(y) <= 119.5)
+        np.testing.assert_array_equal(inside[0, side], expected)
+
+
+@given(cables())
+def test_no_stretch_of_a_border_inside_the_image_goes_without_points(states):
+    borders = project_borders(states)
+    _, inside = sample_points(borders, 10.0, SIZE)
+    for side in (0, 1):
+        segment = segment_inside(borders.angles[0, side], borders.offsets[0, side], SIZE)
+        length = 0.0 if segment is None else np.linalg.norm(np.subtract(*segment))
+        assert inside[0, side].sum() >= np.floor(length / 10.0 - 1e-6)
+        assert inside[0, side].sum() <= length / 10.0 + 1 + 1e-6
+
+
+@given(ANGLES, st.floats(-300, 300))
+def test_a_clipped_line_ends_on_the_edge_of_the_image(angle, offset):
+    segment = segment_inside(angle, offset, SIZE)
+    if segment is None:
+        # Then the corners lie all on one side.
+        corners = np.array([[x, y] for x in (-159.5, 159.5) for y in (-119.5, 119.5)])
+        sides = corners @ [np.cos(angle), np.sin(angle)] - offset
+        assert (sides >= -1e-6).all() or (sides <= 1e-6).all()
+        return
+    for x, y in segment:
+        assert x * np.cos(angle) + y * np.sin(angle) == pytest.approx(offset, abs=1e-6)
+        assert max(abs(x) / 159.5, abs(y) / 119.5) == pytest.approx(1.0, abs=1e-6)
+    lower, upper = segment
+    assert np.dot(np.subtract(upper, lower), [-np.sin(angle), np.cos(angle)]) > 0
+
+
+def test_lines_along_the_axes_are_clipped():
+    assert segment_inside(0.0, 20.0, SIZE) == ((20.0, -119.5), (20.0, 119.5))
+    (right, _), (left, _) = segment_inside(np.pi / 2, 0.0, SIZE)
+    assert (left, right) == pytest.approx((-159.5, 159.5))
+    assert segment_inside(0.0, 160.0, SIZE) is None
+    assert segment_inside(np.pi / 2, -120.0, SIZE) is None
+
+
+def test_the_foot_point_is_the_nearest_to_the_centre():
+    assert foot_point(-10.0, np.pi / 2) == pytest.approx((0.0, -10.0), abs=1e-9)
+    assert foot_point(10.0, np.pi / 6) == pytest.approx((8.660254, 5.0))
+
+
+def test_pixel_coordinates_count_from_the_centre_of_the_top_left_pixel():
+    points = np.array([[0.0, 0.0], [-159.5, 119.5], [159.5, -119.5]])
+    np.testing.assert_allclose(
+        image_to_pixel(points, SIZE), [[159.5, 119.5], [0.0, 0.0], [319.0, 239.0]]
+    )
+
+
+@pytest.mark.parametrize("count", [0, 1, CABLES_AT_ONCE, 2 * CABLES_AT_ONCE + 1])
+def test_blocks_hold_every_cable_once_in_order_and_never_too_many(count):
+    borders = Borders(np.arange(2.0 * count).reshape(-1, 2), -np.arange(2.0 * count).reshape(-1, 2))
+    blocks = list(borders.blocks())
+    assert max(len(block.angles) for block in blocks) == min(count, CABLES_AT_ONCE)
+    np.testing.assert_array_equal(
+        np.concatenate([block.angles for block in blocks]), borders.angles
+    )
+    np.testing.assert_array_equal(
+        np.concatenate([block.offsets for block in blocks]), borders.offsets
+    )

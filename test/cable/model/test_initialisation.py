@@ -1,0 +1,131 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.model.initialisation import (
+    StatePrior,
+    random_states,
+    search_box,
+    states_from_prior,
+    usual_sigma,
+)
+from cable_tracker.cable.model.movement import state_limits
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
+
+COUNT = 20_000
+DEGREE = np.pi / 180
+KNOWN = CableState(20.0, 0.3, 40.0, 0.02, 5.0, 0.1, 2.0, -0.05)
+
+
+def parameters(**changes) -> TrackerParameters:
+    return preset("thesis").replaced({"particle_count": COUNT, **changes})
+
+
+@pytest.mark.parametrize("width", [320, 640])
+def test_a_random_start_fills_table_5_2_and_no_more(width, rng):
+    scale = width / 320
+    states = random_states(parameters(), width, rng)
+    assert states.shape == (COUNT, 8)
+    # Rates are per frame in the table and per second here.
+    half = np.array([150 * scale, 45 * DEGREE, 47.5 * scale, 5 * DEGREE, 25 * scale, 2.5 * DEGREE])
+    middle = np.array([0, 0, 52.5 * scale, 5 * DEGREE, 0, 0])
+    assert (states[:, 6:] == 0.0).all()
+    states = states[:, :6]
+    assert (np.abs(states - middle) <= half * (1 + 1e-12)).all()
+    # A uniform distribution: mean and variance to five standard errors.
+    assert (np.abs(states.mean(axis=0) - middle) < 5 * half / np.sqrt(3 * COUNT)).all()
+    np.testing.assert_allclose(states.var(axis=0), half**2 / 3, rtol=0.04)
+
+
+def test_a_random_start_stays_within_the_limits(rng):
+    changed = parameters(initial_distance_range=1e4, initial_width_maximum=1e4)
+    states = random_states(changed, 320, rng)
+    box = state_limits(changed, 320)
+    assert (states[:, :4] >= box.lower).all()
+    assert (states[:, :4] <= box.upper).all()
+
+
+def test_a_given_state_is_the_middle_of_a_narrow_cloud(rng):
+    moving = parameters(width_rate_variance=1.0, skew_rate_variance=0.1)
+    states = states_from_prior(StatePrior.around(KNOWN), moving, 320, rng)
+    sigma = usual_sigma(320)
+    error = np.abs(states.mean(axis=0) - KNOWN.to_array())
+    assert (error < 5 * sigma / np.sqrt(COUNT)).all()
+    np.testing.assert_allclose(states.std(axis=0), sigma, rtol=0.03)
+    np.testing.assert_allclose(sigma[:4], [2.0, 0.5 * DEGREE, 2.0, 0.5 * DEGREE])
+
+
+def test_a_model_whose_width_and_skew_have_no_rates_is_given_none(rng):
+    still = CableState(20.0, 0.3, 40.0, 0.02, 5.0, 0.1)
+    states = states_from_prior(StatePrior.around(still), preset("thesis"), 320, rng)
+    assert (states[:, 6:] == 0.0).all()
+    assert (states[:, :6].std(axis=0) > 0.0).all()
+
+
+def test_sigmas_that_are_given_are_used(rng):
+    sigma = np.array([5.0, 0.01, 1.0, 0.001, 2.0, 0.5, 3.0, 0.1])
+    states = states_from_prior(StatePrior(KNOWN, sigma), parameters(), 320, rng)
+    np.testing.assert_allclose(states.std(axis=0), sigma, rtol=0.03)
+
+
+def test_a_sigma_of_zero_is_exact(rng):
+    states = states_from_prior(StatePrior(KNOWN, np.zeros(8)), parameters(), 320, rng)
+    np.testing.assert_allclose(states, np.tile(KNOWN.to_array(), (COUNT, 1)))
+
+
+def test_what_is_not_known_is_drawn_as_in_a_random_start(rng):
+    sigma = np.array([1.0, 0.01, *[np.inf] * 6])
+    states = states_from_prior(
+        StatePrior(CableState(20.0, 0.3, 0.0), sigma), parameters(), 320, rng
+    )
+    np.testing.assert_allclose(states.std(axis=0)[:2], sigma[:2], rtol=0.03)
+    assert states[:, 2].min() == pytest.approx(5.0, abs=0.1)
+    assert states[:, 2].max() == pytest.approx(100.0, abs=0.1)
+
+
+def test_a_state_beside_the_wrap_becomes_one_cloud_on_both_sides(rng):
+    lying = StatePrior.around(CableState(10.0, np.pi / 2, 40.0))
+    states = states_from_prior(lying, parameters(), 320, rng)
+    upper = states[:, 1] > 0
+    assert 0.4 < upper.mean() < 0.6
+    assert (np.sign(states[:, 0]) == np.where(upper, 1, -1)).all()
+
+
+def test_a_state_beyond_the_limits_is_brought_inside(rng):
+    far = StatePrior.around(CableState(1e6, 0.0, 1e6, 3.0))
+    states = states_from_prior(far, parameters(), 320, rng)
+    box = state_limits(parameters(), 320)
+    np.testing.assert_allclose(states[:, [0, 2, 3]], np.tile(box.upper[[0, 2, 3]], (COUNT, 1)))
+
+
+@pytest.mark.parametrize("width", [160, 320])
+def test_the_density_of_the_search_integrates_to_one_over_its_box(width, rng):
+    box = search_box(parameters(), width)
+    density = np.exp(box.log_density_of_places(box.draw(100, rng)))
+    volume = np.prod((box.upper - box.lower)[:4])
+    np.testing.assert_allclose(density * volume, 1.0)
+    # A box twice as wide: the density is zero in what is added.
+    middle, half = (box.upper + box.lower) / 2, box.upper - box.lower
+    draws = rng.uniform(middle - half, middle + half, (COUNT, 8))
+    share = np.exp(box.log_density_of_places(draws)).mean() * np.prod(2 * half[:4])
+    assert share == pytest.approx(1.0, abs=0.15)
+
+
+def test_numbers_from_0_to_1_are_places_from_one_corner_of_the_box_to_the_other():
+    box = search_box(parameters(), 320)
+    uniform = np.array([0.0, 0.5, 1.0])[:, None] * np.ones(8)
+    np.testing.assert_allclose(
+        box.placed(uniform), [box.lower, (box.lower + box.upper) / 2, box.upper], atol=1e-12
+    )
+    again = np.random.default_rng(1).random((5, 8))
+    np.testing.assert_array_equal(box.placed(again), box.draw(5, np.random.default_rng(1)))
+
+
+def test_a_range_of_zero_is_a_narrow_box_and_no_division_by_zero():
+    point = search_box(parameters(initial_distance_range=0.0, initial_angle_range=0.0), 320)
+    middle = (point.lower + point.upper)[None, :] / 2
+    with np.errstate(all="raise"):
+        assert np.isfinite(point.log_density_of_places(middle)).all()

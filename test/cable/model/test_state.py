@@ -1,0 +1,36 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.model.state import (
+    PLACES,
+    STATE_SIZE,
+    STATE_SYMBOLS,
+    CableState,
+    StateColumn,
+)
+
+
+def test_columns_symbols_and_fields_are_in_one_order():
+    state = CableState(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
+    assert state.to_array().tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]
+    assert [column.name.lower() for column in StateColumn] == list(CableState.__slots__)
+    assert len(STATE_SYMBOLS) == STATE_SIZE == 2 * PLACES == 8
+
+
+def test_an_array_gives_the_state_back():
+    state = CableState(1.5, -0.2, 30.0, 0.01, -2.0, 0.3, 4.0, -0.1)
+    assert CableState.from_array(state.to_array()) == state
+    assert CableState.from_array(np.array([1.5, -0.2, 30.0, 0.01])) == CableState(
+        1.5, -0.2, 30.0, 0.01
+    )
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("column", StateColumn)
+def test_one_number_that_is_not_finite_makes_a_state_not_finite(column, value):
+    values = np.ones(STATE_SIZE)
+    assert CableState.from_array(values).is_finite()
+    values[column] = value
+    assert not CableState.from_array(values).is_finite()

@@ -1,0 +1,157 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cable_tracker.cable.parameters.parameter_files import (
+    filter_parameters,
+    format_parameter_file,
+    read_parameter_file,
+)
+from cable_tracker.cable.parameters.parameters import (
+    PARAMETER_TABLE,
+    PARAMETERS_BY_NAME,
+    TrackerParameters,
+)
+from cable_tracker.cable.parameters.presets import PRESETS, preset
+from cable_tracker.errors import ParameterError
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text: str | bytes) -> Path:
+        path = tmp_path / "parameters.yaml"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    return write
+
+
+@st.composite
+def any_parameters(draw) -> TrackerParameters:
+    spec = draw(st.sampled_from([spec for spec in PARAMETER_TABLE if spec.kind is not bool]))
+    if spec.choices:
+        value = draw(st.sampled_from(spec.choices))
+    elif spec.kind is str:
+        value = draw(st.text())
+    elif spec.kind is int:
+        value = draw(st.integers(int(spec.minimum), int(spec.maximum)))
+    else:
+        value = draw(st.floats(spec.minimum, spec.maximum))
+    try:
+        return TrackerParameters().replaced({spec.name: value})
+    except ParameterError:  # It contradicts another default.
+        return TrackerParameters()
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(any_parameters())
+def test_what_is_written_is_read_back_exactly(written, parameters):
+    path = written(format_parameter_file(parameters, "Any."))
+    again = filter_parameters(TrackerParameters(), read_parameter_file(path), set())
+    assert again == parameters
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        " ",
+        "null",
+        "~",
+        "no",
+        "1",
+        "1e-5",
+        "a b",
+        "my # table.json",
+        "C:\\x",
+        "it's",
+        '"',
+        "ä",
+        "{",
+    ],
+)
+def test_any_text_is_written_so_that_it_is_read_back(written, text):
+    parameters = TrackerParameters(response_table=text)
+    path = written(format_parameter_file(parameters, "Any."))
+    assert read_parameter_file(path)["response_table"] == text
+
+
+def test_a_text_that_is_left_out_is_refused(written):
+    values = read_parameter_file(written("response_table:\n"))
+    with pytest.raises(ParameterError, match="response_table: None is not a word"):
+        filter_parameters(TrackerParameters(), values, set())
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_written_presets_are_whole_ros_parameter_files(written, name):
+    text = format_parameter_file(preset(name), f"Preset {name}.")
+    assert text.startswith(f"# Preset {name}.\n")
+    assert set(yaml.safe_load(text)["/**"]["ros__parameters"]) == set(PARAMETERS_BY_NAME)
+
+
+@pytest.mark.parametrize("text", ["1e-5", "1E-5", "1.0e-05", "0.00001", "+1e-5"])
+def test_small_numbers_may_be_written_as_in_ros(written, text):
+    values = read_parameter_file(written(f"epsilon: {text}\n"))
+    assert filter_parameters(TrackerParameters(), values, set()).epsilon == 1e-5
+
+
+def test_a_plain_mapping_is_taken_as_it_is(written):
+    assert read_parameter_file(written("seed: 3\nresampling: residual\n")) == {
+        "seed": 3,
+        "resampling": "residual",
+    }
+
+
+def test_the_sections_for_the_tracker_count_the_later_ones_first(written):
+    path = written(
+        "/**:\n  ros__parameters: {seed: 1, particle_count: 9}\n"
+        "/ship/tracker:\n  ros__parameters: {seed: 2}\n"
+        "replay:\n  ros__parameters: {rate: 2.0}\n"
+    )
+    assert read_parameter_file(path) == {"seed": 2, "particle_count": 9}
+
+
+def test_names_that_only_the_node_knows_are_passed_over():
+    values: dict[str, object] = {"seed": 5, "image_transport": "raw"}
+    assert filter_parameters(TrackerParameters(), values, {"image_transport"}).seed == 5
+    with pytest.raises(ParameterError, match="image_transport"):
+        filter_parameters(TrackerParameters(), values, set())
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "",
+        "[1, 2]",
+        "seed",
+        "{",
+        "a: b: c",
+        "\x00\x01",
+        b"\xff\xfe\xfa",
+        "a: 2020-13-45",
+        "a: 0x_",
+        "[" * 1000,
+        "? [a]\n: b",
+        "!!python/object:os.system x",
+        "/**:\n  ros__parameters: [1]\n",
+        "a: *nothing",
+    ],
+    ids=lambda content: repr(content)[:20],
+)
+def test_garbage_is_refused_in_one_line_with_the_file(written, content):
+    path = written(content)
+    with pytest.raises(ParameterError) as caught:
+        read_parameter_file(path)
+    assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["missing.yaml", "."])
+def test_a_file_that_cannot_be_opened_is_refused(tmp_path, name):
+    with pytest.raises(ParameterError, match="cannot be read"):
+        read_parameter_file(tmp_path / name)
