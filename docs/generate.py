@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from cable_tracker.cable.parameters.parameter_files import format_parameter_file
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, ParameterSpec
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.node_parameter_tables import (
@@ -19,6 +18,7 @@ from cable_tracker.node_parameter_tables import (
     TRACKER_RUNTIME_PARAMETERS,
     TRACKER_START_PARAMETERS,
 )
+from cable_tracker.tracking.parameter_files import format_parameter_file
 
 ROOT = Path(__file__).resolve().parents[1]
 

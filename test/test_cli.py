@@ -15,7 +15,6 @@ from rich.console import Console
 from rosbags.highlevel import AnyReader
 
 from cable_tracker import __version__, cli
-from cable_tracker.cable.parameters.parameter_files import read_parameter_file
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.commands import parameters
 from cable_tracker.commands.simulate import parse_size
@@ -27,6 +26,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.tracking.parameter_files import read_parameter_file
 
 
 @dataclass(frozen=True)

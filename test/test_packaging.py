@@ -8,9 +8,9 @@ import pytest
 import yaml
 
 import cable_tracker
-from cable_tracker.cable.parameters.parameter_files import read_parameter_file
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS
+from cable_tracker.tracking.parameter_files import read_parameter_file
 
 ROOT = Path(__file__).resolve().parents[1]
 SETUP = (ROOT / "setup.py").read_text(encoding="utf-8")

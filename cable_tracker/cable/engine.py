@@ -10,8 +10,8 @@ from cable_tracker.cable.hypotheses.proposer import CableProposer
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.cable.status import StatusMachine
 from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.tracking.status import StatusMachine
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,12 +18,12 @@ from cable_tracker.cable.model.initialisation import StatePrior, states_from_pri
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.cable.status import StatusMachine
-from cable_tracker.cable.succession import FrameMark, succession
 from cable_tracker.cable.thesis.bootstrap_engine import BootstrapEngine
 from cable_tracker.compilation import uses_compiled_kernels
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.tracking.status import StatusMachine
+from cable_tracker.tracking.succession import FrameMark, succession
 
 
 class CableTracker:

@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from cable_tracker.cable.model.initial_state_text import RANDOM
-from cable_tracker.cable.parameters.parameter_files import read_parameter_file
 from cable_tracker.commands.options import (
     InitOption,
     OutsideOption,
@@ -31,6 +30,7 @@ from cable_tracker.commands.serving import (
 from cable_tracker.commands.terminal import messages
 from cable_tracker.commands.track import chosen_parameters, chosen_start
 from cable_tracker.errors import GuiError
+from cable_tracker.tracking.parameter_files import read_parameter_file
 
 
 def gui(  # noqa: PLR0917

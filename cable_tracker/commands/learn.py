@@ -15,7 +15,6 @@ import typer
 from cable_tracker.cable.measure.learning import ResponseCounts
 from cable_tracker.cable.measure.response_table import is_table
 from cable_tracker.cable.measure.working_image import check_frame, make_working_image
-from cable_tracker.cable.parameters.parameter_files import read_parameter_file
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.commands.options import (
     ForceOption,
@@ -37,6 +36,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source import Source
 from cable_tracker.simulation.scenario import simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
+from cable_tracker.tracking.parameter_files import read_parameter_file
 
 MOST_SEEDS = 1000
 

@@ -13,7 +13,6 @@ import typer
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from cable_tracker.cable.parameters.parameter_files import read_parameter_file
 from cable_tracker.commands.evaluate import seeds_from
 from cable_tracker.commands.loop_campaign import MOST_WORKERS, LoopCampaign, run_campaign
 from cable_tracker.commands.options import ForceOption
@@ -35,6 +34,7 @@ from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.evaluation.methods import BASELINES, METHODS
 from cable_tracker.simulation.live_world import LiveSettings
 from cable_tracker.trackers import PROPOSERS
+from cable_tracker.tracking.parameter_files import read_parameter_file
 
 
 def loop(  # noqa: PLR0917

@@ -9,10 +9,6 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from cable_tracker.cable.parameters.parameter_files import (
-    format_parameter_file,
-    read_parameter_file,
-)
 from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
     ParameterSpec,
@@ -23,6 +19,10 @@ from cable_tracker.commands.options import ForceOption, PresetName
 from cable_tracker.commands.terminal import console
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.folder import output_file
+from cable_tracker.tracking.parameter_files import (
+    format_parameter_file,
+    read_parameter_file,
+)
 
 
 class ParameterFormat(str, Enum):

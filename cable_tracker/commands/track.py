@@ -11,7 +11,6 @@ import typer
 from rich.table import Table
 
 from cable_tracker.cable.model.initial_state_text import RANDOM
-from cable_tracker.cable.parameters.parameter_files import filter_parameters, read_parameter_file
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.options import (
@@ -48,6 +47,7 @@ from cable_tracker.evaluation.track_recording import (
 from cable_tracker.node_parameter_tables import TRACKER_NODE_PARAMETERS
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.trackers import make_tracker
+from cable_tracker.tracking.parameter_files import filter_parameters, read_parameter_file
 
 
 def track(  # noqa: PLR0917

@@ -17,11 +17,11 @@ from cable_tracker.cable.measure.working_image import check_frame
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.cable.succession import FrameMark, succession
 from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.kalman import MEASURED, CableKalmanFilter, KalmanNoise
+from cable_tracker.tracking.succession import FrameMark, succession
 
 UNKNOWN_VARIANCE = 1e6
 """Large but finite: what is said where nothing is known."""

@@ -6,11 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from cable_tracker.cable.parameters.parameter_files import (
-    filter_parameters,
-    format_values,
-    parse_parameters,
-)
 from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
     PARAMETERS_BY_NAME,
@@ -24,6 +19,11 @@ from cable_tracker.gui.parameter_groups import grouped
 from cable_tracker.node_parameter_tables import (
     TRACKER_NODE_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
+)
+from cable_tracker.tracking.parameter_files import (
+    filter_parameters,
+    format_values,
+    parse_parameters,
 )
 
 WORDS_FOR_TRUTH = {"true": True, "false": False}

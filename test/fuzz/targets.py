@@ -24,11 +24,6 @@ from rosbags.typesys import Stores, get_typestore
 
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.cable.parameters.parameter_files import (
-    filter_parameters,
-    format_parameter_file,
-    read_parameter_file,
-)
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.node_parameter_tables import TRACKER_NODE_PARAMETERS
@@ -38,6 +33,11 @@ from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.image_folder import load_picture
 from cable_tracker.sequences.sequence_file import Label, read_labels, write_labels
 from cable_tracker.sequences.source import open_source
+from cable_tracker.tracking.parameter_files import (
+    filter_parameters,
+    format_parameter_file,
+    read_parameter_file,
+)
 
 MOST_FRAMES = 20
 """Frames that are read of a damaged recording."""

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker.cable.parameters.parameter_files import (
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.sequences.source import open_source
+from cable_tracker.tracking.parameter_files import (
     format_parameter_file,
     read_parameter_file,
 )
-from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.sequences.source import open_source
 
 LAST = 59
 PICTURE = "document.querySelector('.ct-stage canvas')?.frameView?.description"

@@ -17,6 +17,7 @@ from cable_tracker.cable.compiled.prior_density import prior_arrays
 from cable_tracker.cable.compiled.rounds import Frame, Plan, Rules, draw_sample, empty_sample
 from cable_tracker.cable.hypotheses.belief import Belief
 from cable_tracker.cable.hypotheses.clusters import Cluster
+from cable_tracker.cable.hypotheses.leaving import survival_rates
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     DETECTION_SIGMAS,
     LEAST_PRESENCE,
@@ -33,7 +34,7 @@ from cable_tracker.cable.hypotheses.prior_density import Prior
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.movement import rate_damping_over, state_limits
 from cable_tracker.cable.model.state import STATE_SIZE
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.compiled.weights import effective_sample_size
 from cable_tracker.particle_filter.existence import update_existence
 from cable_tracker.particle_filter.particles import Particles
@@ -126,9 +127,7 @@ class CompiledMultiHypothesisFilter(MultiHypothesisFilter):
         return Step(
             reference_angle=reference_angle,
             size=(float(width), float(height)),
-            margin=parameters.leaving_margin * width / REFERENCE_WIDTH,
-            vanishing=parameters.disappearance_rate,
-            leaving=parameters.leaving_rate,
+            rates=survival_rates(parameters, width),
             dt=dt,
             effective_time=self._movement.effective_time(dt),
             damping=rate_damping_over(parameters, dt),

@@ -19,6 +19,7 @@ from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     SMALLEST_CLUSTER_SHARE,
 )
 from cable_tracker.compilation import compiled
+from cable_tracker.tracking.survival import SurvivalRates, survival_probability
 
 
 class Step(NamedTuple):
@@ -30,19 +31,15 @@ class Step(NamedTuple):
         Middle of the chart [rad].
     size : (float, float)
         Width and height of the frames [px].
-    margin : float
-        Within which of the edge a cable may leave [px].
-    vanishing, leaving : float
-        Rates of vanishing anywhere, and of leaving over the edge [1/s].
+    rates : SurvivalRates
+        How often a cable goes out of view.
     dt, effective_time, damping : float
         Time [s], for how long undamped rates would cover the same way [s], factor on the rates.
     """
 
     reference_angle: float
     size: tuple[float, float]
-    margin: float
-    vanishing: float
-    leaving: float
+    rates: SurvivalRates
     dt: float
     effective_time: float
     damping: float
@@ -152,6 +149,4 @@ def _survival(state: FloatArray, step: Step) -> float:
     """Return the probability that a cable is still in view."""
     width, height = step.size
     reach = (abs(math.cos(state[1])) * width + abs(math.sin(state[1])) * height) / 2
-    beyond = (abs(state[0]) - reach) / step.margin
-    at_edge = 1.0 / (1.0 + math.exp(min(max(-beyond, -700.0), 700.0)))
-    return math.exp(-(step.vanishing + step.leaving * at_edge) * step.dt)
+    return survival_probability(reach - abs(state[0]), step.rates, step.dt)

@@ -1,9 +1,8 @@
 """How a cable leaves the image, and where to look for it then.
 
-After J. Ha's thesis (2008, section 6.6): whether a cable is in view is a Markov chain of two
-states, whose transition probabilities depend on the distance to the border of the image. One that
-has left is looked for along the border over which it went, one that vanished in the middle (buried,
-or hidden) about where it was; the longer it is gone, the farther from there.
+Whether it is in view is a Markov chain, see `cable_tracker.tracking.survival`. A cable that has
+left is looked for along the border over which it went, one that vanished in the middle (buried, or
+hidden) about where it was; the longer it is gone, the farther from there.
 """
 
 from __future__ import annotations
@@ -19,6 +18,8 @@ from cable_tracker.cable.model.initialisation import SearchBox
 from cable_tracker.cable.model.state import PLACES, STATE_SIZE, StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.particle_filter.student_t import student_t_log_density
+from cable_tracker.tracking.survival import SurvivalRates, share_about_last_place
+from cable_tracker.tracking.survival import survival_probabilities as generic_survival_probabilities
 
 SPREAD = np.array([4.0, math.radians(2.0), 3.0, math.radians(1.0)])
 """How far from where it was a cable is looked for at once: d, alpha, w, beta [px at the reference
@@ -32,9 +33,6 @@ WIDEST = np.array([120.0, math.radians(60.0), 40.0, math.radians(10.0)])
 
 TAIL = 4.0
 """Degrees of freedom of the Student-t about where the cable was."""
-
-SEARCH_SHARE = 1.0 / 3.0
-"""Share of the search without knowledge right after the loss."""
 
 MOST_TURNS = 2
 """Half turns that an angle may be drawn away from the remembered one; hardly any goes farther."""
@@ -71,12 +69,17 @@ def survival_probabilities(
     states: FloatArray, image_size: tuple[int, int], parameters: TrackerParameters, dt: float
 ) -> FloatArray:
     """Return the probability that each cable is still in view `dt` seconds later, shape (N,)."""
-    margin = parameters.leaving_margin * image_size[0] / REFERENCE_WIDTH
-    beyond = -distance_inside(states, image_size) / margin
-    at_edge = 1.0 / (1.0 + np.exp(np.clip(-beyond, -700.0, 700.0)))
-    rates = parameters.disappearance_rate + parameters.leaving_rate * at_edge
-    probabilities: FloatArray = np.exp(-rates * dt)
-    return probabilities
+    rates = survival_rates(parameters, image_size[0])
+    return generic_survival_probabilities(distance_inside(states, image_size), rates, dt)
+
+
+def survival_rates(parameters: TrackerParameters, image_width: int) -> SurvivalRates:
+    """Return how often a cable leaves frames of a given width [px]."""
+    return SurvivalRates(
+        vanishing=parameters.disappearance_rate,
+        leaving=parameters.leaving_rate,
+        margin=parameters.leaving_margin * image_width / REFERENCE_WIDTH,
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,9 +141,7 @@ class BirthDensity:
         """Share of the births about the remembered cable."""
         if self.memory is None:
             return 0.0
-        fading = math.exp(-self.memory.seconds / self.memory_time)
-        # Never quite none: a search without knowledge costs nothing that this would gain.
-        return (1.0 - SEARCH_SHARE) * max(fading, 1e-3)
+        return share_about_last_place(self.memory.seconds, self.memory_time)
 
     def remembered_of(self, count: int) -> int:
         """Return how many of `count` births are about the remembered cable."""

@@ -19,10 +19,10 @@ from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.status import StatusMachine
 from cable_tracker.cable.thesis.evidence import MINIMUM_POINTS
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+from cable_tracker.tracking.status import StatusMachine
 
 SMALLEST_HYPOTHESIS = 0.01
 """Clusters with a smaller share are not reported."""

@@ -3,25 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.tracking.status import TrackingStatus
 
-
-class TrackingStatus(str, Enum):
-    """How far the tracker may be trusted."""
-
-    INITIALISING = "INITIALISING"
-    """No cable found yet: the particles are spread out and search."""
-
-    TRACKING = "TRACKING"
-    """A cable is claimed; only now do state and covariance mean anything to a controller."""
-
-    LOST = "LOST"
-    """There was a cable, and the image does not support it any more."""
+__all__ = ["CableEstimate", "Hypothesis", "TrackingStatus"]
 
 
 @dataclass(frozen=True, slots=True)

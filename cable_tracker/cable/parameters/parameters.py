@@ -7,23 +7,34 @@ Lengths are for an image 320 px wide and scale with the image. Variances and rat
 
 from __future__ import annotations
 
-import dataclasses
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias, cast
+from typing import ClassVar
 
 from cable_tracker.compilation import NUMBA_IS_INSTALLED
 from cable_tracker.errors import ParameterError
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+from cable_tracker.tracking.parameter_table import (
+    REFERENCE_RATE,
+    REFERENCE_WIDTH,
+    ParameterSet,
+    ParameterSpec,
+    ParameterValue,
+    number,
+    parameter_table,
+    word,
+)
 
-ParameterValue: TypeAlias = bool | int | float | str
-
-REFERENCE_WIDTH = 320.0
-"""Image width that lengths in parameters are given for [px]."""
-
-REFERENCE_RATE = 25.0
-"""Frame rate that variances and rates in parameters are given for [1/s]."""
+__all__ = [
+    "MAXIMUM_PARTICLES",
+    "PARAMETERS_BY_NAME",
+    "PARAMETER_TABLE",
+    "REFERENCE_RATE",
+    "REFERENCE_WIDTH",
+    "ParameterSpec",
+    "ParameterValue",
+    "TrackerParameters",
+]
 
 MAXIMUM_PARTICLES = 1_000_000
 
@@ -31,105 +42,8 @@ MAXIMUM_SHARES = 0.95
 """Largest share of the particles that does not come from those of the frame before."""
 
 
-@dataclass(frozen=True, slots=True)
-class ParameterSpec:
-    """One row of the table.
-
-    Attributes
-    ----------
-    name : str
-        Name in YAML files, on the node and in `TrackerParameters`.
-    kind : type
-        bool, int, float or str.
-    default : ParameterValue
-        Value in the preset `default`.
-    unit : str
-        Unit, for people; empty for pure numbers.
-    meaning : str
-        One sentence.
-    minimum, maximum : float or None
-        Range of a number, both ends included.
-    choices : tuple of str
-        Allowed words.
-    """
-
-    name: str
-    kind: type
-    default: ParameterValue
-    unit: str
-    meaning: str
-    minimum: float | None
-    maximum: float | None
-    choices: tuple[str, ...]
-
-    def range_text(self) -> str:
-        """Describe the accepted values in a few words."""
-        if self.choices:
-            return " | ".join(self.choices)
-        if self.kind is bool:
-            return "true | false"
-        if self.minimum is None or self.maximum is None:
-            return "any text"
-        form = ".0f" if self.kind is int else "g"
-        return f"{self.minimum:{form}} .. {self.maximum:{form}}"
-
-    def coerce(self, value: object) -> ParameterValue:
-        """Return the value as this parameter's type.
-
-        A whole number is accepted where a float is meant, and 500.0 where 500 is meant.
-
-        Raises
-        ------
-        ParameterError
-            The value is of another type, not finite, or out of range.
-        """
-        return _check_range(self, _check_type(self, value))
-
-
-def _check_type(spec: ParameterSpec, value: object) -> ParameterValue:
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        if spec.kind is float:
-            return _to_float(value)
-        if spec.kind is int and (isinstance(value, int) or value.is_integer()):
-            return int(value)
-    if spec.kind in (bool, str) and isinstance(value, spec.kind):
-        return cast(ParameterValue, value)
-    wanted = {bool: "true or false", int: "a whole number", float: "a number", str: "a word"}
-    raise ParameterError(f"{spec.name}: {value!r} is not {wanted[spec.kind]}")
-
-
-def _to_float(value: float) -> float:
-    try:
-        return float(value)
-    except OverflowError:  # A whole number may have any length.
-        return math.inf
-
-
-def _check_range(spec: ParameterSpec, value: ParameterValue) -> ParameterValue:
-    if isinstance(value, str):
-        if spec.choices and value not in spec.choices:
-            raise ParameterError(f"{spec.name}: {value!r} is none of {spec.range_text()}")
-        return value
-    if spec.minimum is None or spec.maximum is None:
-        return value
-    # Written so that NaN fails too.
-    if not spec.minimum <= value <= spec.maximum:
-        unit = f" {spec.unit}" if spec.unit else ""
-        raise ParameterError(f"{spec.name}: {value!r} is outside {spec.range_text()}{unit}")
-    return value
-
-
-def _number(default: float, unit: str, minimum: float, maximum: float, meaning: str) -> Any:  # noqa: ANN401
-    metadata = {"unit": unit, "minimum": minimum, "maximum": maximum, "meaning": meaning}
-    return dataclasses.field(default=default, metadata=metadata)
-
-
-def _word(default: str, choices: tuple[str, ...], meaning: str) -> Any:  # noqa: ANN401
-    return dataclasses.field(default=default, metadata={"choices": choices, "meaning": meaning})
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TrackerParameters:
+class TrackerParameters(ParameterSet):
     """All parameters of `CableTracker`. The values here are the preset `default`.
 
     Raises
@@ -138,120 +52,128 @@ class TrackerParameters:
         A value is out of range, or values contradict each other.
     """
 
-    particle_count: int = _number(
+    IN_ORDER: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("width_minimum", "width_maximum"),
+        ("initial_width_minimum", "initial_width_maximum"),
+        ("initial_skew_minimum", "initial_skew_maximum"),
+        ("evidence_to_lose", "evidence_to_track"),
+        ("presence_to_lose", "presence_to_track"),
+    )
+
+    particle_count: int = number(
         500, "", 1, MAXIMUM_PARTICLES, "Number of particles N; time per frame grows with it."
     )
-    seed: int = _number(
+    seed: int = number(
         0, "", 0, 2**31 - 1, "Seed of the random numbers; takes effect at the next start or reset."
     )
-    filter: str = _word(
+    filter: str = word(
         "multi_hypothesis",
         ("bootstrap", "multi_hypothesis"),
         "The filter: that of the thesis, or the one of this project (see docs/algorithm.md).",
     )
-    observation: str = _word(
+    observation: str = word(
         "likelihood_ratio",
         ("responses", "likelihood_ratio"),
         "What a frame says about a cable: sums of responses as in the thesis, or learnt ratios.",
     )
-    response_sampling: str = _word(
+    response_sampling: str = word(
         "scan_lines",
         ("taps", "scan_lines"),
         "Responses: a filter across every border, as in the thesis; or along rows of the picture"
         " once, looked up where borders cross them.",
     )
-    kernels: str = _word(
+    kernels: str = word(
         "auto",
         ("auto", "compiled", "numpy"),
         "Inner loops: compiled by Numba, or NumPy; auto compiles where Numba is installed.",
     )
-    resampling: str = _word(
+    resampling: str = word(
         "systematic", tuple(RESAMPLING_SCHEMES), "How particles are drawn when resampling."
     )
-    resampling_threshold: float = _number(
+    resampling_threshold: float = number(
         0.5,
         "share of N",
         0.0,
         1.0,
         "Bootstrap filter: resample when N_eff falls below this share of N.",
     )
-    limit_handling: str = _word(
+    limit_handling: str = word(
         "reflect",
         ("clip", "reflect"),
         "Bootstrap filter: what happens to particles that move beyond a limit.",
     )
 
-    distance_variance: float = _number(
+    distance_variance: float = number(
         2.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of d (thesis, Table 5.1)."
     )
-    angle_variance: float = _number(
+    angle_variance: float = number(
         0.3, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of alpha (Table 5.1)."
     )
-    width_variance: float = _number(
+    width_variance: float = number(
         1.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of w (Table 5.1)."
     )
-    skew_variance: float = _number(
+    skew_variance: float = number(
         0.1, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of beta (Table 5.1)."
     )
-    distance_rate_variance: float = _number(
+    distance_rate_variance: float = number(
         2.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of v_d, a rate in px per frame."
     )
-    angle_rate_variance: float = _number(
+    angle_rate_variance: float = number(
         0.05,
         "deg²/frame",
         0.0,
         1e3,
         "Variance of the diffusion of v_alpha, a rate in deg per frame.",
     )
-    width_rate_variance: float = _number(
+    width_rate_variance: float = number(
         1.0, "px²/frame", 0.0, 1e4, "Variance of the diffusion of v_w (thesis, section 6.1)."
     )
-    skew_rate_variance: float = _number(
+    skew_rate_variance: float = number(
         0.02, "deg²/frame", 0.0, 1e3, "Variance of the diffusion of v_beta (section 6.1)."
     )
-    rate_damping: float = _number(
+    rate_damping: float = number(
         0.9, "per frame", 0.0, 1.0, "Factor on all rates per frame; 1 keeps them for ever."
     )
-    diffusion_degrees_of_freedom: float = _number(
+    diffusion_degrees_of_freedom: float = number(
         4.0, "", 0.0, 1000.0, "Heavy tails: of the diffusion's Student-t; 0 makes it Gaussian."
     )
 
-    distance_limit: float = _number(
+    distance_limit: float = number(
         220.0, "px", 10.0, 1e4, "Largest |d| of a particle; half the image diagonal is 200 px."
     )
-    width_minimum: float = _number(8.0, "px", 0.5, 1e4, "Smallest w of a particle.")
-    width_maximum: float = _number(160.0, "px", 1.0, 1e4, "Largest w of a particle.")
-    skew_limit: float = _number(20.0, "deg", 0.0, 80.0, "Largest |beta| of a particle.")
+    width_minimum: float = number(8.0, "px", 0.5, 1e4, "Smallest w of a particle.")
+    width_maximum: float = number(160.0, "px", 1.0, 1e4, "Largest w of a particle.")
+    skew_limit: float = number(20.0, "deg", 0.0, 80.0, "Largest |beta| of a particle.")
 
-    initial_distance_range: float = _number(
+    initial_distance_range: float = number(
         190.0, "px", 0.0, 1e4, "A random start draws d from ± this (thesis, Table 5.2)."
     )
-    initial_angle_range: float = _number(
+    initial_angle_range: float = number(
         90.0, "deg", 0.0, 90.0, "A random start draws alpha from ± this (Table 5.2)."
     )
-    initial_width_minimum: float = _number(
+    initial_width_minimum: float = number(
         12.0, "px", 0.5, 1e4, "A random start draws w from this upwards (Table 5.2)."
     )
-    initial_width_maximum: float = _number(
+    initial_width_maximum: float = number(
         120.0, "px", 1.0, 1e4, "A random start draws w up to this (Table 5.2)."
     )
-    initial_skew_minimum: float = _number(
+    initial_skew_minimum: float = number(
         -10.0, "deg", -80.0, 80.0, "A random start draws beta from this upwards (Table 5.2: 0)."
     )
-    initial_skew_maximum: float = _number(
+    initial_skew_maximum: float = number(
         10.0, "deg", -80.0, 80.0, "A random start draws beta up to this (Table 5.2)."
     )
-    initial_distance_rate_range: float = _number(
+    initial_distance_rate_range: float = number(
         1.0, "px/frame", 0.0, 1e3, "A random start draws v_d from ± this (Table 5.2)."
     )
-    initial_angle_rate_range: float = _number(
+    initial_angle_rate_range: float = number(
         0.1, "deg/frame", 0.0, 1e3, "A random start draws v_alpha from ± this (Table 5.2)."
     )
 
-    working_width: int = _number(
+    working_width: int = number(
         320, "px", 64, 8192, "Wider frames are reduced to this width before they are measured."
     )
-    sample_spacing: float = _number(
+    sample_spacing: float = number(
         16.0,
         "px",
         1.0,
@@ -259,23 +181,23 @@ class TrackerParameters:
         "Responses: distance between the points along a border; likelihood ratio: between the scan"
         " lines.",
     )
-    filter_sigma: float = _number(
+    filter_sigma: float = number(
         1.6, "px", 0.5, 20.0, "Sigma of the derivative-of-Gaussian filter across a border."
     )
-    filter_taps: int = _number(
+    filter_taps: int = number(
         11, "px", 3, 101, "Responses: length of that filter; odd (an even number is raised by one)."
     )
-    epsilon: float = _number(
+    epsilon: float = number(
         1e-3,
         "grey levels",
         1e-12,
         10.0,
         "Responses: weight of a particle whose borders do not oppose each other.",
     )
-    response_table: str = _word(
+    response_table: str = word(
         "", (), "Likelihood ratio: file written by `cable-tracker learn`; empty for our own."
     )
-    tempering: float = _number(
+    tempering: float = number(
         0.06,
         "",
         0.001,
@@ -283,32 +205,32 @@ class TrackerParameters:
         "Likelihood ratio: power of one point's ratio, for points every 5 px; 1 if they were"
         " independent.",
     )
-    missing_cost: float = _number(
+    missing_cost: float = number(
         0.5, "", 0.0, 1.0, "Likelihood ratio: cost of a point outside the image; 1 as if unseen."
     )
-    polarity_memory: float = _number(
+    polarity_memory: float = number(
         0.98, "per frame", 0.0, 1.0, "How long the cable is remembered as bright or dark."
     )
 
-    detector: str = _word(
+    detector: str = word(
         "line_pairs", ("none", "line_pairs"), "Whole-image detector that proposes cables."
     )
-    detector_share: float = _number(
+    detector_share: float = number(
         0.1, "share of N", 0.0, 0.9, "Particles drawn about what the detector proposes."
     )
-    search_share: float = _number(
+    search_share: float = number(
         0.06, "share of N", 0.0, 0.9, "Particles that search for a cable while one is tracked."
     )
-    refinement_rounds: int = _number(
+    refinement_rounds: int = number(
         2, "", 0, 4, "Times that particles are drawn anew about the best ones of the same frame."
     )
-    refinement_share: float = _number(
+    refinement_share: float = number(
         0.5, "share of N", 0.0, 0.9, "Particles drawn in those rounds."
     )
-    ancestor_count: int = _number(
+    ancestor_count: int = number(
         128, "", 8, 4096, "Particles that the next frame's are drawn about; time grows with it."
     )
-    border_displacement: float = _number(
+    border_displacement: float = number(
         1.0,
         "px",
         0.0,
@@ -316,99 +238,81 @@ class TrackerParameters:
         "How far growth shifts a whole border; added to the particles' covariance.",
     )
 
-    evidence_of_bottom: float = _number(
+    evidence_of_bottom: float = number(
         1.0,
         "",
         -10.0,
         100.0,
         "Evidence that a bare bottom reaches as well; it is subtracted.",
     )
-    evidence_limit: float = _number(
+    evidence_limit: float = number(
         8.0, "", 0.0, 1e6, "A frame's evidence for one hypothesis counts up to this."
     )
-    evidence_repeated: float = _number(
+    evidence_repeated: float = number(
         0.15, "", 0.0, 1.0, "Share of the evidence that counts again; 1 if frames were independent."
     )
 
-    appearance_rate: float = _number(
+    appearance_rate: float = number(
         2.5, "1/s", 0.0, 100.0, "How often a cable comes into view that was not."
     )
-    disappearance_rate: float = _number(
+    disappearance_rate: float = number(
         0.25, "1/s", 0.0, 100.0, "How often a cable in the middle of the image is gone."
     )
-    leaving_rate: float = _number(
+    leaving_rate: float = number(
         10.0, "1/s", 0.0, 100.0, "The same at the edge of the image, added."
     )
-    leaving_margin: float = _number(
+    leaving_margin: float = number(
         8.0, "px", 0.1, 1e4, "How near to the edge of the image a cable begins to leave."
     )
-    memory_time: float = _number(
+    memory_time: float = number(
         4.0, "s", 0.04, 600.0, "How long a lost cable is looked for near where it was, mostly."
     )
-    width_spread: float = _number(
+    width_spread: float = number(
         0.3,
         "",
         0.05,
         100.0,
         "Spread of log w about its running mean; large: any width will do.",
     )
-    width_time: float = _number(
+    width_time: float = number(
         2.0, "s", 0.04, 600.0, "Time over which the usual width is averaged."
     )
-    presence_to_track: float = _number(
+    presence_to_track: float = number(
         0.95, "", 0.0, 1.0, "Presence above which a cable is claimed."
     )
-    presence_to_lose: float = _number(
-        0.5, "", 0.0, 1.0, "Presence below which a cable is given up."
-    )
+    presence_to_lose: float = number(0.5, "", 0.0, 1.0, "Presence below which a cable is given up.")
 
-    evidence_to_track: float = _number(
+    evidence_to_track: float = number(
         0.2, "", -10.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
     )
-    evidence_to_lose: float = _number(
+    evidence_to_lose: float = number(
         -1.0, "", -10.0, 100.0, "Evidence below which a cable is given up."
     )
-    confirmation_time: float = _number(
+    confirmation_time: float = number(
         0.2, "s", 0.0, 10.0, "How long the evidence must hold before a cable is claimed."
     )
-    loss_time: float = _number(
+    loss_time: float = number(
         0.3, "s", 0.0, 60.0, "How long the evidence must fail before a cable is given up."
     )
-    converged_distance: float = _number(
+    converged_distance: float = number(
         15.0, "px", 0.1, 1e4, "Largest sigma of d at which a cable is claimed."
     )
-    converged_angle: float = _number(
+    converged_angle: float = number(
         10.0, "deg", 0.1, 90.0, "Largest sigma of alpha at which a cable is claimed."
     )
-    search_time: float = _number(
+    search_time: float = number(
         1.0,
         "s",
         0.04,
         600.0,
         "Bootstrap filter: while none is claimed, start anew after this time.",
     )
-    maximum_gap: float = _number(
+    maximum_gap: float = number(
         5.0, "s", 0.1, 3600.0, "A longer pause between frames starts the search anew."
     )
 
-    def __post_init__(self) -> None:
-        for spec in PARAMETER_TABLE:
-            object.__setattr__(self, spec.name, spec.coerce(getattr(self, spec.name)))
-        for low, high in (
-            ("width_minimum", "width_maximum"),
-            ("initial_width_minimum", "initial_width_maximum"),
-            ("initial_skew_minimum", "initial_skew_maximum"),
-            ("evidence_to_lose", "evidence_to_track"),
-            ("presence_to_lose", "presence_to_track"),
-        ):
-            if getattr(self, low) > getattr(self, high):
-                raise ParameterError(
-                    f"{low} = {getattr(self, low):g} must not exceed"
-                    f" {high} = {getattr(self, high):g}; set both together"
-                )
-        self._check_parts()
-
-    def _check_parts(self) -> None:
+    def check_together(self) -> None:
+        """Refuse parts that do not go together."""
         if self.kernels == "compiled" and not NUMBA_IS_INSTALLED:
             raise ParameterError(
                 "kernels = compiled needs Numba: pip install numba, or set kernels = auto"
@@ -430,43 +334,8 @@ class TrackerParameters:
                 f" {MAXIMUM_SHARES:g}, not {shares:g}: the rest follows the cable"
             )
 
-    def replaced(self, values: Mapping[str, object]) -> TrackerParameters:
-        """Return a copy with some values changed, all of them or none.
 
-        Raises
-        ------
-        ParameterError
-            A name is unknown, a value is not acceptable, or the set contradicts itself.
-        """
-        unknown = sorted(set(values) - set(PARAMETERS_BY_NAME))
-        if unknown:
-            raise ParameterError(
-                f"unknown parameter {', '.join(unknown)}; docs/parameters.md lists them all"
-            )
-        coerced = {name: PARAMETERS_BY_NAME[name].coerce(value) for name, value in values.items()}
-        return dataclasses.replace(self, **cast(dict[str, Any], coerced))
-
-    def as_mapping(self) -> dict[str, ParameterValue]:
-        """Return the values by name, in the order of the table."""
-        return {spec.name: getattr(self, spec.name) for spec in PARAMETER_TABLE}
-
-
-def _spec_of_field(field: dataclasses.Field[Any]) -> ParameterSpec:
-    return ParameterSpec(
-        name=field.name,
-        kind=type(field.default),
-        default=cast(ParameterValue, field.default),
-        unit=field.metadata.get("unit", ""),
-        meaning=field.metadata["meaning"],
-        minimum=field.metadata.get("minimum"),
-        maximum=field.metadata.get("maximum"),
-        choices=field.metadata.get("choices", ()),
-    )
-
-
-PARAMETER_TABLE: tuple[ParameterSpec, ...] = tuple(
-    _spec_of_field(field) for field in dataclasses.fields(TrackerParameters)
-)
+PARAMETER_TABLE: tuple[ParameterSpec, ...] = parameter_table(TrackerParameters)
 """All parameters, in the order in which people should read them."""
 
 PARAMETERS_BY_NAME: Mapping[str, ParameterSpec] = {spec.name: spec for spec in PARAMETER_TABLE}

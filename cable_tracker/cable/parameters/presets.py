@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.errors import ParameterError
+from cable_tracker.tracking.parameter_table import preset_of
 
 PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
     {
@@ -55,6 +55,4 @@ def preset(name: str) -> TrackerParameters:
     ParameterError
         There is no such preset.
     """
-    if name not in PRESETS:
-        raise ParameterError(f"preset: {name!r} is none of {' | '.join(PRESETS)}")
-    return PRESETS[name]
+    return preset_of(PRESETS, name)

@@ -15,7 +15,6 @@ from cable_tracker.cable.model.initialisation import random_states
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.status import StatusMachine
 from cable_tracker.cable.thesis.bootstrap_filter import (
     BootstrapFilter,
     NumpyBootstrapFilter,
@@ -23,6 +22,7 @@ from cable_tracker.cable.thesis.bootstrap_filter import (
 )
 from cable_tracker.compilation import uses_compiled_kernels
 from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.tracking.status import StatusMachine
 
 
 class BootstrapEngine:

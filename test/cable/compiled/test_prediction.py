@@ -6,14 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS
-from cable_tracker.cable.hypotheses.leaving import survival_probabilities
+from cable_tracker.cable.hypotheses.leaving import survival_probabilities, survival_rates
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     LEAST_SURVIVING,
     SMALLEST_CLUSTER_SHARE,
 )
 from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.movement import CableMovement, rate_damping_over
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.resampling import systematic_resampling
 
 pytest.importorskip("numba")
@@ -49,9 +49,7 @@ def step_over(dt, reference_angle, size) -> Step:
     return Step(
         reference_angle=reference_angle,
         size=(float(size[0]), float(size[1])),
-        margin=PARAMETERS.leaving_margin * size[0] / REFERENCE_WIDTH,
-        vanishing=PARAMETERS.disappearance_rate,
-        leaving=PARAMETERS.leaving_rate,
+        rates=survival_rates(PARAMETERS, size[0]),
         dt=dt,
         effective_time=CableMovement(PARAMETERS, size[0]).effective_time(dt),
         damping=rate_damping_over(PARAMETERS, dt),

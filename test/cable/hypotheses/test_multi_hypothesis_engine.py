@@ -13,8 +13,8 @@ from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.cable.status import StatusMachine
 from cable_tracker.cable.thesis.bootstrap_engine import BootstrapEngine
+from cable_tracker.tracking.status import StatusMachine
 
 SIZE = (160, 120)
 FRAME = 0.04

@@ -9,8 +9,8 @@ from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.cable.status import StatusMachine
 from cable_tracker.cable.thesis.bootstrap_engine import BootstrapEngine
+from cable_tracker.tracking.status import StatusMachine
 
 STRIP = CableState(12.0, 0.2, 24.0, 0.03)
 MODELS = {

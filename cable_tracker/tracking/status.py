@@ -1,12 +1,38 @@
-"""When a cable is claimed, and when it is given up."""
+"""When a target is claimed, and when it is given up."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Protocol
 
-from cable_tracker.cable.model.estimate import TrackingStatus
-from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+class TrackingStatus(str, Enum):
+    """How far the tracker may be trusted."""
+
+    INITIALISING = "INITIALISING"
+    """Nothing found yet: the particles are spread out and search."""
+
+    TRACKING = "TRACKING"
+    """The target is claimed; only now do state and covariance mean anything to a controller."""
+
+    LOST = "LOST"
+    """There was a target, and the image does not support it any more."""
+
+
+class StatusTimes(Protocol):
+    """The parameters that say how long frames must speak for or against a claim."""
+
+    @property
+    def confirmation_time(self) -> float:
+        """How long frames must speak for a target before it is claimed [s]."""
+        ...
+
+    @property
+    def loss_time(self) -> float:
+        """How long they must speak against it before it is given up [s]."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +46,7 @@ class StatusMachine:
     contrary_time : float
         How long the frames have spoken against the present status without a break [s].
     unclaimed_time : float
-        How long no cable has been claimed, or since the last start from random [s].
+        How long no target has been claimed, or since the last start from random [s].
     """
 
     status: TrackingStatus = TrackingStatus.INITIALISING
@@ -29,30 +55,28 @@ class StatusMachine:
 
     @property
     def is_confirming(self) -> bool:
-        """Whether a cable has been seen that is not claimed yet, so that a search would lose it."""
+        """Whether a target is seen but not claimed yet, so that a search would lose it."""
         return self.status is not TrackingStatus.TRACKING and self.contrary_time > 0.0
 
     def after(
-        self, *, rises: bool, holds: bool, dt: float, parameters: TrackerParameters
+        self, *, rises: bool, holds: bool, dt: float, parameters: StatusTimes
     ) -> StatusMachine:
         """Return the status after one more frame.
 
         Parameters
         ----------
         rises, holds : bool
-            Whether the frame speaks for claiming a cable, and for going on to claim one.
+            Whether the frame speaks for claiming a target, and for going on to claim it.
         dt : float
             Time since the frame before [s].
-        parameters : TrackerParameters
+        parameters : StatusTimes
             Times.
         """
         if self.status is TrackingStatus.TRACKING:
             return self._while_claimed(holds, dt, parameters)
         return self._while_unclaimed(rises, dt, parameters)
 
-    def _while_claimed(
-        self, holds: bool, dt: float, parameters: TrackerParameters
-    ) -> StatusMachine:
+    def _while_claimed(self, holds: bool, dt: float, parameters: StatusTimes) -> StatusMachine:
         if holds:
             return replace(self, contrary_time=0.0, unclaimed_time=0.0)
         contrary = self.contrary_time + dt
@@ -60,9 +84,7 @@ class StatusMachine:
             return StatusMachine(TrackingStatus.LOST)
         return replace(self, contrary_time=contrary)
 
-    def _while_unclaimed(
-        self, rises: bool, dt: float, parameters: TrackerParameters
-    ) -> StatusMachine:
+    def _while_unclaimed(self, rises: bool, dt: float, parameters: StatusTimes) -> StatusMachine:
         unclaimed = self.unclaimed_time + dt
         if not rises:
             return replace(self, contrary_time=0.0, unclaimed_time=unclaimed)
@@ -72,7 +94,7 @@ class StatusMachine:
         return replace(self, contrary_time=contrary, unclaimed_time=unclaimed)
 
     def expecting(self) -> StatusMachine:
-        """Return the status of someone who was told where the cable is: one good frame confirms."""
+        """Return the status after a given initial state: one good frame confirms it."""
         return replace(self, contrary_time=math.inf)
 
     def searched(self) -> StatusMachine:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
 from cable_tracker.errors import FrameError
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE
 
 NANOSECONDS = 1e9
 

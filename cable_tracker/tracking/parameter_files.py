@@ -9,13 +9,14 @@ from pathlib import Path
 
 import yaml
 
-from cable_tracker.cable.parameters.parameters import (
-    PARAMETER_TABLE,
+from cable_tracker.errors import ParameterError
+from cable_tracker.tracking.parameter_table import (
+    Parameters,
+    ParameterSet,
     ParameterSpec,
     ParameterValue,
-    TrackerParameters,
+    parameter_table,
 )
-from cable_tracker.errors import ParameterError
 
 ROS_KEY = "ros__parameters"
 
@@ -32,11 +33,11 @@ _ParameterLoader.add_implicit_resolver(
 )
 
 
-def read_parameter_file(path: Path) -> dict[str, object]:
+def read_parameter_file(path: Path, node: str = "tracker") -> dict[str, object]:
     """Read the parameters of a ROS parameter file, or of a plain mapping of names to values.
 
-    The names are not checked. In a ROS file, the sections `/**` and those of any node named
-    `tracker` count, the later ones first.
+    The names are not checked. In a ROS file, the sections `/**` and those of any node of the name
+    `node`, in whatever namespace, count, the later ones first.
 
     Raises
     ------
@@ -47,10 +48,10 @@ def read_parameter_file(path: Path) -> dict[str, object]:
         text = path.read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
         raise _unreadable(str(path), error) from error
-    return parse_parameters(text, str(path))
+    return parse_parameters(text, str(path), node)
 
 
-def parse_parameters(text: str, path: str) -> dict[str, object]:
+def parse_parameters(text: str, path: str, node: str = "tracker") -> dict[str, object]:
     """Read the text of a parameter file; see `read_parameter_file`.
 
     Parameters
@@ -59,6 +60,8 @@ def parse_parameters(text: str, path: str) -> dict[str, object]:
         What is in the file.
     path : str
         What it is called in messages.
+    node : str
+        Name of the node whose sections count.
 
     Raises
     ------
@@ -74,8 +77,8 @@ def parse_parameters(text: str, path: str) -> dict[str, object]:
         raise ParameterError(f"{path}: holds no parameters by name; see config/default.yaml")
     sections = [
         section[ROS_KEY]
-        for node, section in content.items()
-        if isinstance(section, dict) and ROS_KEY in section and _is_for_tracker(str(node))
+        for name, section in content.items()
+        if isinstance(section, dict) and ROS_KEY in section and _is_for(node, str(name))
     ]
     if not sections:
         sections = [content]
@@ -92,13 +95,13 @@ def _unreadable(path: str, error: Exception) -> ParameterError:
     return ParameterError(f"{path}: cannot be read as YAML ({reason})")
 
 
-def _is_for_tracker(node: str) -> bool:
-    return node.strip("/") == "**" or node.rsplit("/", maxsplit=1)[-1] == "tracker"
+def _is_for(node: str, section: str) -> bool:
+    return section.strip("/") == "**" or section.rsplit("/", maxsplit=1)[-1] == node
 
 
 def filter_parameters(
-    base: TrackerParameters, values: dict[str, object], also_known: set[str]
-) -> TrackerParameters:
+    base: Parameters, values: dict[str, object], also_known: set[str]
+) -> Parameters:
     """Apply the values of a file to a preset, passing over those that only the node knows.
 
     Raises
@@ -109,9 +112,9 @@ def filter_parameters(
     return base.replaced({name: value for name, value in values.items() if name not in also_known})
 
 
-def format_parameter_file(parameters: TrackerParameters, title: str) -> str:
+def format_parameter_file(parameters: ParameterSet, title: str) -> str:
     """Write all parameters of the filter as a commented ROS parameter file."""
-    return format_values(PARAMETER_TABLE, parameters.as_mapping(), title)
+    return format_values(parameter_table(type(parameters)), parameters.as_mapping(), title)
 
 
 def format_values(

@@ -1,7 +1,7 @@
 import pytest
 
-from cable_tracker.cable.succession import FrameMark, Succession, succession
 from cable_tracker.errors import FrameError
+from cable_tracker.tracking.succession import FrameMark, Succession, succession
 
 FIRST = FrameMark((320, 240), 1_000_000_000)
 

@@ -7,11 +7,6 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cable_tracker.cable.parameters.parameter_files import (
-    filter_parameters,
-    format_parameter_file,
-    read_parameter_file,
-)
 from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
     PARAMETERS_BY_NAME,
@@ -19,6 +14,11 @@ from cable_tracker.cable.parameters.parameters import (
 )
 from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.errors import ParameterError
+from cable_tracker.tracking.parameter_files import (
+    filter_parameters,
+    format_parameter_file,
+    read_parameter_file,
+)
 
 
 @pytest.fixture

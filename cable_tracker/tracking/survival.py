@@ -1,0 +1,74 @@
+"""Whether what is tracked is still in view: it vanishes anywhere, and leaves over the edge.
+
+After J. Ha's thesis (2008, section 6.6): whether a target is in view is a Markov chain of two
+states, whose transition probabilities depend on the distance to the border of the image. The other
+direction, how likely it comes into view, has a rate of its own; where it does so depends on the
+target: about where it was last seen, the less so the longer that is ago.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.compilation import compiled, compiled_inside
+
+SEARCH_SHARE = 1.0 / 3.0
+"""Share of the births without knowledge of the last place right after the loss."""
+
+LEAST_FADING = 1e-3
+"""Births about the last place never quite end: that costs the search without knowledge nothing."""
+
+
+class SurvivalRates(NamedTuple):
+    """How often what is in view goes out of it.
+
+    Attributes
+    ----------
+    vanishing : float
+        In the middle of the image [1/s].
+    leaving : float
+        At its edge, added to the former [1/s].
+    margin : float
+        Distance to the edge at which leaving begins [px].
+    """
+
+    vanishing: float
+    leaving: float
+    margin: float
+
+
+@compiled_inside
+def survival_probability(inside: float, rates: SurvivalRates, dt: float) -> float:
+    """Return the probability of still being in view `dt` seconds later.
+
+    `inside` is the distance to the edge of the image [px], negative beyond it.
+    """
+    beyond = -inside / rates.margin
+    at_edge = 1.0 / (1.0 + math.exp(min(max(-beyond, -700.0), 700.0)))
+    return math.exp(-(rates.vanishing + rates.leaving * at_edge) * dt)
+
+
+@compiled
+def survival_probabilities(inside: FloatArray, rates: SurvivalRates, dt: float) -> FloatArray:
+    """Return `survival_probability` for several distances to the edge [px], shape (N,)."""
+    probabilities = np.empty(len(inside))
+    for row in range(len(inside)):
+        probabilities[row] = survival_probability(inside[row], rates, dt)
+    return probabilities
+
+
+def share_about_last_place(seconds: float, memory_time: float) -> float:
+    """Return the share of the births about the place where the target was last seen.
+
+    Parameters
+    ----------
+    seconds : float
+        How long ago that was [s].
+    memory_time : float
+        After which it counts for 1/e [s].
+    """
+    return (1.0 - SEARCH_SHARE) * max(math.exp(-seconds / memory_time), LEAST_FADING)

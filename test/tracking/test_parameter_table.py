@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import pytest
+
+from cable_tracker.errors import ParameterError
+from cable_tracker.tracking.parameter_table import (
+    ParameterSet,
+    number,
+    parameter_table,
+    preset_of,
+    word,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LampParameters(ParameterSet):
+    IN_ORDER: ClassVar = (("dimmest", "brightest"),)
+
+    dimmest: float = number(0.1, "lux", 0.0, 100.0, "Least light.")
+    brightest: float = number(10.0, "lux", 0.0, 100.0, "Most light.")
+    bulbs: int = number(2, "", 1, 9, "How many.")
+    colour: str = word("white", ("white", "red"), "Of the light.")
+
+    def check_together(self):
+        if self.colour == "red" and self.bulbs > 1:
+            raise ParameterError("colour = red needs bulbs = 1")
+
+
+def test_every_field_is_a_row_in_the_order_of_the_fields():
+    table = parameter_table(LampParameters)
+    assert [spec.name for spec in table] == ["dimmest", "brightest", "bulbs", "colour"]
+    assert [spec.kind for spec in table] == [float, float, int, str]
+    assert table[0].range_text() == "0 .. 100"
+
+
+def test_values_are_checked_one_by_one():
+    assert LampParameters(bulbs=3.0).bulbs == 3
+    with pytest.raises(ParameterError, match="bulbs"):
+        LampParameters(bulbs=10)
+
+
+def test_values_are_checked_together():
+    with pytest.raises(ParameterError, match="dimmest = 20 must not exceed brightest = 10"):
+        LampParameters(dimmest=20.0)
+    with pytest.raises(ParameterError, match="colour = red needs bulbs = 1"):
+        LampParameters(colour="red")
+    assert LampParameters().replaced({"colour": "red", "bulbs": 1}).colour == "red"
+
+
+def test_unknown_names_are_refused():
+    with pytest.raises(ParameterError, match="unknown parameter smell"):
+        LampParameters().replaced({"smell": 1})
+
+
+def test_a_preset_is_found_by_its_name():
+    presets = {"day": LampParameters(), "night": LampParameters(brightest=1.0)}
+    assert preset_of(presets, "night").brightest == 1.0
+    with pytest.raises(ParameterError, match=r"'dusk' is none of day \| night"):
+        preset_of(presets, "dusk")
