@@ -1,9 +1,9 @@
 # `make demo` and `make test` set up everything they need in .venv, from the versions that
-# constraints.txt names. `make PYTHON=python3.12 ...` chooses the interpreter.
+# constraints.txt names. `make PYTHON=python3.12 ...` chooses the interpreter, VENV another folder.
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install check-python test lint demo gui loop docs bench table fuzz soak clean
+.PHONY: help install check-python test test-all test-jazzy test-processors lint demo gui loop docs bench table fuzz soak clean
 
 CANDIDATES := python3 python3.12 python3.11 python3.13 python3.14
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
@@ -23,7 +23,16 @@ FUZZ_SEED ?= 1
 FUZZ_TARGETS ?= picture raw_image sequence_file mcap sqlite ros1 metadata parameters estimates
 FUZZ := fuzz
 MINUTES ?= 10
-SEED ?= 1
+# Tests beside linters: those for every change, and what is left for before a merge.
+PYTEST := python -m pytest -n 2 --timeout 600 -q
+QUICK := -m "not slow and not browser" --hypothesis-profile quick
+TESTS ?= test
+# The versions of Ubuntu 24.04, which ROS 2 Jazzy is made for; its Python is 3.12.
+JAZZY_VENV := .venv-jazzy
+JAZZY_PYTHON ?= $(shell for p in python3.12 $(HOME)/.pyenv/versions/3.12*/bin/python; do \
+	$$p -c 'import sys; sys.exit(sys.version_info[:2] != (3, 12))' 2>/dev/null \
+	&& { echo $$p; break; }; done)
+JAZZY_TIER ?= $(QUICK)
 # A home that cannot be written to must not stop ROS from logging.
 export ROS_LOG_DIR ?= $(CURDIR)/$(VENV)/log/ros
 export MPLCONFIGDIR ?= $(CURDIR)/$(VENV)/cache/matplotlib
@@ -34,7 +43,10 @@ help:
 	@echo "make gui                   watch and tune the filter in a browser, on a simulated dive"
 	@echo "make gui SOURCE=path       the same on a recording of yours"
 	@echo "make loop                  let a simulated vehicle follow 100 m of cable, over DDS"
-	@echo "make test                  run the whole suite, with linters and type checks"
+	@echo "make test                  linters, type checks, and the tests for every change"
+	@echo "make test-all              the whole suite, with long tests and those of the pages"
+	@echo "make test-jazzy            the tests with the versions of Ubuntu 24.04, on Python 3.12"
+	@echo "make test-processors       the whole suite as other processors and a busy one would run it"
 	@echo "make install               set up $(VENV); the others do it by themselves"
 	@echo "make docs                  write config/*.yaml and docs/parameters.md from the table"
 	@echo "make bench                 measure speeds, and write them into docs/performance.md"
@@ -71,7 +83,34 @@ $(VENV)/installed: setup.py setup.cfg constraints.txt package.xml | check-python
 	@touch $@
 
 test: install lint
-	$(BIN)/python -m pytest -n 2 --timeout 300 -q
+	$(BIN)/$(PYTEST) $(QUICK) $(TESTS)
+
+test-all: install lint
+	$(BIN)/$(PYTEST) --durations 20 $(TESTS)
+
+# Whole, it takes as long as five times the suite; `TESTS=test/cable` chooses a part of it.
+test-processors: install
+	$(BIN)/python test/processors.py -n 2 --timeout 1200 -q $(TESTS)
+
+# JAZZY_TIER= (empty) runs all tests. Warnings of deprecated names come from what the platform has.
+test-jazzy: $(JAZZY_VENV)/installed
+	$(JAZZY_VENV)/bin/$(PYTEST) -W default::DeprecationWarning $(JAZZY_TIER) $(TESTS)
+
+$(JAZZY_VENV)/installed: setup.py setup.cfg constraints.txt constraints-jazzy.txt package.xml
+	@test -n "$(JAZZY_PYTHON)" || { \
+		echo "error: Python 3.12 is needed; name it with make JAZZY_PYTHON=..." >&2; exit 2; }
+	@echo "setting up $(JAZZY_VENV) with $(JAZZY_PYTHON), which takes some minutes ..."
+	@$(JAZZY_PYTHON) -m venv --clear $(JAZZY_VENV)
+	@mkdir -p $(ROS_LOG_DIR) $(MPLCONFIGDIR)
+	@grep -v -i -F -f <(sed -n 's/==.*/==/p' constraints-jazzy.txt) constraints.txt \
+		> $(JAZZY_VENV)/constraints.txt
+	@cat constraints-jazzy.txt >> $(JAZZY_VENV)/constraints.txt
+	@$(JAZZY_VENV)/bin/python -m pip install --quiet --disable-pip-version-check \
+		-c $(JAZZY_VENV)/constraints.txt setuptools wheel
+	@$(JAZZY_VENV)/bin/python -m pip install --quiet --disable-pip-version-check \
+		-c $(JAZZY_VENV)/constraints.txt --no-build-isolation -e ".[ros,test]"
+	@$(JAZZY_VENV)/bin/cable-tracker warm-up
+	@touch $@
 
 lint: install
 	$(BIN)/ruff check .
@@ -108,7 +147,7 @@ docs: install
 	$(BIN)/python docs/generate.py
 
 bench: install
-	$(BIN)/cable-tracker bench --dds --force --markdown docs/performance.md
+	$(BIN)/cable-tracker dev bench --dds --force --markdown docs/performance.md
 
 # The tables that ship with the package. The evaluation's dives have the seeds 0, 1, ...
 table: install
@@ -126,8 +165,8 @@ fuzz: install
 		grep -e executed_units -e slowest -e peak_rss $(FUZZ)/$$target.log; done
 
 soak: install
-	$(BIN)/cable-tracker soak --minutes $(MINUTES) --seed $(SEED) --force
+	$(BIN)/cable-tracker dev soak --minutes $(MINUTES) --seed $(SEED) --force
 
 clean:
-	rm -rf $(VENV) $(DEMO) $(FUZZ) soak.json build install log *.egg-info .mypy_cache .ruff_cache .pytest_cache \
+	rm -rf $(VENV) $(JAZZY_VENV) $(DEMO) $(FUZZ) soak.json build install log *.egg-info .mypy_cache .ruff_cache .pytest_cache \
 		.hypothesis

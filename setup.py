@@ -1,6 +1,7 @@
 """Build description, for pip and for colcon (ament_python)."""
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
 
@@ -8,6 +9,9 @@ PACKAGE = "cable_tracker"
 ROOT = Path(__file__).parent
 VERSION = {}
 exec((ROOT / PACKAGE / "__init__.py").read_text(encoding="utf-8"), VERSION)
+MAINTAINER = ElementTree.parse(ROOT / "package.xml").find("maintainer")
+
+TEST = ["filterpy", "hypothesis", "particles", "pytest", "pytest-timeout", "pytest-xdist"]
 
 
 def files(folder: str, pattern: str) -> list[str]:
@@ -23,8 +27,8 @@ setup(
     description="Follow an underwater cable or pipeline by camera, with a particle filter",
     long_description=(ROOT / "README.md").read_text(encoding="utf-8"),
     long_description_content_type="text/markdown",
-    maintainer="cable_tracker maintainers",
-    maintainer_email="maintainers@users.noreply.h-seed-c8828a9f.example",
+    maintainer=MAINTAINER.text,
+    maintainer_email=MAINTAINER.get("email"),
     license="Apache-2.0",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     package_data={
@@ -37,7 +41,7 @@ setup(
     python_requires=">=3.11",
     install_requires=[
         "Jinja2>=3.1",
-        "numba>=0.60",
+        "numba>=0.59",
         "numpy>=1.26",
         "opencv-python-headless>=4.6",
         "matplotlib>=3.6",
@@ -53,16 +57,12 @@ setup(
     extras_require={
         "ros": ["ros-jazzy-rclpy[fastrtps]", "ros-jazzy-common-interfaces"],
         "gui": ["nicegui>=3"],
+        "test": TEST,
         "dev": [
+            *TEST,
             "atheris; python_version < '3.13'",
-            "filterpy",
-            "hypothesis",
             "mypy",
-            "particles",
             "playwright",
-            "pytest",
-            "pytest-timeout",
-            "pytest-xdist",
             "ruff",
             "scikit-image",
             "types-PyYAML",

@@ -31,6 +31,10 @@ class ResourceError(CableTrackerError):
     """A file that ships with the package (configuration, profile) cannot be found."""
 
 
+class MetricError(CableTrackerError):
+    """A step between pixels and metres cannot be computed."""
+
+
 class RosError(CableTrackerError):
     """ROS is missing, or the processes do not find each other."""
 

@@ -10,12 +10,14 @@ import numpy as np
 from cable_tracker.cable.hypotheses.proposer import CableProposer, NoProposer
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
-from cable_tracker.compilation import uses_compiled_kernels
-from cable_tracker.detection.compiled.line_pair_proposer import CompiledLinePairProposer
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
+from cable_tracker.detection.pair_limits import pair_limits
 
-PROPOSERS: Mapping[str, Callable[[], CableProposer]] = MappingProxyType(
-    {"none": NoProposer, "line_pairs": LinePairProposer}
+PROPOSERS: Mapping[str, Callable[[TrackerParameters], CableProposer]] = MappingProxyType(
+    {
+        "none": lambda _parameters: NoProposer(),
+        "line_pairs": lambda parameters: LinePairProposer(pair_limits(parameters)),
+    }
 )
 """The detectors that the parameter `detector` can name."""
 
@@ -58,6 +60,4 @@ def warm_up(parameters: TrackerParameters) -> None:
 
 def make_proposer(parameters: TrackerParameters) -> CableProposer:
     """Return the detector that parameters name."""
-    if parameters.detector == "line_pairs" and uses_compiled_kernels(parameters.kernels):
-        return CompiledLinePairProposer()
-    return PROPOSERS[parameters.detector]()
+    return PROPOSERS[parameters.detector](parameters)

@@ -1,16 +1,19 @@
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "cable_tracker"
+MODULES = sorted(PACKAGE.rglob("*.py"))
 
-EVERYBODY_MAY_IMPORT = {"arrays", "compilation", "errors"}
+EVERYBODY_MAY_IMPORT = {"arrays", "compilation", "errors", "libraries"}
 MAY_IMPORT = {
     "arrays": set(),
     "compilation": set(),
     "errors": set(),
+    "libraries": set(),
     "resources": set(),
     "particle_filter": set(),
     "contour": set(),
@@ -60,8 +63,13 @@ USES_GLOBAL_STATE = {"library_filters.py": {"RandomState", "get_state", "set_sta
 """Rivals in the benchmark know no generator; theirs is kept apart from everybody else's."""
 
 
+@cache
+def tree_of(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def imported_modules(path: Path) -> Iterator[str]:
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -98,28 +106,36 @@ def test_imports_run_one_way(part):
     assert parts_imported_by(part) <= MAY_IMPORT[part] | EVERYBODY_MAY_IMPORT | {part}
 
 
-@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: path.name)
-def test_only_the_folder_ros_imports_ros(path):
-    imported = {module.split(".")[0] for module in imported_modules(path)}
-    assert path.parent.name == "ros" or not imported & ROS_PACKAGES
+def tops_imported_by(path: Path) -> set[str]:
+    """First parts of the names of imported modules."""
+    return {module.split(".")[0] for module in imported_modules(path)}
 
 
-@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: path.name)
-def test_only_the_folder_gui_imports_what_serves_pages(path):
-    imported = {module.split(".")[0] for module in imported_modules(path)}
-    in_gui = PACKAGE / "gui" in path.parents
-    assert in_gui or not imported & {"nicegui", "starlette", "fastapi", "uvicorn"}
-
-
-@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: path.name)
-def test_randomness_comes_from_a_generator_that_is_passed_in(path):
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    used = {
+def random_names_used_by(path: Path) -> set[str]:
+    return {
         node.attr
-        for node in ast.walk(tree)
+        for node in ast.walk(tree_of(path))
         if isinstance(node, ast.Attribute)
         and isinstance(node.value, ast.Attribute)
         and node.value.attr == "random"
     }
+
+
+@pytest.mark.parametrize(
+    ("folder", "packages"),
+    [("ros", ROS_PACKAGES), ("gui", {"nicegui", "starlette", "fastapi", "uvicorn"})],
+)
+def test_only_one_folder_imports_what_is_its_own(folder, packages):
+    importing = [path for path in MODULES if tops_imported_by(path) & packages]
+    assert importing
+    assert [path for path in importing if PACKAGE / folder not in path.parents] == []
+
+
+def test_randomness_comes_from_a_generator_that_is_passed_in():
     allowed = {"Generator", "default_rng", "SeedSequence", "PCG64", "Philox"}
-    assert used <= allowed | USES_GLOBAL_STATE.get(path.name, set())
+    others = {
+        path.name: names
+        for path in MODULES
+        if (names := random_names_used_by(path) - allowed - USES_GLOBAL_STATE.get(path.name, set()))
+    }
+    assert others == {}

@@ -16,7 +16,7 @@ from rosbags.highlevel import AnyReader
 
 from cable_tracker import __version__, cli
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
-from cable_tracker.commands import parameters
+from cable_tracker.commands import dev, parameters
 from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.track import chosen_parameters, default_output
 from cable_tracker.errors import ParameterError
@@ -340,6 +340,47 @@ def test_help_and_version(run):
         outcome = run(command, "--help")
         assert outcome.code == 0
         assert "Usage" in outcome.out
+
+
+def test_the_version_is_told_without_importing_what_commands_need():
+    code = (
+        "import sys; from cable_tracker import cli; sys.argv[1:] = ['--version']\n"
+        "try: cli.main()\n"
+        "finally: print({'numpy', 'cv2', 'numba', 'rich'} & set(sys.modules), file=sys.stderr)"
+    )
+    command = [sys.executable, "-c", code]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert (result.stdout, result.stderr) == (f"cable-tracker {__version__}\n", "set()\n")
+
+
+@pytest.mark.parametrize(("group", "groups"), [((), cli.GROUPS), (("dev",), dev.GROUPS)])
+def test_the_help_lists_commands_by_what_one_wants_to_do(run, group, groups):
+    shown = run(*group, "--help").out
+    titles = [line.removesuffix(":") for line in shown.splitlines() if line.endswith(":")]
+    assert titles == ["Options", *groups]
+    lines = [line.split(maxsplit=1) for line in shown.splitlines()]
+    described = {line[0]: line[1] for line in lines if len(line) == 2}
+    names = {name for commands in groups.values() for name in commands}
+    assert names <= set(described)
+    assert not any(described[name].endswith("...") for name in names)
+
+
+@pytest.mark.parametrize("name", [*cli.COMMANDS, *cli.FORMER_NAMES])
+def test_every_command_is_found_and_explains_itself(run, name):
+    outcome = run(name, "--help")
+    assert outcome.code == 0
+    assert "Usage" in outcome.out
+
+
+@pytest.mark.parametrize("name", cli.FORMER_NAMES)
+def test_former_names_are_those_of_commands_under_dev(run, name):
+    options = [run(*words, "--help").out.split("Options:")[1] for words in ((name,), ("dev", name))]
+    assert options[0] == options[1]
+    assert f"  {name} " not in run("--help").out
+
+
+def test_a_mistyped_command_is_told_the_right_one(run):
+    assert "Did you mean 'track'?" in run("trak").err
 
 
 def test_results_of_a_bag_folder_are_named_after_it():

@@ -87,7 +87,8 @@ import numpy as np
 from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.trackers import make_tracker, warm_up
+from cable_tracker.trackers import make_tracker
+from cable_tracker.trackers import warm_up
 
 
 def compiled():

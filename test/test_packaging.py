@@ -32,6 +32,16 @@ def test_package_xml_has_the_version_of_the_package():
     assert package.findtext("name") == "cable_tracker"
 
 
+def test_the_maintainer_is_written_once():
+    maintainer = ElementTree.parse(ROOT / "package.xml").getroot().find("maintainer")
+    asked = [sys.executable, "setup.py", "-q", "--maintainer", "--maintainer-email"]
+    told = subprocess.run(
+        asked, cwd=ROOT, check=True, capture_output=True, text=True, timeout=120
+    ).stdout
+    assert told.split("\n")[-3:-1] == [maintainer.text, maintainer.get("email")]
+    assert maintainer.get("email") not in SETUP
+
+
 @pytest.mark.parametrize("name", requirement_names())
 def test_every_requirement_is_pinned_and_has_a_reason(name):
     pinned = {

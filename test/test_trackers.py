@@ -7,8 +7,6 @@ from cable_tracker.cable.hypotheses.proposer import NoProposer
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS
-from cable_tracker.compilation import NUMBA_IS_INSTALLED
-from cable_tracker.detection.compiled.line_pair_proposer import CompiledLinePairProposer
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.errors import ParameterError
 from cable_tracker.trackers import PROPOSERS, make_proposer, make_tracker
@@ -17,17 +15,8 @@ from cable_tracker.trackers import PROPOSERS, make_proposer, make_tracker
 def test_every_detector_that_can_be_named_can_be_made():
     assert set(PARAMETERS_BY_NAME["detector"].choices) == set(PROPOSERS)
     assert isinstance(make_proposer(TrackerParameters(detector="none")), NoProposer)
-    parameters = TrackerParameters(detector="line_pairs", kernels="numpy")
+    parameters = TrackerParameters(detector="line_pairs")
     assert isinstance(make_proposer(parameters), LinePairProposer)
-
-
-@pytest.mark.skipif(not NUMBA_IS_INSTALLED, reason="needs Numba")
-@pytest.mark.parametrize("kernels", ["auto", "compiled"])
-def test_compiled_kernels_mean_the_compiled_detector(kernels):
-    parameters = TrackerParameters(detector="line_pairs", kernels=kernels)
-    assert isinstance(make_proposer(parameters), CompiledLinePairProposer)
-    none = parameters.replaced({"detector": "none"})
-    assert isinstance(make_proposer(none), NoProposer)
 
 
 def test_nothing_proposes_nothing():
@@ -49,6 +38,16 @@ def stripe() -> np.ndarray:
     row = 100.0 + 60.0 * (np.abs(x - 30.0) < 10.0)
     noise = np.random.default_rng(0).normal(0.0, 4.0, (120, 160))
     return np.clip(row + noise, 0, 255).astype(np.uint8)
+
+
+def test_the_detector_proposes_cables_as_wide_as_the_parameters_allow():
+    picture = np.full((240, 320), 90, np.uint8)
+    picture[:, 60:270] = 160
+    image = make_working_image(picture, 320)
+    wide = TrackerParameters(width_maximum=240.0)
+    narrow = TrackerParameters(width_maximum=150.0)
+    assert (make_proposer(wide).propose(image)[:, 2] > 200.0).any()
+    assert not (make_proposer(narrow).propose(image)[:, 2] > 150.0).any()
 
 
 def test_the_detector_that_is_named_is_the_one_that_is_asked():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from cable_tracker.benchmark.frames import SEED, rendered_frames
+from cable_tracker.benchmark.footage import SEED, rendered_frames
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
 from cable_tracker.evaluation.methods import METHODS, Method

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from cable_tracker.benchmark.frames import RENDERED_SIZE
+from cable_tracker.benchmark.footage import RENDERED_SIZE
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.result import BenchmarkResult
 from cable_tracker.benchmark.round_robin import Label

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from cable_tracker.benchmark.frames import RENDERED_SIZE
+from cable_tracker.benchmark.footage import RENDERED_SIZE
 from cable_tracker.benchmark.round_robin import Label, Measurement
 from cable_tracker.benchmark.statistics import fit_line
 from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES, pixels_of

@@ -13,7 +13,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from cable_tracker.benchmark.frames import RENDERED_SIZE, Footage, FrameLoop, footage
+from cable_tracker.benchmark.footage import RENDERED_SIZE, Footage, FrameLoop, footage
 from cable_tracker.benchmark.statistics import fit_line
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.methods import ConfiguredFilter

@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 import cv2
 
 from cable_tracker.benchmark.accuracy import Accuracy, measure_accuracy
-from cable_tracker.benchmark.frames import RENDERED_SIZE, Footage, footage
+from cable_tracker.benchmark.footage import RENDERED_SIZE, Footage, footage
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, is_installed
 from cable_tracker.benchmark.memory import MemoryUse, measure_memory_apart
 from cable_tracker.benchmark.profiling import ProfileRow, profile_preset

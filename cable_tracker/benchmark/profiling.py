@@ -7,7 +7,7 @@ import pstats
 from dataclasses import dataclass
 from pathlib import Path
 
-from cable_tracker.benchmark.frames import Footage, FrameLoop
+from cable_tracker.benchmark.footage import Footage, FrameLoop
 from cable_tracker.benchmark.round_robin import WARM_UP_CALLS
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.methods import ConfiguredFilter

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from cable_tracker.benchmark.frames import RENDERED_SIZE
+from cable_tracker.benchmark.footage import RENDERED_SIZE
 from cable_tracker.benchmark.goals import Goal, goals_of
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
 from cable_tracker.benchmark.round_robin import Measurement
@@ -14,7 +14,7 @@ from cable_tracker.benchmark.statistics import Percentiles, Quartiles
 from cable_tracker.benchmark.subjects import KERNELS, REFERENCE_PARTICLES
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.errors import OutputError
-from cable_tracker.evaluation.experiment_result import ResultTable, table_markdown
+from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
 from cable_tracker.visualisation.files import write_bytes
 
 BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"

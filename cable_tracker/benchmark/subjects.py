@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.benchmark.frames import FIRST_STAMP, FRAME_STEP, Footage, FrameLoop
+from cable_tracker.benchmark.footage import FIRST_STAMP, FRAME_STEP, Footage, FrameLoop
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.benchmark.round_robin import Label, Step, Subject
 from cable_tracker.benchmark.yardstick import Yardstick

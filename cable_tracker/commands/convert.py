@@ -37,7 +37,10 @@ def convert(  # noqa: PLR0917
     allow_outside: OutsideOption = False,
     force: ForceOption = False,
 ) -> None:
-    """Convert any recording into a ROS 2 bag, with its ground truth if it has some."""
+    """Convert any recording into a ROS 2 bag.
+
+    Its ground truth is written too, if it has some.
+    """
     with ExitStack() as stack:
         recording = stack.enter_context(
             open_recording(source, topic, rate, truth, skip_bad_frames, allow_outside)

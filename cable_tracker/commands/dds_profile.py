@@ -6,5 +6,5 @@ from cable_tracker.resources import DDS_PROFILE, resource
 
 
 def dds_profile() -> None:
-    """Print where the Fast DDS profile for nodes on one machine lies."""
+    """Print the path of the Fast DDS profile for one machine."""
     print(resource(DDS_PROFILE))

@@ -24,7 +24,11 @@ from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.folder import output_folder
-from cable_tracker.evaluation.frames import JudgedSequence, RecordingSequence, scenario_sequences
+from cable_tracker.evaluation.judged_sequences import (
+    JudgedSequence,
+    RecordingSequence,
+    scenario_sequences,
+)
 from cable_tracker.evaluation.methods import METHODS
 from cable_tracker.evaluation.report import (
     REPORT,
@@ -85,7 +89,10 @@ def evaluate(  # noqa: PLR0917
     ] = None,
     scenario: Annotated[
         list[str] | None,
-        typer.Option(help="Built-in scenario; may be given several times.  [default: all]"),
+        typer.Option(
+            help="Built-in scenario or world, or a pattern such as 'report_*'; may be given several"
+            " times.  [default: all scenarios]"
+        ),
     ] = None,
     source: Annotated[
         Path | None, typer.Option(help="A labelled recording instead of the scenarios.")
@@ -114,7 +121,7 @@ def evaluate(  # noqa: PLR0917
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
 ) -> None:
-    """Judge methods against exact ground truth, and write a report.
+    """Judge methods against ground truth and write a report.
 
     The folder holds report.html, which needs nothing else, and all numbers as CSV. The same command
     gives the same numbers, except for the times.

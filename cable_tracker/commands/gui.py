@@ -59,7 +59,10 @@ def gui(  # noqa: PLR0917
     host: HostOption = "127.0.0.1",
     port: PortOption = DEFAULT_PORT,
 ) -> None:
-    """Watch and tune the filter in a browser, on a recording or on a live node."""
+    """Watch and tune the filter in a browser.
+
+    It shows a recording, or with --live what a running node does.
+    """
     window = need_gui("tracking_window")
     desks = need_gui("tracking_desk")
     server = need_gui("server")
@@ -80,7 +83,7 @@ def gui(  # noqa: PLR0917
     listening = server.listen_on(host, port)
     desk = desks.TrackingDesk(None, request, parameters)
     if ros is not None:
-        desk.watch(need_ros("live_session").LiveSession(ros))
+        desk.watch(need_ros("clients.live_session").LiveSession(ros))
     elif source is not None:
         desk.open(request)
         if desk.session.note:

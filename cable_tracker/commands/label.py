@@ -43,9 +43,10 @@ def label(  # noqa: PLR0917
     host: HostOption = "127.0.0.1",
     port: PortOption = DEFAULT_PORT,
 ) -> None:
-    """Label a recording by hand, in a browser: where the cable is in each frame, or that it is not.
+    """Label a recording by hand, in a browser.
 
-    The tracker proposes, you correct. Nothing is written to the label file before you save.
+    A label says where the cable is in a frame, or that the frame shows none. The tracker
+    proposes, you correct. Nothing is written to the label file before you save.
     """
     window = need_gui("labelling.window")
     workspaces = need_gui("labelling.workspace")

@@ -30,7 +30,7 @@ from cable_tracker.commands.terminal import console, counted, progress_bar
 from cable_tracker.commands.track import chosen_parameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.folder import output_file
-from cable_tracker.evaluation.frames import check_labels
+from cable_tracker.evaluation.judged_sequences import check_labels
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source import Source
@@ -98,7 +98,9 @@ def learn(  # noqa: PLR0917
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
 ) -> None:
-    """Learn the tables of the likelihood ratio from frames in which the cable is labelled.
+    """Learn response tables from labelled recordings.
+
+    They hold how likely a response of the border filter is on a cable and beside it.
 
     The tracker uses them with the parameter `response_table`. Its parameters `working_width` and
     `filter_sigma` should be those that the tables were learnt with. The same command writes the

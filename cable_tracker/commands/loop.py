@@ -20,8 +20,7 @@ from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.closed_loop import GOAL, LoopSummary
-from cable_tracker.evaluation.closed_loop_campaign import (
+from cable_tracker.evaluation.closed_loop.loop_campaign import (
     METHODS_TABLE,
     RUNS,
     LoopOutcome,
@@ -30,6 +29,7 @@ from cable_tracker.evaluation.closed_loop_campaign import (
     write_methods,
     write_runs,
 )
+from cable_tracker.evaluation.closed_loop.loop_table import GOAL, LoopSummary
 from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.evaluation.methods import BASELINES, METHODS
 from cable_tracker.simulation.live_world import LiveSettings
@@ -89,7 +89,7 @@ def loop(  # noqa: PLR0917
     ] = None,
     force: ForceOption = False,
 ) -> None:
-    """Let a simulated vehicle follow a cable by the tracker's word, over ROS.
+    """Let a simulated vehicle follow a cable, over ROS.
 
     Simulator, tracker and the example of a controller run as processes of their own. Table, plots
     and a video go into one folder. With several seeds or methods each run has a folder of its own
@@ -98,7 +98,7 @@ def loop(  # noqa: PLR0917
     methods = tuple(dict.fromkeys(method or ("default",)))
     _check_methods(methods, is_tuned=params is not None or detector is not None)
     chosen = seeds_from(seeds, seed) if seed >= 0 else (seed,)
-    ros = need_ros("loop")
+    ros = need_ros("rigs.loop")
     sand = min(5.0, length / 4) if buried is None else buried
     several = len(chosen) * len(methods) > 1
     request = ros.LoopRequest(

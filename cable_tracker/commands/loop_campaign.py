@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import IO
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.evaluation.closed_loop import SUMMARY, read_summary
-from cable_tracker.evaluation.closed_loop_campaign import LoopOutcome
+from cable_tracker.evaluation.closed_loop.loop_campaign import LoopOutcome
+from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, read_summary
 
 DOMAIN_VARIABLE = "ROS_DOMAIN_ID"
 FIRST_DOMAIN, LAST_DOMAIN = 88, 101

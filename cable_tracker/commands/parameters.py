@@ -44,7 +44,7 @@ def parameters(
     ] = None,
     force: ForceOption = False,
 ) -> None:
-    """Print all parameters of the filter, with unit, range and meaning, or write them to a file."""
+    """Print all parameters, or write them to a file."""
     values = preset(preset_name.value)
     if output is not None:
         text = format_parameter_file(values, f"Preset `{preset_name.value}`.")

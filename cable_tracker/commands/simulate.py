@@ -62,7 +62,7 @@ def simulate_command(  # noqa: PLR0917
         ),
     ] = False,
 ) -> None:
-    """Simulate a dive over a cable on a textured sea bed, with exact ground truth."""
+    """Simulate a dive over a cable, with exact ground truth."""
     image_size = parse_size(size)
     if live:
         _run_live(output, seed, image_size, rate)

@@ -31,7 +31,7 @@ from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.metrics import ErrorSummary, summarise_errors
-from cable_tracker.evaluation.result_folder import (
+from cable_tracker.evaluation.tracking.result_folder import (
     BAG,
     CONTACT_SHEET,
     ESTIMATES,
@@ -39,7 +39,7 @@ from cable_tracker.evaluation.result_folder import (
     VIDEO,
     ResultFolder,
 )
-from cable_tracker.evaluation.track_recording import (
+from cable_tracker.evaluation.tracking.track_recording import (
     initial_state_for,
     start_from,
     track_recording,
@@ -76,9 +76,10 @@ def track(  # noqa: PLR0917
         typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
     ] = True,
 ) -> None:
-    """Track a recording and write table, pictures, video and bag into one folder.
+    """Track a recording and write the results into a folder.
 
-    With ground truth, a table of errors is printed. The same recording, parameters and seed give
+    They are a table of estimates, pictures, a video and a bag. With ground truth, a table of
+    errors is printed. The same recording, parameters and seed give
     the same estimates, with --ros and without.
     """
     values = read_parameter_file(params) if params is not None else {}
@@ -92,7 +93,7 @@ def track(  # noqa: PLR0917
         results = stack.enter_context(ResultFolder(folder, overwrite=force, timing=timing))
         progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
         if ros:
-            ros_module = need_ros("track_recording")
+            ros_module = need_ros("clients.track_recording")
             request = ros_module.RecordingRequest(
                 source={
                     "source": str(source.resolve()),

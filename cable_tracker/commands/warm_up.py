@@ -11,7 +11,7 @@ from cable_tracker.trackers import warm_up
 
 
 def warm_up_command() -> None:
-    """Compile the inner loops of both presets now, so that nothing has to wait for it later."""
+    """Compile the inner loops now, so that nothing waits later."""
     if not NUMBA_IS_INSTALLED:
         console.print("Numba is not installed: the inner loops run in NumPy, nothing to compile")
         return

@@ -10,6 +10,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.working_image import check_frame, make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion, scaled_state
 
 
@@ -54,7 +55,15 @@ class ReducedImageDetector(ABC):
     """A detector that works on a picture of the reference width at most.
 
     Wider pictures are reduced as the tracker reduces them, so that all methods see the same.
+
+    Parameters
+    ----------
+    limits : PairLimits
+        Widths and skews of the cables that are reported.
     """
+
+    def __init__(self, limits: PairLimits = DEFAULT_LIMITS) -> None:
+        self._limits = limits
 
     def detect(self, image: Image, region: SearchRegion | None = None) -> list[Detection]:
         """Return the cables in a picture, best first; see `CableDetector.detect`."""

@@ -11,7 +11,7 @@ from cable_tracker.detection.line_segments import LineSegmentDetector
 from cable_tracker.detection.segmentation import SegmentationDetector
 from cable_tracker.detection.texture import TextureDetector
 
-DETECTORS: Mapping[str, Callable[[], CableDetector]] = MappingProxyType(
+DETECTORS: Mapping[str, Callable[..., CableDetector]] = MappingProxyType(
     {
         "hough": HoughDetector,
         "segmentation": SegmentationDetector,

@@ -57,7 +57,9 @@ class HoughDetector(ReducedImageDetector):
         points = zero_crossings(pixels).within(region)
         if len(points) == 0:
             return []
-        return pair_lines(hough_lines(points, image_size), image_size, region, MINIMUM_SCORE)
+        return pair_lines(
+            hough_lines(points, image_size), image_size, region, MINIMUM_SCORE, self._limits
+        )
 
 
 def zero_crossings(pixels: Image) -> EdgePoints:

@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.cable.model.geometry import Borders, states_from_borders, wrap_states
-from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.compiled.geometry import turn_sign, wrapped_angle
+from cable_tracker.cable.model.state import PLACES, STATE_SIZE, CableState
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.detection.border_lines import BorderLines, turn_between
+from cable_tracker.compilation import compiled
+from cable_tracker.detection.border_lines import BorderLines
 from cable_tracker.detection.detector import Detection
+from cable_tracker.detection.pair_limits import PairLimits
 from cable_tracker.detection.search_region import SearchRegion
-
-WIDTH_RANGE = (8.0, 120.0)
-"""Smallest and largest w of a pair [px at the reference width]."""
-
-SKEW_LIMIT = float(np.deg2rad(15.0))
-"""Largest |beta| of a pair."""
 
 REGION_SHARE = 0.5
 """Share of the minimum score that is enough inside a region, where a cable is expected anyway."""
 
 MOST_DETECTIONS = 8
+
+PARTNER_SHARE = 0.5
+"""A line beside a border has at least this share of the border's support to be its partner."""
+
+GAP_FACTOR = 0.5
+"""Factor on the score of a pair that is the gap between two strips narrower than itself."""
 
 
 def pair_lines(
@@ -29,11 +33,9 @@ def pair_lines(
     image_size: tuple[int, int],
     region: SearchRegion | None,
     minimum_score: float,
+    limits: PairLimits,
 ) -> list[Detection]:
     """Combine border lines of opposite contrast that are nearly parallel.
-
-    The score of a pair is the geometric mean of the supports of its borders: one strong edge does
-    not make a cable.
 
     Parameters
     ----------
@@ -44,21 +46,30 @@ def pair_lines(
     region : SearchRegion or None
         Only cables in this box, if given.
     minimum_score : float
-        Weaker pairs are no cables; inside a region, `REGION_SHARE` of it is enough.
+        Weaker pairs (see `plausible_pairs`) are no cables; inside a region, `REGION_SHARE` of it
+        is enough.
+    limits : PairLimits
+        Widths and skews of cables.
 
     Returns
     -------
     list of Detection
         Best first, at most `MOST_DETECTIONS`.
     """
-    first, second = (np.asarray(index, np.int64) for index in np.triu_indices(len(lines), k=1))
-    states = states_of_pairs(lines, first, second)
-    scores = np.sqrt(lines.supports[first] * lines.supports[second])
-    usable = _is_plausible(states, image_size)
+    scaled = limits.scaled(image_size[0] / REFERENCE_WIDTH)
+    places, scores = plausible_pairs(
+        lines.angles,
+        lines.offsets,
+        lines.supports,
+        (scaled.narrowest, scaled.widest),
+        scaled.most_skew,
+    )
+    states = np.zeros((len(places), STATE_SIZE))
+    states[:, :PLACES] = places
     if region is None:
-        usable &= scores >= minimum_score
+        usable = scores >= minimum_score
     else:
-        usable &= (scores >= REGION_SHARE * minimum_score) & region.admits(states)
+        usable = (scores >= REGION_SHARE * minimum_score) & region.admits(states)
     return ranked_detections(states[usable], scores[usable])
 
 
@@ -70,32 +81,87 @@ def ranked_detections(states: FloatArray, scores: FloatArray) -> list[Detection]
     ]
 
 
-def states_of_pairs(lines: BorderLines, first: IndexArray, second: IndexArray) -> FloatArray:
-    """Return the cables (K, 8) between lines, with the angle in (-pi/2, pi/2]."""
-    angle, offset = lines.angles[first], lines.offsets[first]
+@compiled
+def plausible_pairs(
+    angles: FloatArray,
+    offsets: FloatArray,
+    supports: FloatArray,
+    widths: tuple[float, float],
+    most_skew: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the cables between lines whose normals are nearly opposite, and their scores.
+
+    The score is the geometric mean of the supports: one strong edge does not make a cable. A pair
+    is only the gap between two strips where both its lines have a partner on their outer side,
+    nearer than the pair is wide: its score is multiplied by `GAP_FACTOR`.
+
+    Parameters
+    ----------
+    angles, offsets, supports : FloatArray
+        Of N lines, see `BorderLines`.
+    widths : (float, float)
+        Smallest and largest w [px].
+    most_skew : float
+        Largest |beta| [rad].
+
+    Returns
+    -------
+    places : FloatArray
+        d, alpha, w, beta of K cables [px, rad], angles in (-pi/2, pi/2], shape (K, 4).
+    scores : FloatArray
+        Shape (K,).
+    """
+    count = len(angles)
+    pairs = count * (count - 1) // 2
+    places, scores = np.empty((pairs, PLACES)), np.empty(pairs)
+    ends = np.empty((pairs, 2), np.int64)
+    bright = np.empty(pairs, np.bool_)
+    # Width of the narrowest strip that a line borders with its darker and its brighter side.
+    strips = np.full((count, 2), np.inf)
+    found = 0
+    for first in range(count):
+        for second in range(first + 1, count):
+            place = places[found]
+            bright[found] = _cable_between(
+                angles[first], offsets[first], angles[second], offsets[second], place
+            )
+            if not (widths[0] <= place[2] <= widths[1] and abs(place[3]) <= most_skew):
+                continue
+            scores[found] = math.sqrt(supports[first] * supports[second])
+            ends[found, 0], ends[found, 1] = first, second
+            side = int(bright[found])
+            if supports[second] >= PARTNER_SHARE * supports[first]:
+                strips[first, side] = min(strips[first, side], place[2])
+            if supports[first] >= PARTNER_SHARE * supports[second]:
+                strips[second, side] = min(strips[second, side], place[2])
+            found += 1
+    for pair in range(found):
+        outer = 1 - int(bright[pair])
+        beside = max(strips[ends[pair, 0], outer], strips[ends[pair, 1], outer])
+        if beside < places[pair, 2]:
+            scores[pair] *= GAP_FACTOR
+    return places[:found], scores[:found]
+
+
+@compiled
+def _cable_between(
+    angle: float, offset: float, other: float, other_offset: float, place: FloatArray
+) -> bool:
+    """Fill in d, alpha, w, beta of the cable between two lines; tell whether it is bright."""
     # The normals of a strip's borders are opposite: turn the second line's round.
-    other_offset = -lines.offsets[second]
-    other_angle = angle + turn_between(lines.angles[second] + np.pi, angle)
-    is_left = offset <= other_offset
-    borders = Borders(
-        angles=np.stack(
-            (np.where(is_left, angle, other_angle), np.where(is_left, other_angle, angle)), axis=1
-        ),
-        offsets=np.stack(
-            (np.minimum(offset, other_offset), np.maximum(offset, other_offset)), axis=1
-        ),
-    )
-    states = np.zeros((len(angle), STATE_SIZE))
-    states[:, :4] = states_from_borders(borders)
-    return wrap_states(states)
-
-
-def _is_plausible(states: FloatArray, image_size: tuple[int, int]) -> BoolArray:
-    scale = image_size[0] / REFERENCE_WIDTH
-    width = states[:, StateColumn.WIDTH]
-    plausible: BoolArray = (
-        (width >= WIDTH_RANGE[0] * scale)
-        & (width <= WIDTH_RANGE[1] * scale)
-        & (np.abs(states[:, StateColumn.SKEW]) <= SKEW_LIMIT)
-    )
-    return plausible
+    turned = -other_offset
+    turn = (other + math.pi - angle + math.pi) % (2 * math.pi) - math.pi
+    left, right = angle, angle + turn
+    bright = offset <= turned
+    if not bright:
+        left, right = right, left
+    skew = (right - left) / 2
+    cos_skew = math.cos(skew)
+    middle = (left + right) / 2
+    wrapped = wrapped_angle(middle)
+    sign = turn_sign(middle, wrapped)
+    place[0] = sign * (offset + turned) / (2 * cos_skew)
+    place[1] = wrapped
+    place[2] = abs(turned - offset) / cos_skew
+    place[3] = sign * skew
+    return bright

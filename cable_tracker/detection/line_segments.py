@@ -21,6 +21,7 @@ from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import gradient_of
 from cable_tracker.detection.line_pairs import pair_lines
+from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion, pixel_to_image
 from cable_tracker.detection.segments import Segments, lines_of_segments
 from cable_tracker.errors import ResourceError
@@ -49,7 +50,8 @@ class LineSegmentDetector(ReducedImageDetector):
         This OpenCV has no line segment detector (4.1.0 to 4.5.0 have none).
     """
 
-    def __init__(self) -> None:
+    def __init__(self, limits: PairLimits = DEFAULT_LIMITS) -> None:
+        super().__init__(limits)
         self._finder = _make_finder()
 
     def _detect(self, pixels: Image, region: SearchRegion | None) -> list[Detection]:
@@ -64,7 +66,7 @@ class LineSegmentDetector(ReducedImageDetector):
             return []
         gradient = gradient_of(cv2.GaussianBlur(pixels, (0, 0), SIGMA))
         lines = lines_of_segments(segments, gradient, MINIMUM_CONTRAST)
-        return pair_lines(lines, image_size, region, MINIMUM_SCORE)
+        return pair_lines(lines, image_size, region, MINIMUM_SCORE, self._limits)
 
     def _find_segments(self, pixels: Image) -> Segments:
         size = (pixels.shape[1], pixels.shape[0])

@@ -82,7 +82,9 @@ class SegmentationDetector(ReducedImageDetector):
         if len(segments) == 0:
             return []
         lines = lines_of_segments(segments, gradient, MINIMUM_CONTRAST)
-        return pair_lines(lines, (pixels.shape[1], pixels.shape[0]), region, MINIMUM_SCORE)
+        return pair_lines(
+            lines, (pixels.shape[1], pixels.shape[0]), region, MINIMUM_SCORE, self._limits
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

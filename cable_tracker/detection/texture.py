@@ -91,7 +91,9 @@ class TextureDetector(ReducedImageDetector):
         points = cable_cells(describe_cells(pixels)).within(region)
         if len(points) == 0:
             return []
-        return pair_lines(hough_lines(points, image_size), image_size, region, MINIMUM_SCORE)
+        return pair_lines(
+            hough_lines(points, image_size), image_size, region, MINIMUM_SCORE, self._limits
+        )
 
 
 def cable_cells(cells: Cells) -> EdgePoints:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.frames import JudgedSequence
+from cable_tracker.evaluation.judged_sequences import JudgedSequence
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
 from cable_tracker.evaluation.workers import run_tasks

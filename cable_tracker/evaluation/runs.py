@@ -12,7 +12,7 @@ import cv2
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.evaluation.frames import JudgedFrame
+from cable_tracker.evaluation.judged_sequences import JudgedFrame
 from cable_tracker.evaluation.methods import Method
 from cable_tracker.evaluation.metrics import RunMetrics, run_metrics
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of

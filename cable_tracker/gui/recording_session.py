@@ -20,7 +20,7 @@ from cable_tracker.cable.parameters.parameters import (
     TrackerParameters,
 )
 from cable_tracker.errors import CableTrackerError, FrameError, RecordingError
-from cable_tracker.evaluation.track_recording import initial_state_for, start_from
+from cable_tracker.evaluation.tracking.track_recording import initial_state_for, start_from
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.session import Listener, Snapshot
 from cable_tracker.gui.task_thread import TaskThread

@@ -11,6 +11,8 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.errors import MetricError
+from cable_tracker.libraries import refusals_as
 from cable_tracker.metric.homography import (
     PlaneMotion,
     diffusion_covariance,
@@ -213,6 +215,15 @@ class MotionAiding:
         image : Image
             The frame: grey levels, uint8 or float32 (0..255), shape (H, W).
         """
+        try:
+            with refusals_as(MetricError, "the vehicle's motion cannot be compared with the image"):
+                return self._motion(stamp, image)
+        except MetricError as error:
+            self._seen = self._predicted = None
+            self._why = str(error)
+            return None
+
+    def _motion(self, stamp: int, image: Image) -> PlaneMotion | None:
         prediction = self._predict(stamp)
         predicted = prediction if isinstance(prediction, PlaneMotion) else None
         seen = self._texture.compare(image, predicted.mapping if predicted is not None else None)

@@ -15,6 +15,8 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import image_to_pixel
+from cable_tracker.errors import MetricError
+from cable_tracker.libraries import refusals_as
 from cable_tracker.metric.withheld import Reason, Withheld
 
 UNDISTORTION_STEPS = 100
@@ -140,6 +142,11 @@ class CameraModel:
         FloatArray
             Unit vectors in the camera optical frame, shape (..., 3); NaN where the distortion has
             no inverse.
+
+        Raises
+        ------
+        MetricError
+            OpenCV refuses the calibration.
         """
         pixels = image_to_pixel(points, self.image_size).reshape(-1, 2)
         plane = (pixels - self.centre) / self.focal
@@ -171,10 +178,8 @@ class CameraModel:
             UNDISTORTION_STEPS,
             UNDISTORTION_PRECISION,
         )
-        straight = cv2.undistortPoints(
-            pixels.reshape(-1, 1, 2), self.matrix, self._lens(), criteria=criteria
-        ).reshape(-1, 2)
-        return np.column_stack((straight, np.ones(len(straight))))
+        straight = _undistorted(pixels.reshape(-1, 1, 2), self.matrix, self._lens(), criteria)
+        return np.column_stack((straight.reshape(-1, 2), np.ones(len(straight))))
 
     def _lens(self) -> FloatArray:
         return np.array(self.coefficients, dtype=np.float64)
@@ -186,10 +191,26 @@ class CameraModel:
             return np.asarray(plane * self.focal + self.centre)
         ahead = np.where(directions[:, 2:] > 0.0, directions, [0.0, 0.0, 1.0])
         lens = self._lens() if any(self.coefficients) else np.zeros(5)
-        pixels, _ = cv2.projectPoints(
-            ahead.reshape(-1, 1, 3), np.zeros(3), np.zeros(3), self.matrix, lens
-        )
+        with refusals_as(MetricError, "no pixels can be computed with this calibration"):
+            pixels, _ = cv2.projectPoints(
+                ahead.reshape(-1, 1, 3), np.zeros(3), np.zeros(3), self.matrix, lens
+            )
         return np.where(directions[:, 2:] > 0.0, pixels.reshape(-1, 2), np.nan)
+
+
+def _undistorted(
+    pixels: FloatArray, matrix: FloatArray, lens: FloatArray, criteria: tuple[int, int, float]
+) -> FloatArray:
+    """Return points of the normalised image plane (N, 1, 2) for distorted pixels (N, 1, 2).
+
+    OpenCV 4 takes the criteria of the iteration in a function of its own, which OpenCV 5 has not.
+    """
+    with refusals_as(MetricError, "the distortion of this calibration cannot be undone"):
+        if hasattr(cv2, "undistortPointsIter"):
+            straight = cv2.undistortPointsIter(pixels, matrix, lens, np.eye(3), np.eye(3), criteria)
+        else:
+            straight = cv2.undistortPoints(pixels, matrix, lens, criteria=criteria)
+        return np.asarray(straight)
 
 
 def _fisheye_plane(directions: FloatArray, coefficients: Sequence[float]) -> FloatArray:

@@ -16,6 +16,8 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.geometry import project_borders, segment_inside, wrap_angle
 from cable_tracker.cable.model.state import PLACES, StateColumn
+from cable_tracker.errors import MetricError
+from cable_tracker.libraries import refusals_as
 from cable_tracker.metric.altitude import Altitude
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
@@ -163,9 +165,13 @@ class CrossTrackMeter:
             return camera
         if not attitude.is_finite():
             return Withheld(Reason.BAD_ATTITUDE, "roll or pitch is not finite; look at the imu")
-        return self._fault_of_view(altitude, attitude) or self._measured(
-            estimate, camera, altitude, attitude
-        )
+        try:
+            with refusals_as(MetricError, "no cross track can be computed"):
+                return self._fault_of_view(altitude, attitude) or self._measured(
+                    estimate, camera, altitude, attitude
+                )
+        except MetricError as error:
+            return Withheld(Reason.NOT_COMPUTED, str(error))
 
     def _fault_of_view(self, altitude: Altitude, attitude: Attitude) -> Withheld | None:
         at = np.array([[altitude.metres, attitude.roll, attitude.pitch]])

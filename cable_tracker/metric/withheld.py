@@ -23,6 +23,7 @@ class Reason(str, Enum):
     OUT_OF_VIEW = "centreline outside the image"
     HORIZON = "centreline at the horizon"
     ACROSS = "cable runs across"
+    NOT_COMPUTED = "the computation failed"
 
 
 @dataclass(frozen=True, slots=True)

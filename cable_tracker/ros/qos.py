@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 RELIABILITIES = {
@@ -62,3 +64,8 @@ EVERYTHING = QoSProfile(
     history=HistoryPolicy.KEEP_ALL, depth=0, reliability=ReliabilityPolicy.RELIABLE
 )
 """How a recorder reads."""
+
+
+def endpoint_name(endpoint: Any) -> str:  # noqa: ANN401
+    """Return the full name of the node of an endpoint that the graph tells of."""
+    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError
+from cable_tracker.libraries import refusals_as
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.picture_header import MAX_PIXELS, read_picture_header
@@ -195,7 +196,8 @@ def _pixels(image: RawImage, pixel_format: _PixelFormat) -> Image:
 def _convert(pixels: Image, code: int | None) -> Image:
     if code is None:
         return pixels
-    return np.asarray(cv2.cvtColor(np.require(pixels, requirements=["C", "A"]), code))
+    with refusals_as(FrameError, "the pixels cannot be converted"):
+        return np.asarray(cv2.cvtColor(np.require(pixels, requirements=["C", "A"]), code))
 
 
 def _float_to_255(pixels: Image) -> NDArray[np.float32]:

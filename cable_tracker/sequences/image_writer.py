@@ -10,6 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import OutputError
+from cable_tracker.libraries import refusals_as
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.output_folder import PartialOutput
@@ -35,7 +36,8 @@ def _picture(image: RawImage | CompressedImage) -> Image:
 
 
 def _write_picture(path: Path, picture: Image) -> None:
-    encoded, data = cv2.imencode(".png", picture)
+    with refusals_as(OutputError, f"{path}: the picture cannot be encoded as PNG"):
+        encoded, data = cv2.imencode(".png", picture)
     if not encoded:
         raise OutputError(f"{path}: the picture cannot be encoded as PNG")
     path.write_bytes(data.tobytes())

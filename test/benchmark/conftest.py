@@ -1,6 +1,6 @@
 import pytest
 
-from cable_tracker.benchmark.frames import Footage, footage
+from cable_tracker.benchmark.footage import Footage, footage
 from cable_tracker.benchmark.yardstick import Yardstick, make_yardstick
 
 FRAMES = 30

@@ -3,7 +3,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cable_tracker.benchmark.frames import FIRST_STAMP, FRAME_STEP
+from cable_tracker.benchmark.footage import FIRST_STAMP, FRAME_STEP
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.cable.model.state import CableState
 

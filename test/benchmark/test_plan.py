@@ -2,7 +2,7 @@ import cv2
 import pytest
 
 from cable_tracker.benchmark import plan
-from cable_tracker.benchmark.frames import RENDERED_SIZE
+from cable_tracker.benchmark.footage import RENDERED_SIZE
 from cable_tracker.benchmark.plan import FULL, QUICK, Benchmark, Plan, one_thread, versions
 from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
 from cable_tracker.errors import ParameterError

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.benchmark import subjects
-from cable_tracker.benchmark.frames import FrameLoop, footage
+from cable_tracker.benchmark.footage import FrameLoop, footage
 from cable_tracker.benchmark.round_robin import SECTIONS
 from cable_tracker.benchmark.subjects import (
     FilterSteps,

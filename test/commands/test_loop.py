@@ -7,8 +7,8 @@ from typer.testing import CliRunner
 
 from cable_tracker.cli import app
 from cable_tracker.errors import CableTrackerError, OutputError, ParameterError
-from cable_tracker.evaluation.closed_loop import SUMMARY, read_summary
-from cable_tracker.evaluation.closed_loop_campaign import METHODS_TABLE, RUNS
+from cable_tracker.evaluation.closed_loop.loop_campaign import METHODS_TABLE, RUNS
+from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, read_summary
 
 pytest.importorskip("rclpy")
 

@@ -36,7 +36,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
         "--output", "{out}",
     ),
     "experiment": (
-        "experiment", "ablation", "--row", "default", "--seeds", "1", "--workers", "1",
+        "dev", "experiment", "ablation", "--row", "default", "--seeds", "1", "--workers", "1",
         "--output", "{out}",
     ),
     "learn": ("learn", "{dive}", "--output", "{out}"),

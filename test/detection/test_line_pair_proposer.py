@@ -1,19 +1,31 @@
 from __future__ import annotations
 
+import cv2
+import hypothesis.extra.numpy as hnp
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.line_pair_proposer import (
+    ANGLE_BINS,
+    ANGLE_MARGIN,
     MOST_CABLES,
-    MOST_SKEW,
+    PEAK_REACH,
     STRONG,
     VOTE_CAP,
+    VOTE_SPREAD,
     LinePairProposer,
-    strong_gradients,
+    accumulated_votes,
+    accumulator_layout,
+    highest_first,
+    highest_near,
+    smoothed,
 )
+from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 
 CABLES = [
     CableState(12.0, 0.2, 24.0, 0.03),
@@ -79,36 +91,92 @@ def test_whatever_the_picture_proposals_are_plausible_cables(rng, size, kind):
     assert len(proposals) <= MOST_CABLES
     assert np.isfinite(proposals).all()
     assert (proposals[:, 2] > 0.0).all()
-    assert (np.abs(proposals[:, 3]) <= MOST_SKEW).all()
+    assert (np.abs(proposals[:, 3]) <= DEFAULT_LIMITS.most_skew).all()
     assert ((proposals[:, 1] > -np.pi / 2) & (proposals[:, 1] <= np.pi / 2)).all()
     if kind in ("black", "white"):
         assert len(proposals) == 0
 
 
-def test_only_the_strongest_gradients_vote(rng):
-    # Short scratches everywhere on a quiet bottom.
-    picture = rng.normal(100.0, 1.0, (240, 320))
-    picture[:, ::9] += 60.0 * (rng.random((240, 36)) < 0.5)
-    voters = strong_gradients(make_working_image(picture.astype(np.float32), 320))
-    assert len(voters.weights) > 50
-    assert (voters.weights > STRONG).all()
-    assert (voters.weights <= VOTE_CAP).all()
-    assert np.abs(voters.x).max() <= 160.0
-    assert np.abs(voters.y).max() <= 120.0
+def reference_votes(image) -> np.ndarray:
+    """Every local maximum of a strong gradient along a scan line, voting one by one."""
+    offset_bin, middle = accumulator_layout(image)
+    votes = np.zeros((ANGLE_BINS, 2 * middle + 1))
+    for lines, is_column in ((image.scanned.rows, False), (image.scanned.columns, True)):
+        for gradients, place in zip(lines.gradients.astype(float), lines.places, strict=True):
+            squared = gradients[:, 0] ** 2 + gradients[:, 1] ** 2
+            for index in range(1, len(squared) - 1):
+                before, here, after = squared[index - 1 : index + 2]
+                along, across = gradients[index, :2]
+                is_ridge = before <= here > after and abs(along) >= abs(across)
+                if not is_ridge or here <= STRONG**2:
+                    continue
+                point = np.array([index - (len(squared) - 1) / 2, place])
+                x, y = point[::-1] if is_column else point
+                gx, gy = (across, along) if is_column else (along, across)
+                nearest = round(np.arctan2(gy, gx) * ANGLE_BINS / (2 * np.pi))
+                for step in range(nearest - VOTE_SPREAD, nearest + VOTE_SPREAD + 1):
+                    angle = step * 2 * np.pi / ANGLE_BINS
+                    column = round((x * np.cos(angle) + y * np.sin(angle)) / offset_bin)
+                    votes[step % ANGLE_BINS, column + middle] += min(np.sqrt(here), VOTE_CAP)
+    return votes
+
+
+@pytest.mark.parametrize("size", [(160, 120), (16, 16), (16, 200), (300, 16)])
+def test_every_strong_ridge_votes_near_its_direction(rng, size):
+    image = make_working_image(rng.normal(100, 20, size[::-1]).astype(np.float32), 320)
+    votes = accumulated_votes(image)
+    margin = ANGLE_MARGIN
+    # A vote on the edge between two bins falls to either by rounding.
+    expected = reference_votes(image)
+    moved = np.abs(votes[margin:-margin] - expected).sum()
+    assert moved <= 0.05 * expected.sum()
+    assert expected.sum() > 0
+    np.testing.assert_array_equal(votes[:margin], votes[-2 * margin : -margin])
+    np.testing.assert_array_equal(votes[-margin:], votes[margin : 2 * margin])
+
+
+def test_the_accumulator_is_smoothed_and_searched_as_a_picture_would_be(rng):
+    votes = rng.exponential(1.0, (40, 31))
+    smooth = cv2.GaussianBlur(votes.astype(np.float32), (3, 3), 0)
+    np.testing.assert_allclose(smoothed(votes), smooth, rtol=1e-5)
+    rows, columns = PEAK_REACH
+    around = np.ones((2 * rows + 1, 2 * columns + 1), np.uint8)
+    highest = cv2.dilate(smooth, around)
+    np.testing.assert_array_equal(highest_near(smooth)[rows:-rows], highest[rows:-rows])
+
+
+@given(hnp.arrays(np.float64, st.integers(0, 30), elements=st.integers(0, 5)), st.integers(0, 40))
+def test_the_highest_come_first_and_of_equal_ones_the_first(values, most):
+    expected = np.argsort(-values, kind="stable")[:most]
+    np.testing.assert_array_equal(highest_first(values, most), expected)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 2, -1.2])
 def test_every_scan_line_votes_once_for_each_border_it_crosses(draw_strip, angle):
-    cable = CableState(5.0, angle, 40.0)
-    image = make_working_image(draw_strip(cable, (320, 240)), 320)
-    voters = strong_gradients(image)
-    inward = np.array([angle, angle + np.pi])
-    across = voters.x[:, None] * np.cos(inward) + voters.y[:, None] * np.sin(inward)
-    turn = np.abs(np.angle(np.exp(1j * (voters.directions[:, None] - inward))))
+    image = make_working_image(draw_strip(CableState(5.0, angle, 40.0), (320, 240)), 320)
+    votes = accumulated_votes(image)
+    offset_bin, middle = accumulator_layout(image)
     steep = abs(np.cos(angle)) >= abs(np.sin(angle))
     lines = image.scanned.rows if steep else image.scanned.columns
-    for side, offset in enumerate((5.0 - 20.0, -5.0 - 20.0)):
-        near = (np.abs(across[:, side] - offset) < 1.5) & (turn[:, side] < 0.1)
-        crossing = np.abs(offset / abs(np.cos(angle) if steep else np.sin(angle))) < 300.0
-        assert crossing
-        assert 0.6 * len(lines.places) <= near.sum() <= len(lines.places)
+    for normal, offset in ((angle, 5.0 - 20.0), (angle + np.pi, -5.0 - 20.0)):
+        row = round(normal / (2 * np.pi) * ANGLE_BINS) % ANGLE_BINS + ANGLE_MARGIN
+        column = middle + round(offset / offset_bin)
+        near = votes[row, column - 2 : column + 3].sum() / VOTE_CAP
+        assert 0.6 * len(lines.places) <= near <= len(lines.places)
+
+
+@pytest.mark.parametrize("width", [5.0, 180.0])
+@pytest.mark.parametrize("skew", [-25.0, 25.0])
+def test_wide_thin_and_skewed_cables_are_proposed_where_the_limits_let_them(
+    draw_strip, width, skew
+):
+    cable = CableState(8.0, 0.1, width, np.deg2rad(skew) * (width > 100.0))
+    image = make_working_image(draw_strip(cable), 320)
+    wide = LinePairProposer(PairLimits(3.0, 240.0, np.deg2rad(30.0)))
+    found = nearest(wide.propose(image), cable)
+    assert found[0] == pytest.approx(cable.distance, abs=5.0)
+    assert found[2] == pytest.approx(width, abs=6.0)
+    assert found[3] == pytest.approx(cable.skew, abs=0.05)
+    narrow = LinePairProposer(PairLimits(8.0, 120.0, np.deg2rad(15.0))).propose(image)
+    assert ((narrow[:, 2] >= 8.0) & (narrow[:, 2] <= 120.0)).all()
+    assert (np.abs(narrow[:, 3]) <= np.deg2rad(15.0)).all()

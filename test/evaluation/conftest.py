@@ -11,7 +11,7 @@ import pytest
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
-from cable_tracker.evaluation.frames import JudgedFrame, JudgedSequence
+from cable_tracker.evaluation.judged_sequences import JudgedFrame, JudgedSequence
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
 from cable_tracker.sequences.frame import Frame, RawImage

@@ -10,7 +10,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.evaluation.metrics import is_off, state_errors
-from cable_tracker.evaluation.track_recording import initial_state_for, start_from
+from cable_tracker.evaluation.tracking.track_recording import initial_state_for, start_from
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
 

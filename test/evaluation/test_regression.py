@@ -1,9 +1,9 @@
-"""A small fixed part of the evaluation against recorded values.
+"""A small fixed part of the evaluation against the distribution of recorded values.
 
 Run this file to record the values anew, after a change that is meant to move them:
-`python test/evaluation/test_regression.py`. The value is the median over several seeds of the
-method's random numbers on the same frames, and the margin reaches to the worst of them and half as
-far again: other libraries round otherwise, which is like another seed.
+`python test/evaluation/test_regression.py`. On another processor the last bit of a sum differs, and
+a filter turns it into other samples, as another seed does. So no value is compared with a value:
+the figures of several seeds are compared with those of other seeds that were recorded.
 """
 
 import json
@@ -12,66 +12,84 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cable_tracker.evaluation.frames import ScenarioSequence
+from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 from cable_tracker.evaluation.methods import METHODS
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME
-from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
+from cable_tracker.evaluation.runs import MethodRun, Start, run_together
 
 RECORDED = Path(__file__).with_name("regression.json")
 FRAMES = 80
 SCENARIOS = ("S3", "S5")
 NAMES = ("default", "thesis")
-RECORDING_SEEDS = range(8)
-# Smallest margins: below them a difference means nothing.
-MARGINS = {"lost": 2.5, "silence": 2.5, "rmse_d": 0.3, "rmse_alpha": 0.2, "rmse_w": 0.5}
+RECORDED_SEEDS = range(12)
+SEEDS = range(100, 106)
+# Below them a difference means nothing: lost and silence in percent, d and w in px, alpha in deg.
+SMALLEST = {"lost": 2.5, "silence": 2.5, "rmse_d": 0.1, "rmse_alpha": 0.1, "rmse_w": 0.2}
+MOST_WORSE = 0.97
+"""Of the pairs of a new and a recorded value. Where nothing has changed, 6 and 12 values reach it
+in 4 of 18564 orders that are equally likely, whatever their distribution."""
+
+Values = dict[str, list[float]]
 
 
-def run(scenario: str, method_seeds: tuple[int, ...]) -> list[RunResult]:
+def run(scenario: str, seeds: range) -> Values:
+    """Return the figures of every method over the seeds of its random numbers."""
     runs = [
-        MethodRun(name, METHODS[name].make, seed, Start.TRUTH)
-        for name in NAMES
-        for seed in method_seeds
+        MethodRun(name, METHODS[name].make, seed, Start.TRUTH) for name in NAMES for seed in seeds
     ]
-    return run_together(runs, ScenarioSequence(scenario, FRAMES).frames(0), scenario)
+    results = run_together(runs, ScenarioSequence(scenario, FRAMES).frames(0), scenario)
+    return {
+        f"{scenario} {method} {figure}": [
+            METRICS_BY_NAME[figure].read(result.metrics)
+            for result in results
+            if result.method == method
+        ]
+        for method in NAMES
+        for figure in SMALLEST
+    }
 
 
-def values(result: RunResult) -> dict[str, float]:
-    return {name: METRICS_BY_NAME[name].read(result.metrics) for name in MARGINS}
+def share_of_worse(values: list[float], recorded: list[float], smallest: float) -> float:
+    """Return in how many pairs of a value and a recorded one the value is worse; NaN is."""
+    pairs = np.subtract.outer(np.array(values), np.array(recorded))
+    return float(np.mean(~(pairs <= smallest)))
 
 
-@pytest.fixture(scope="module", params=SCENARIOS)
-def results(request):
-    return run(request.param, (0,))
-
-
-def test_nothing_got_worse_than_recorded(results):
+@pytest.mark.slow
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_nothing_got_worse_than_recorded(scenario):
     recorded = json.loads(RECORDED.read_text())
     worse = [
-        f"{result.sequence} {result.method} {name}: {value:.3g} > {limits['value']:.3g}"
-        f" + {limits['margin']:.3g}"
-        for result in results
-        for name, value in values(result).items()
-        if (limits := recorded[f"{result.sequence} {result.method} {name}"])
-        and not value <= limits["value"] + limits["margin"]
+        f"{row}: {np.round(sorted(values), 3)} > {recorded[row]}"
+        for row, values in run(scenario, SEEDS).items()
+        if share_of_worse(values, recorded[row], SMALLEST[row.split()[-1]]) >= MOST_WORSE
     ]
     assert not worse
 
 
+@pytest.mark.parametrize("figure", SMALLEST)
+def test_a_method_that_got_worse_by_its_whole_spread_would_be_told(figure):
+    recorded = json.loads(RECORDED.read_text())
+    for row in (name for name in recorded if name.endswith(f" {figure}")):
+        every_second = np.array(recorded[row][::2])
+        later = list(every_second + SMALLEST[figure] * 1.01 + np.ptp(recorded[row]))
+        assert share_of_worse(list(every_second), recorded[row], 0.0) < MOST_WORSE
+        assert share_of_worse(later, recorded[row], SMALLEST[figure]) >= MOST_WORSE
+
+
+def test_a_figure_that_is_no_number_counts_as_worse():
+    assert share_of_worse([float("nan")] * 3, [1.0, 2.0], 0.5) == 1.0
+
+
 def record() -> None:
-    table = {}
-    for scenario in SCENARIOS:
-        results = run(scenario, tuple(RECORDING_SEEDS))
-        for method in NAMES:
-            seen = [values(result) for result in results if result.method == method]
-            for name, smallest in MARGINS.items():
-                numbers = [each[name] for each in seen]
-                median = float(np.median(numbers))
-                margin = max(smallest, 1.5 * (max(numbers) - median))
-                table[f"{scenario} {method} {name}"] = {
-                    "value": round(median, 3),
-                    "margin": round(margin, 3),
-                }
-    RECORDED.write_text(json.dumps(table, indent=1) + "\n")
+    """Write the figures of many seeds, sorted: seeds have no meaning across processors."""
+    table = {
+        row: [round(value, 3) for value in sorted(values)]
+        for scenario in SCENARIOS
+        for row, values in run(scenario, RECORDED_SEEDS).items()
+    }
+    lines = (f' "{row}": {json.dumps(values)}' for row, values in table.items())
+    RECORDED.write_text("{\n" + ",\n".join(lines) + "\n}\n")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.evaluation.frames import JudgedFrame
+from cable_tracker.evaluation.judged_sequences import JudgedFrame
 from cable_tracker.evaluation.runs import MethodRun, Start, run_together
 
 

@@ -9,8 +9,8 @@ from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, GuiError, ParameterError, RecordingError
-from cable_tracker.evaluation.result_folder import ESTIMATES, ResultFolder
-from cable_tracker.evaluation.track_recording import (
+from cable_tracker.evaluation.tracking.result_folder import ESTIMATES, ResultFolder
+from cable_tracker.evaluation.tracking.track_recording import (
     initial_state_for,
     start_from,
     track_recording,

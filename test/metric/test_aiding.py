@@ -21,7 +21,7 @@ from cable_tracker.metric.aiding import (
 from cable_tracker.metric.homography import PlaneMotion
 from cable_tracker.metric.instruments import Instruments, InstrumentSettings
 from cable_tracker.metric.motion import Odometry
-from cable_tracker.metric.sea_bed_texture import TextureMotion
+from cable_tracker.metric.sea_bed_texture import SeaBedTexture, TextureMotion
 
 SECOND = 1_000_000_000
 FRAME = SECOND // 25
@@ -237,6 +237,23 @@ def test_longer_steps_leave_more_unknown(drive):
         motion = drive.sees()
         sigmas.append(motion.sigmas()[0])
     assert sigmas[1] == pytest.approx(sigmas[0] * math.sqrt(4), rel=0.1)
+
+
+@pytest.mark.parametrize("refusal", [cv2.error("bad argument"), np.linalg.LinAlgError("singular")])
+def test_without_a_comparison_there_is_no_aid_and_the_reason_is_told(drive, monkeypatch, refusal):
+    def refuse(*_, **__):
+        raise refusal
+
+    for _ in range(PROVED):
+        drive.hears(Drive.SWAY)
+        drive.sees()
+    monkeypatch.setattr(SeaBedTexture, "compare", refuse)
+    drive.hears(Drive.SWAY)
+    assert drive.sees() is None
+    assert str(refusal) in drive.aiding.why_not
+    monkeypatch.undo()
+    drive.hears(Drive.SWAY)
+    assert drive.sees() is not None
 
 
 class TestWithTexture:

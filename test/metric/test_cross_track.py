@@ -3,6 +3,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
@@ -277,3 +278,28 @@ def test_points_above_the_horizon_do_not_disturb_those_below(
     result = measured(meter(calibration, mounting), estimate)
     assert result.heading == pytest.approx(0.05, abs=DEGREE)
     assert result.offset == pytest.approx(0.1, abs=0.05)
+
+
+@pytest.mark.parametrize("names", [("undistortPoints", "undistortPointsIter"), ("projectPoints",)])
+def test_what_opencv_refuses_withholds_the_metres_with_its_words(
+    calibrations, make_estimate, monkeypatch, names
+):
+    def refuse(*_, **__):
+        raise cv2.error("bad argument")
+
+    for name in names:
+        monkeypatch.setattr(cv2, name, refuse, raising=False)
+    estimate = make_estimate(CableState(10.0, 0.1, 40.0))
+    result = meter(calibrations["plumb_bob"]).measure(estimate, HEIGHT, LEVEL)
+    assert isinstance(result, Withheld)
+    assert result.reason is Reason.NOT_COMPUTED
+    assert "bad argument" in result.detail
+
+
+def test_what_numpy_refuses_withholds_the_metres(calibrations, make_estimate, monkeypatch):
+    def refuse(*_, **__):
+        raise np.linalg.LinAlgError("Eigenvalues did not converge")
+
+    monkeypatch.setattr(np.linalg, "eigh", refuse)
+    estimate = make_estimate(CableState(10.0, 0.1, 40.0))
+    assert reason(meter(calibrations["pinhole"]), estimate) is Reason.NOT_COMPUTED

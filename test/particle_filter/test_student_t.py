@@ -17,6 +17,11 @@ TAILS = [1.0, 2.5, 4.0, 30.0, math.inf]
 COUNT = 40_000
 
 
+def integral(values, places) -> float:
+    """By the trapezoidal rule."""
+    return float(np.sum((values[1:] + values[:-1]) / 2 * np.diff(places)))
+
+
 def tilted(tail) -> StudentT:
     return StudentT(np.array([3.0, -1.0]), np.array([[2.0, 0.0], [1.5, 0.5]]), tail)
 
@@ -27,7 +32,7 @@ def test_the_density_integrates_to_one(tail):
     u = np.linspace(-np.pi / 2, np.pi / 2, 20_001)[1:-1]
     x = np.tan(u)
     density = StudentT(np.zeros(1), np.full((1, 1), 0.7), tail).log_density(x[:, None])
-    assert np.trapezoid(np.exp(density) * (1 + x**2), u) == pytest.approx(1.0, abs=1e-3)
+    assert integral(np.exp(density) * (1 + x**2), u) == pytest.approx(1.0, abs=1e-3)
 
 
 @given(st.floats(-4.0, 4.0), st.floats(-4.0, 4.0))
@@ -50,7 +55,7 @@ def test_draws_have_the_quantiles_of_the_density(tail, draw_standard):
     draws = draw_standard(COUNT, 1, tail)[:, 0]
     x = np.linspace(-2.0, 2.0, 4001)
     density = np.exp(student_t_log_density(x**2, 1, tail, 0.0))
-    assert (np.abs(draws) < 2.0).mean() == pytest.approx(np.trapezoid(density, x), abs=0.012)
+    assert (np.abs(draws) < 2.0).mean() == pytest.approx(integral(density, x), abs=0.012)
     assert (draws < 0).mean() == pytest.approx(0.5, abs=0.012)
 
 

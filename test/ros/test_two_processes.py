@@ -16,14 +16,14 @@ from rosbags.rosbag2 import Reader
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
-from cable_tracker.evaluation.result_folder import BAG, ESTIMATES, ResultFolder
-from cable_tracker.evaluation.track_recording import (
+from cable_tracker.evaluation.tracking.result_folder import BAG, ESTIMATES, ResultFolder
+from cable_tracker.evaluation.tracking.track_recording import (
     TRUTH,
     initial_state_for,
     start_from,
     track_recording,
 )
-from cable_tracker.ros.track_recording import RecordingRequest, track_recording_over_ros
+from cable_tracker.ros.clients.track_recording import RecordingRequest, track_recording_over_ros
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates

@@ -12,6 +12,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import FrameError
 from cable_tracker.gui.labelling.labels import Labels
 from cable_tracker.sequences.encodings import decode_grey
@@ -62,7 +63,7 @@ class Proposer:
     def __init__(self, read: Callable[[int], Frame], parameters: TrackerParameters) -> None:
         self._read = read
         self._parameters = parameters
-        self._detector = DETECTORS[DETECTOR]()
+        self._detector = DETECTORS[DETECTOR](pair_limits(parameters))
 
     def propose(
         self, frame: int, labels: Labels, stopped: Callable[[], bool] = lambda: False

@@ -1,11 +1,10 @@
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from label_strategies import label_maps
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.autosave import read_autosave, write_autosave
-
-from .strategies import label_maps
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -2,6 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+from label_strategies import frame_labels, label_maps
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
@@ -13,8 +14,6 @@ from cable_tracker.gui.labelling.labels import (
     filled_gap,
     gaps,
 )
-
-from .strategies import frame_labels, label_maps
 
 frames = st.integers(0, 29)
 hand_labels = frame_labels.filter(lambda label: label.is_key)

@@ -3,6 +3,7 @@ import os
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from label_strategies import label_maps
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import OutputError, RecordingError
@@ -17,7 +18,6 @@ from cable_tracker.gui.labelling.names import NumberedNames, PictureNames, names
 from cable_tracker.sequences.source import open_source
 
 from .conftest import COUNT, true_state
-from .strategies import label_maps
 
 LABELS = {
     0: FrameLabel(true_state(0)),

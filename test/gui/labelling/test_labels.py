@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from label_strategies import frame_labels, states
 
 from cable_tracker.cable.model.geometry import project_borders, unwrap_states, wrap_angle
 from cable_tracker.cable.model.state import CableState
@@ -21,8 +22,6 @@ from cable_tracker.gui.labelling.labels import (
     gaps,
     interpolated_state,
 )
-
-from .strategies import frame_labels, states
 
 
 def key(distance=0.0):

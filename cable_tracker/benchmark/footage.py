@@ -1,0 +1,142 @@
+"""Frames to measure on: a simulated dive, rendered once and kept, in every size that is asked for.
+
+Larger frames are enlarged ones: their fine texture is missing, which nothing that is timed here
+depends on.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.evaluation.judged_sequences import JudgedFrame, ScenarioSequence
+from cable_tracker.evaluation.methods import Method
+
+SCENARIO = "S1"
+SEED = 0
+"""A dive whose first frames both presets follow."""
+
+RENDERED_SIZE = (320, 240)
+FRAME_STEP = 40_000_000
+"""Time from one frame to the next [ns]."""
+
+FIRST_STAMP = 1_000_000_000
+"""Time of the first frame [ns]; not 0, which ROS takes for "no time"."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Footage:
+    """Frames of one size that are shown forwards and backwards, so that the cable never jumps.
+
+    Attributes
+    ----------
+    images : tuple of Image
+        Grey levels, uint8, shape (H, W).
+    truths : tuple of CableState
+        Where the cable runs in each [px, rad].
+    """
+
+    images: tuple[Image, ...]
+    truths: tuple[CableState, ...]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height [px]."""
+        height, width = self.images[0].shape
+        return width, height
+
+    @property
+    def period(self) -> int:
+        """Number of frames until the first one is shown again."""
+        return max(2 * len(self.images) - 2, 1)
+
+    def index_at(self, number: int) -> int:
+        """Return which image is shown as the `number`-th, counted from 0 for ever."""
+        place = number % self.period
+        return place if place < len(self.images) else self.period - place
+
+
+@functools.cache
+def rendered_frames(count: int) -> tuple[JudgedFrame, ...]:
+    """Render the first frames of the dive."""
+    frames = tuple(ScenarioSequence(SCENARIO, count).frames(SEED))
+    assert all(frame.truth is not None for frame in frames)
+    return frames
+
+
+@functools.cache
+def footage(count: int, size: tuple[int, int]) -> Footage:
+    """Return the first frames of the dive in a size (width, height) [px].
+
+    Other shapes than 4:3 show the middle part of the picture.
+    """
+    frames = rendered_frames(count)
+    images = tuple(enlarged(frame.image, size) for frame in frames)
+    truths = tuple(at_rest(frame.truth, size[0]) for frame in frames if frame.truth is not None)
+    return Footage(images, truths)
+
+
+def enlarged(image: Image, size: tuple[int, int]) -> Image:
+    """Return the middle of a picture in another size (width, height), uint8."""
+    width, height = size
+    if (image.shape[1], image.shape[0]) == size:
+        return image
+    whole_height = max(round(width * image.shape[0] / image.shape[1]), height)
+    whole = cv2.resize(image, (width, whole_height), interpolation=cv2.INTER_CUBIC)
+    top = (whole_height - height) // 2
+    return np.ascontiguousarray(whole[top : top + height])
+
+
+def at_rest(truth: CableState, width: int) -> CableState:
+    """Return where a cable runs in a wider frame, without its rates, which nobody is told."""
+    scale = width / RENDERED_SIZE[0]
+    return CableState(truth.distance * scale, truth.angle, truth.width * scale, truth.skew)
+
+
+class FrameLoop:
+    """A method that goes through footage for ever, one frame a call.
+
+    It is told the truth at the beginning, and again whenever the first frame comes back, so that
+    what is timed is tracking.
+
+    Parameters
+    ----------
+    method : Method
+        A fresh one.
+    shown : Footage
+        What it sees.
+
+    Attributes
+    ----------
+    frames, claimed : int
+        Frames so far, and those of them in which a cable was claimed.
+    """
+
+    def __init__(self, method: Method, shown: Footage) -> None:
+        self._method = method
+        self._numbers = self._endless(shown)
+        self._shown = shown
+        self.frames = 0
+        self.claimed = 0
+
+    def _endless(self, shown: Footage) -> Iterator[tuple[Image, int]]:
+        number = 0
+        while True:
+            index = shown.index_at(number)
+            if number % shown.period == 0:
+                self._method.initialise(shown.truths[0])
+            yield shown.images[index], FIRST_STAMP + number * FRAME_STEP
+            number += 1
+
+    def __call__(self) -> None:
+        """Process the next frame."""
+        image, stamp = next(self._numbers)
+        estimate = self._method.process(image, stamp)
+        self.frames += 1
+        self.claimed += estimate.status.value == "TRACKING"

@@ -1,0 +1,169 @@
+"""`cable-tracker dev bench`."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from datetime import date
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from cable_tracker.benchmark.footage import RENDERED_SIZE, footage
+from cable_tracker.benchmark.growth import fit_growth
+from cable_tracker.benchmark.node_timing import NodeTiming
+from cable_tracker.benchmark.plan import FULL, QUICK, Benchmark, Plan, absent_libraries, versions
+from cable_tracker.benchmark.report import (
+    check_page,
+    circumstances_text,
+    result_markdown,
+    tables_of,
+    write_page,
+)
+from cable_tracker.benchmark.result import BenchmarkResult, Circumstances, is_benchmark, to_json
+from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
+from cable_tracker.cable.parameters.presets import PRESETS, preset
+from cable_tracker.commands.machine import machine, typed_command
+from cable_tracker.commands.options import ForceOption
+from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.errors import RosError
+from cable_tracker.evaluation.experiments.experiment_result import ResultTable
+from cable_tracker.evaluation.folder import output_file
+
+PLANS = {False: FULL, True: QUICK}
+"""By whether it is to be quick."""
+
+NODE_TRIALS = (
+    (RENDERED_SIZE, REFERENCE_PARTICLES),
+    ((640, 480), REFERENCE_PARTICLES),
+    ((640, 480), 10_000),
+)
+"""Sizes and numbers of particles that are measured from node to node."""
+
+
+def bench(  # noqa: PLR0917
+    output: Annotated[Path, typer.Option(help="File for all numbers, JSON.")] = Path("bench.json"),
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A part of it, in about a minute.")
+    ] = False,
+    dds: Annotated[
+        bool, typer.Option("--dds", help="Also from node to node, in processes of their own.")
+    ] = False,
+    dds_frames: Annotated[
+        int, typer.Option(help="Frames for each node and each setting.", min=1)
+    ] = 240,
+    memory: Annotated[
+        int | None,
+        typer.Option(
+            help="Frames over which memory is watched; 0: none.  [default: 2000, quick: 0]", min=0
+        ),
+    ] = None,
+    markdown: Annotated[
+        Path | None,
+        typer.Option(
+            help="Page for the tables, such as docs/performance.md: a new one, or one"
+            " that has a place for them."
+        ),
+    ] = None,
+    force: ForceOption = False,
+) -> None:
+    """Measure how long frames take, beside a yardstick.
+
+    All take turns in one run, so that a busy machine slows all alike; what counts are the ratios
+    to the yardstick: the observation of Wirth's thesis for 500 particles, written down literally
+    and compiled. Times are those of one processor.
+    """
+    plan = PLANS[quick] if memory is None else replace(PLANS[quick], memory=memory)
+    if markdown is not None:
+        check_page(markdown)
+    if dds:
+        need_ros()
+    with output_file(output, is_benchmark, overwrite=force) as file:
+        result = _run(plan, dds_frames if dds else 0)
+        file.write_text(to_json(result), encoding="utf-8")
+    if markdown is not None:
+        write_page(markdown, result_markdown(result))
+    for table in tables_of(result):
+        console.print(_for_terminal(table))
+    console.print(circumstances_text(result.circumstances), soft_wrap=True)
+    for path in filter(None, (output, markdown)):
+        console.print(f"  {path}", soft_wrap=True)
+
+
+def _run(plan: Plan, dds_frames: int) -> BenchmarkResult:
+    before = os.getloadavg()
+    with progress_bar("rendering, compiling", None):
+        benchmark = Benchmark(plan)
+    with progress_bar("measuring", benchmark.turn_count()) as progress:
+        measured = benchmark.run(lambda count: advance(progress, count))
+    nodes = measure_nodes(plan, dds_frames) if dds_frames else ()
+    circumstances = Circumstances(
+        command=typed_command(),
+        date=date.today().isoformat(),
+        machine=machine(),
+        versions=versions(),
+        load_before=before,
+        load_after=os.getloadavg(),
+        absent=absent_libraries(),
+    )
+    return BenchmarkResult(
+        circumstances=circumstances,
+        measurements=measured.measurements,
+        accuracies=measured.accuracies,
+        growths=tuple(fit_growth(measured.measurements)),
+        profile=measured.profile,
+        memory=measured.memory,
+        nodes=nodes,
+    )
+
+
+def measure_nodes(plan: Plan, frames: int) -> tuple[NodeTiming, ...]:
+    """Measure both presets from node to node."""
+    from cable_tracker.ros.rigs.node_latency import NodeTrial, measure_node  # noqa: PLC0415
+
+    trials = [
+        NodeTrial(
+            name,
+            preset(name).replaced({"particle_count": particles}),
+            footage(plan.frames, size),
+            frames,
+        )
+        for size, particles in NODE_TRIALS
+        for name in PRESETS
+    ]
+    timings = []
+    for trial in trials:
+        width, height = trial.shown.size
+        words = f"node {trial.name}, {width}x{height}, {trial.parameters.particle_count}"
+        with progress_bar(words, None) as progress:
+            timings.append(measure_node(trial, partial(advance, progress)))
+    return tuple(timings)
+
+
+def need_ros() -> None:
+    """See that there is ROS before anything is measured.
+
+    Raises
+    ------
+    RosError
+        There is none.
+    """
+    try:
+        import cable_tracker.ros.rigs.node_latency  # noqa: F401, PLC0415
+    except ModuleNotFoundError as error:
+        raise RosError(
+            f"--dds needs ROS, and {error.name} is not installed; run `pip install '.[ros]'` in"
+            " the package's folder, or source /opt/ros/jazzy/setup.bash"
+        ) from error
+
+
+def _for_terminal(shown: ResultTable) -> Table:
+    table = Table(title=shown.title)
+    for heading in shown.headings:
+        table.add_column(heading.replace("`", ""), overflow="fold")
+    for row in shown.rows:
+        table.add_row(*(cell.replace("`", "") for cell in row))
+    return table

@@ -1,0 +1,93 @@
+"""`cable-tracker dev experiment`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from cable_tracker.commands.evaluate import (
+    FirstSeedOption,
+    SeedsOption,
+    WorkersOption,
+    seeds_from,
+    worker_count,
+)
+from cable_tracker.commands.machine import machine, typed_command
+from cable_tracker.commands.options import ForceOption
+from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.experiments.ablation import AblationExperiment
+from cable_tracker.evaluation.experiments.ablation_rows import ROW_NAMES
+from cable_tracker.evaluation.experiments.experiment_result import (
+    TABLE_MARKDOWN,
+    ExperimentResult,
+    ResultTable,
+    write_experiment,
+)
+from cable_tracker.evaluation.experiments.thesis_experiments import EXPERIMENTS, Experiment
+from cable_tracker.evaluation.folder import output_folder
+
+
+def experiment(  # noqa: PLR0917
+    name: Annotated[str, typer.Argument(help=" | ".join(EXPERIMENTS))],
+    output: Annotated[
+        Path | None, typer.Option(help="Folder for the results.  [default: experiment_NAME]")
+    ] = None,
+    first_seed: FirstSeedOption = 0,
+    seeds: SeedsOption = 3,
+    row: Annotated[
+        list[str] | None,
+        typer.Option(
+            help=f"Of ablation: {' | '.join(ROW_NAMES)}; may be given several times."
+            "  [default: all]"
+        ),
+    ] = None,
+    force: ForceOption = False,
+    workers: WorkersOption = None,
+) -> None:
+    """Run an experiment and write its tables and figures.
+
+    sequences: section 5.2.3, from the true beginning. reinitialisation: 5.2.4, a random start every
+    100 frames. speed: 5.2.5, time against particles and filter size. ablation: what each part of
+    the preset `default` is worth. metres: errors of the metric output. motion: what odometry is
+    worth to the filter, sound or broken.
+    """
+    if name not in EXPERIMENTS:
+        raise ParameterError(f"experiment: {name!r} is none of {' | '.join(EXPERIMENTS)}")
+    chosen = _with_rows(EXPERIMENTS[name](seeds_from(seeds, first_seed)), row)
+    path = output if output is not None else Path(f"experiment_{name}")
+    note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
+    with output_folder(path, TABLE_MARKDOWN, overwrite=force) as folder:
+        with progress_bar(name, chosen.frame_count()) as progress:
+            result = chosen.run(worker_count(workers), lambda count: advance(progress, count))
+        write_experiment(folder, result, note)
+    _print(result)
+    for file_name in result.file_names():
+        console.print(f"  {path / file_name}", soft_wrap=True)
+
+
+def _with_rows(chosen: Experiment, rows: list[str] | None) -> Experiment:
+    if not rows:
+        return chosen
+    if not isinstance(chosen, AblationExperiment):
+        raise ParameterError("--row chooses what the experiment ablation runs; leave it out")
+    return replace(chosen, rows=tuple(rows))
+
+
+def _print(result: ExperimentResult) -> None:
+    for each in result.tables:
+        console.print(_for_terminal(each, each.title or result.title))
+
+
+def _for_terminal(shown: ResultTable, title: str) -> Table:
+    table = Table(title=title)
+    for heading in shown.headings[: shown.brief]:
+        table.add_column(heading, justify="right")
+    for row in shown.rows:
+        table.add_row(*row[: shown.brief])
+    return table

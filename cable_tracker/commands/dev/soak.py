@@ -1,0 +1,133 @@
+"""`cable-tracker dev soak`."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from itertools import islice
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+
+from cable_tracker.commands.machine import machine, typed_command
+from cable_tracker.commands.options import ForceOption, PresetName
+from cable_tracker.commands.simulate import parse_size
+from cable_tracker.commands.terminal import console, progress_bar
+from cable_tracker.errors import RosError
+from cable_tracker.evaluation.folder import output_file
+from cable_tracker.simulation.scenario import SimulationSettings, simulate
+
+if TYPE_CHECKING:
+    from cable_tracker.ros.rigs.soak_record import SoakRecord
+
+EXIT_BROKEN_PROMISE = 1
+FRAMES = 100
+MARK = b'"broken_promises"'
+"""Stands in every report."""
+
+PROGRESS_STEPS = 1000
+
+
+def soak(  # noqa: PLR0917
+    minutes: Annotated[float, typer.Option(help="How long.", min=0.0)] = 10.0,
+    seed: Annotated[int, typer.Option(help="Seed of the faults.", min=0)] = 0,
+    faults: Annotated[
+        float, typer.Option(help="Share of the frames with a fault.", min=0.0, max=1.0)
+    ] = 0.02,
+    frames: Annotated[
+        int, typer.Option(help="End when so many frames have been answered; 0: never.", min=0)
+    ] = 0,
+    preset_name: Annotated[
+        PresetName, typer.Option("--preset", help="Preset of the tracker.")
+    ] = PresetName.default,  # type: ignore[attr-defined]
+    particles: Annotated[int, typer.Option(help="Particles of the tracker.", min=10)] = 500,
+    size: Annotated[str, typer.Option(help="Width and height of the frames in px.")] = "320x240",
+    output: Annotated[Path, typer.Option(help="Report to write, a JSON file.")] = Path("soak.json"),
+    force: ForceOption = False,
+) -> None:
+    """Feed a tracker for a long time, with faults.
+
+    Shows whether it keeps its promises. Frames go in lockstep and at full rate. Bad frames of every
+    class, jumping stamps, a stopped input, overload, parameter storms, viewers, cameras of other
+    quality of service; tracker and replay are killed and started again. The report holds faults,
+    recoveries, latency and memory over time. Exit code 1 if a promise was broken.
+    """
+    module = _ros_soak()
+    settings = module.SoakSettings(
+        minutes=minutes,
+        seed=seed,
+        fault_share=faults,
+        frames=frames,
+        preset=preset_name.value,
+        particles=particles,
+    )
+    module.check_settings(settings)
+    with output_file(output, _is_report, overwrite=force) as file:
+        dive = simulate(
+            SimulationSettings(frame_count=FRAMES, image_size=parse_size(size), seed=seed)
+        )
+        pictures = list(islice(dive, FRAMES))
+        with progress_bar("soaking", PROGRESS_STEPS) as progress:
+            record = module.run_soak(
+                pictures,
+                settings,
+                lambda share: progress.update(
+                    progress.task_ids[0], completed=round(share * PROGRESS_STEPS)
+                ),
+            )
+        facts = {"command": typed_command(), "machine": machine(), **asdict(settings)}
+        file.write_text(record.as_json(facts), encoding="utf-8")
+    _print(record)
+    console.print(f"  {output}", soft_wrap=True)
+    if record.breaches:
+        raise typer.Exit(EXIT_BROKEN_PROMISE)
+
+
+def _is_report(path: Path) -> bool:
+    return path.is_file() and MARK in path.read_bytes()
+
+
+def _ros_soak() -> ModuleType:
+    """Import the ROS part only when it is asked for: everything else works without ROS."""
+    try:
+        from cable_tracker.ros.rigs import soak as module  # noqa: PLC0415
+    except ModuleNotFoundError as error:
+        raise RosError(
+            f"ROS 2 is not installed (no module {error.name}); run"
+            " `pip install '.[ros]'` in the package's folder, or source /opt/ros/jazzy/setup.bash"
+        ) from error
+    return module
+
+
+def _print(record: SoakRecord) -> None:
+    faults = Table(title="faults")
+    for heading in ("class", "injected", "recovered"):
+        faults.add_column(heading, justify="left" if heading == "class" else "right")
+    for name, count in sorted(record.faults.items()):
+        faults.add_row(name, str(count), str(record.recoveries[name]))
+    console.print(faults)
+    latency = Table(title="time to the answer in lockstep [ms]")
+    for heading in ("minute", "frames", "median", "99 %", "longest"):
+        latency.add_column(heading, justify="right")
+    for window in record.latency_windows():
+        latency.add_row(
+            f"{window.minutes:g}",
+            str(window.frames),
+            f"{window.median:.1f}",
+            f"{window.percentile_99:.1f}",
+            f"{window.longest:.1f}",
+        )
+    console.print(latency)
+    console.print(
+        f"{record.sent} frames sent, {record.answered} answered;"
+        f" {record.faults.total()} faults, {record.recoveries.total()} recoveries;"
+        f" {record.messages.total()} messages looked at;"
+        f" memory grew by {record.growth():.1f} MB at most after the warm-up",
+        soft_wrap=True,
+    )
+    for breach in record.breaches:
+        console.print(f"broken promise: {breach}", style="bold red", soft_wrap=True)
+    if not record.breaches:
+        console.print("all promises kept")

@@ -1,1 +1,0 @@
-"""The inner loops, compiled; each module is the twin of one a level up."""

@@ -1,0 +1,229 @@
+"""Pictures of a closed loop: the vehicle's way over the cable, and its error over time."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.evaluation.closed_loop.loop_table import Burial, LoopRow
+from cable_tracker.visualisation.files import write_bytes
+from cable_tracker.visualisation.palette import (
+    AMBER,
+    BLACK,
+    ESTIMATE,
+    PINK,
+    RED,
+    SKY,
+    STRAW,
+    WHITE,
+    Colour,
+    to_bgr,
+    to_unit,
+)
+
+DOTS_PER_INCH = 110
+
+MODE_COLOURS: dict[str, Colour] = {
+    "WAITING": AMBER,
+    "STOPPED": SKY,
+    "SEARCHING": RED,
+    "GIVEN UP": BLACK,
+}
+"""Of what is shaded; while it follows nothing is."""
+
+SAND = "0.85"
+"""Shades the stretch under sand."""
+
+FONT = cv2.FONT_HERSHEY_SIMPLEX
+
+MAP_REACH = 4.0
+"""The map shows so much to each side of the vehicle [m]."""
+
+
+def plot_way(
+    path: Path, rows: Sequence[LoopRow], course: FloatArray, burial: Burial | None
+) -> None:
+    """Plot the vehicle's way and the cable's course from above.
+
+    Parameters
+    ----------
+    path : Path
+        PNG file to write.
+    rows : sequence of LoopRow
+        The run.
+    course : FloatArray
+        Points of the cable, shape (N, 3) [m].
+    burial : Burial or None
+        Where it is under sand.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
+    figure = Figure(figsize=(11.0, 4.2), dpi=DOTS_PER_INCH)
+    axis = figure.subplots()
+    if burial is not None:
+        axis.axvspan(burial.start, burial.end, color=SAND, alpha=0.8, lw=0, label="sand")
+    axis.plot(course[:, 0], course[:, 1], color="0.25", lw=3.0, alpha=0.5, label="cable")
+    x, y = _column(rows, "x"), _column(rows, "y")
+    axis.plot(x, y, color=_dark(ESTIMATE), lw=1.4, label="vehicle")
+    for mode, colour in MODE_COLOURS.items():
+        chosen = np.array([row.mode == mode for row in rows])
+        if chosen.any():
+            axis.plot(x[chosen], y[chosen], ".", ms=4, color=_dark(colour), label=mode)
+    axis.set_xlabel("x [m]")
+    axis.set_ylabel("y [m], stretched")
+    axis.grid(alpha=0.3)
+    axis.legend(loc="upper right", ncol=6, frameon=False)
+    low, high = axis.get_ylim()
+    axis.set_ylim(low, high + 0.2 * (high - low))
+    figure.subplots_adjust(left=0.07, right=0.985, top=0.97, bottom=0.12)
+    _save(path, figure)
+
+
+def plot_errors(path: Path, rows: Sequence[LoopRow], burial: Burial | None) -> None:
+    """Plot the lateral error, as it was and as `cross_track` said, heading error, and speed.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
+    figure = Figure(figsize=(11.0, 6.6), dpi=DOTS_PER_INCH)
+    axes: list[Axes] = list(figure.subplots(3, 1, sharex=True, height_ratios=(2, 1, 1)))
+    times = _column(rows, "time")
+    for axis in axes:
+        _shade(axis, rows, burial)
+        axis.grid(alpha=0.3)
+    top, middle, bottom = axes
+    top.plot(times, _column(rows, "measured_offset"), ".", ms=2.5, color=_dark(SKY),
+             label="cross_track")  # fmt: skip
+    top.plot(times, _column(rows, "error"), color=_dark(PINK), lw=1.5, label="true error")
+    top.set_ylabel("lateral error [m]")
+    degrees = np.degrees(_column(rows, "measured_heading"))
+    middle.plot(times, degrees, ".", ms=2.5, color=_dark(SKY))
+    middle.plot(times, np.degrees(_column(rows, "heading")), color=_dark(PINK), lw=1.2)
+    middle.set_ylabel("heading error [deg]")
+    bottom.plot(times, _column(rows, "speed"), color=_dark(ESTIMATE), lw=1.2)
+    bottom.set_ylabel("speed [m/s]")
+    bottom.set_xlabel("time since the first frame [s]")
+    figure.legend(loc="upper center", ncol=8, frameon=False)
+    figure.align_ylabels(axes)
+    figure.subplots_adjust(left=0.08, right=0.985, top=0.94, bottom=0.075, hspace=0.12)
+    _save(path, figure)
+
+
+def _shade(axis: Axes, rows: Sequence[LoopRow], burial: Burial | None) -> None:
+    times = _column(rows, "time")
+    if burial is not None:
+        inside = np.flatnonzero(burial.holds(_column(rows, "x")))
+        if inside.size:
+            label = "above sand" if axis.get_subplotspec().rowspan.start == 0 else None  # type: ignore[union-attr]
+            axis.axvspan(times[inside[0]], times[inside[-1]], color=SAND, alpha=0.8, lw=0,
+                         label=label)  # fmt: skip
+    for mode, colour in MODE_COLOURS.items():
+        holds = np.array([row.mode == mode for row in rows])
+        is_top = axis.get_subplotspec().rowspan.start == 0  # type: ignore[union-attr]
+        label = mode if is_top and holds.any() else None
+        axis.fill_between(times, 0.0, 1.0, where=holds.tolist(), step="mid", lw=0, alpha=0.25,
+                          color=_dark(colour), transform=axis.get_xaxis_transform(),
+                          label=label)  # fmt: skip
+
+
+def _column(rows: Sequence[LoopRow], name: str) -> FloatArray:
+    return np.array([getattr(row, name) for row in rows], dtype=np.float64)
+
+
+def _dark(colour: Colour) -> tuple[float, float, float]:
+    red, green, blue = to_unit(colour)
+    return red * 0.75, green * 0.75, blue * 0.75
+
+
+def _save(path: Path, figure: Figure) -> None:
+    buffer = io.BytesIO()
+    FigureCanvasAgg(figure)
+    figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
+    write_bytes(path, buffer.getvalue())
+
+
+class MapPanel:
+    """Draws the vehicle from above beside the picture of its camera.
+
+    Parameters
+    ----------
+    course : FloatArray
+        Points of the cable, shape (N, 3) [m].
+    burial : Burial or None
+        Where it is under sand.
+    size : (int, int)
+        Width and height of the panel [px].
+    """
+
+    def __init__(
+        self, course: FloatArray, burial: Burial | None, size: tuple[int, int] = (320, 360)
+    ) -> None:
+        self._course = course
+        self._burial = burial
+        self._size = size
+        self._way: list[tuple[float, float]] = []
+
+    def draw(self, place: tuple[float, float], yaw: float, words: Sequence[str]) -> Image:
+        """Draw the vehicle at x, y [m] with some lines of text; blue-green-red, uint8."""
+        self._way.append(place)
+        width, height = self._size
+        canvas: Image = np.full((height, width, 3), 40, dtype=np.uint8)
+        centre = np.array(place)
+        under = self._course[:, :2]
+        if self._burial is not None:
+            hidden = self._burial.holds(under[:, 0])
+            self._line(canvas, under[~hidden & (under[:, 0] < self._burial.start)], centre, WHITE)
+            self._line(canvas, under[~hidden & (under[:, 0] > self._burial.end)], centre, WHITE)
+            self._line(canvas, under[hidden], centre, STRAW)
+        else:
+            self._line(canvas, under, centre, WHITE)
+        self._line(canvas, np.array(self._way), centre, ESTIMATE)
+        self._vehicle(canvas, yaw)
+        for number, line in enumerate(words):
+            position = (8, 18 + 16 * number)
+            cv2.putText(
+                canvas,
+                line,
+                position,
+                cv2.FONT_HERSHEY_SIMPLEX,
+                0.42,
+                to_bgr(WHITE),
+                1,
+                cv2.LINE_AA,
+            )
+        return canvas
+
+    def _pixels(self, points: FloatArray, centre: FloatArray) -> Image:
+        """Put x up and y to the left, the vehicle in the middle."""
+        width, height = self._size
+        scale = width / (2 * MAP_REACH)
+        relative = np.clip(points - centre, -100.0, 100.0)
+        columns = width / 2 - relative[:, 1] * scale
+        rows = height * 0.62 - relative[:, 0] * scale
+        return np.asarray(np.rint(np.stack((columns, rows), axis=-1)).astype(np.int32))
+
+    def _line(self, canvas: Image, points: FloatArray, centre: FloatArray, colour: Colour) -> None:
+        near = points[np.abs(points[:, 0] - centre[0]) < 2.5 * MAP_REACH]
+        if len(near) > 1:
+            pixels = self._pixels(near, centre)
+            cv2.polylines(canvas, [pixels], False, to_bgr(colour), 2, cv2.LINE_AA)
+
+    def _vehicle(self, canvas: Image, yaw: float) -> None:
+        cos, sin = np.cos(yaw), np.sin(yaw)
+        hull = np.array([[0.35, 0.0], [-0.25, 0.18], [-0.25, -0.18]])
+        turned = hull @ np.array([[cos, sin], [-sin, cos]])
+        pixels = self._pixels(turned, np.zeros(2))
+        cv2.fillPoly(canvas, [pixels], to_bgr(SKY), cv2.LINE_AA)

@@ -1,0 +1,1 @@
+"""The experiments behind the project's claims, run by its developers."""

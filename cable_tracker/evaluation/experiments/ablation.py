@@ -1,0 +1,183 @@
+"""What each part of the preset `default` is worth, and what it costs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from cable_tracker.cable.parameters.parameters import ParameterValue
+from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.experiments.ablation_rows import (
+    ABLATION_TABLES,
+    ROW_NAMES,
+    AblationRow,
+    AblationTable,
+    check_row_names,
+)
+from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
+from cable_tracker.evaluation.judged_sequences import JudgedSequence, scenario_sequences
+from cable_tracker.evaluation.methods import ConfiguredFilter
+from cable_tracker.evaluation.metric_table import METRICS_BY_NAME
+from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.spread import spread_of
+from cable_tracker.evaluation.tables import chosen, sequences_of
+
+ABLATION_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
+
+MEAN_METRICS = (
+    "wrong_claims", "silence", "median_d", "median_alpha", "nees_median", "ms",
+    "inside_2_sigma_d", "inside_2_sigma_alpha", "inside_2_sigma_w", "inside_2_sigma_beta",
+)  # fmt: skip
+"""Given as means over the sequences, beside the frames lost."""
+
+BRIEF_COLUMNS = 12
+"""Row, losses and their changes, and the first metrics fit on a terminal."""
+
+EXPLANATION = (
+    "Means over the sequences, of means over the runs; ± is one standard error, from the spread of"
+    " the runs within each sequence. *Lost more than* another row compares run by run, on the same"
+    " dives. Medians of d and α are those of the absolute error, over all frames with a visible"
+    " cable."
+)
+
+Losses: TypeAlias = Mapping[tuple[str, int], float]
+"""Share of the frames lost by sequence and seed [%]."""
+
+
+@dataclass(frozen=True, slots=True)
+class AblationExperiment:
+    """Follow the sequences from their true beginning with one part changed, or parts added.
+
+    Attributes
+    ----------
+    seeds : tuple of int
+        Each makes another dive of the same kind.
+    rows : tuple of str
+        What to run, keys of `ROW_NAMES`.
+    sequences : tuple of JudgedSequence
+        What to follow.
+    """
+
+    seeds: tuple[int, ...]
+    rows: tuple[str, ...] = ROW_NAMES
+    sequences: tuple[JudgedSequence, ...] = scenario_sequences(ABLATION_SEQUENCES)
+
+    def __post_init__(self) -> None:
+        check_row_names(self.rows)
+        if not self.rows:
+            raise ParameterError(f"row: give at least one of {' | '.join(ROW_NAMES)}")
+
+    def _campaign(self) -> Campaign:
+        rows = {row.name: row for table in ABLATION_TABLES for row in table.rows}
+        filters = [ConfiguredFilter(name, rows[name].parameters()) for name in self._names()]
+        return Campaign((), self.sequences, self.seeds, Start.TRUTH, filters=tuple(filters))
+
+    def _names(self) -> tuple[str, ...]:
+        """Return what to run, each once, in the order of the tables."""
+        return tuple(name for name in ROW_NAMES if name in self.rows)
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through."""
+        return self._campaign().frame_count()
+
+    def run(self, workers: int, advance: Callable[[int], None]) -> ExperimentResult:
+        """Run it."""
+        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+        tables = (self._table(table, results) for table in ABLATION_TABLES)
+        return ExperimentResult(
+            "What the parts of the preset default are worth, and what they cost",
+            tuple(table for table in tables if table.rows),
+        )
+
+    def _table(self, table: AblationTable, results: Sequence[RunResult]) -> ResultTable:
+        rows = [row for row in table.rows if row.name in self.rows]
+        return ResultTable(
+            headings=_headings(sequences_of(results)),
+            rows=tuple(_cells(row, results) for row in rows),
+            title=table.title,
+            file_name=table.file_name,
+            notes=(EXPLANATION, *(_note(row, table) for row in rows)),
+            brief=BRIEF_COLUMNS,
+        )
+
+
+def _headings(sequences: Sequence[str]) -> tuple[str, ...]:
+    specs = [METRICS_BY_NAME[name] for name in MEAN_METRICS]
+    labels = [f"{spec.label} [{spec.unit}]" if spec.unit else spec.label for spec in specs]
+    return (
+        "row", "frames lost [%]", "± [%]", "lost more than", "by [%]", "± of that [%]",
+        *labels, *(f"{name}: frames lost [%]" for name in sequences),
+    )  # fmt: skip
+
+
+def _cells(row: AblationRow, results: Sequence[RunResult]) -> tuple[str, ...]:
+    runs = chosen(results, method=row.name)
+    lost = _losses(runs)
+    compared = _losses(chosen(results, method=row.compared_to)) if row.compared_to else {}
+    more = {key: value - compared[key] for key, value in lost.items() if key in compared}
+    sequences = sequences_of(results)
+    return (
+        row.name,
+        *(format_number(number, "%") for number in mean_and_error(lost, sequences)),
+        row.compared_to if more else "–",
+        *(format_number(number, "%") for number in mean_and_error(more, sequences)),
+        *(_mean_cell(name, runs) for name in MEAN_METRICS),
+        *(format_number(_mean(_of(lost, name)), "%") for name in sequences),
+    )
+
+
+def _losses(runs: Iterable[RunResult]) -> Losses:
+    lost = METRICS_BY_NAME["lost"]
+    return {(run.sequence, run.seed): lost.read(run.metrics) for run in runs}
+
+
+def _of(losses: Losses, sequence: str) -> list[float]:
+    return [value for (name, _), value in losses.items() if name == sequence]
+
+
+def _mean(values: Iterable[float]) -> float:
+    return spread_of(values).mean
+
+
+def mean_and_error(losses: Losses, sequences: Sequence[str]) -> tuple[float, float]:
+    """Return the mean over the sequences and its standard error, both in the unit of the losses.
+
+    The sequences are chosen, not drawn: only the runs within each of them make the mean uncertain.
+    """
+    spreads = [spread_of(_of(losses, name)) for name in sequences]
+    errors = np.array([spread.standard_error for spread in spreads if spread.count])
+    error = float(np.sqrt((errors**2).sum()) / len(errors)) if len(errors) else math.nan
+    return _mean(spread.mean for spread in spreads), error
+
+
+def _mean_cell(metric: str, runs: Sequence[RunResult]) -> str:
+    spec = METRICS_BY_NAME[metric]
+    means = [
+        _mean(spec.read(run.metrics) for run in chosen(runs, sequence=name))
+        for name in sequences_of(runs)
+    ]
+    return format_number(_mean(means), spec.unit)
+
+
+def _note(row: AblationRow, table: AblationTable) -> str:
+    """Say what a row is, and which values it has that the row compared with has not."""
+    others = {other.name: other for other in table.rows}
+    if not row.compared_to:
+        return f"`{row.name}`: {row.description}"
+    before = others[row.compared_to].parameters().as_mapping()
+    changes = [
+        f"`{name}` = {_value(value)}"
+        for name, value in row.parameters().as_mapping().items()
+        if value != before[name]
+    ]
+    return f"`{row.name}`: {row.description} ({', '.join(changes) or 'no other value'})"
+
+
+def _value(value: ParameterValue) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

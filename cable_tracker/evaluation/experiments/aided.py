@@ -1,0 +1,154 @@
+"""The tracker with a simulated vehicle's odometry, sound or broken, as a `Method`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import lru_cache
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.evaluation.experiments.flights import (
+    NANOSECONDS,
+    InstrumentNoise,
+    SimulatedVehicle,
+    simulated_vehicle,
+)
+from cable_tracker.evaluation.methods import Method, ParticleFilterMethod
+from cable_tracker.metric.aiding import MotionAiding
+from cable_tracker.metric.motion import Odometry
+
+FAULT_AFTER = 1.0
+"""Faults begin so long after the first twist [s]."""
+
+LATENESS = 0.5
+"""How late twists come, and by how much stamps are wrong, when they are [s]."""
+
+WRONG_SCALE = 1.3
+"""Factor on all velocities, when it is wrong."""
+
+
+class OdometryFault(str, Enum):
+    """What may be wrong with odometry."""
+
+    NONE = "sound"
+    FROZEN = "frozen"
+    """It repeats its last twist."""
+
+    HANGING = "hanging"
+    """It repeats its last twist, with noise on it."""
+
+    SILENT = "silent"
+    """It stops."""
+
+    LATE = "late"
+    """Twists come late, with the right stamps."""
+
+    WRONG_STAMPS = "wrong stamps"
+    """Twists come in time, with stamps of another clock."""
+
+    TURNED = "turned"
+    """It is mounted the wrong way round: forward is backward, left is right."""
+
+    SCALED = "scale wrong"
+    """All its velocities are too high by `WRONG_SCALE`."""
+
+
+def faulty(
+    stamps: list[int], twists: FloatArray, fault: OdometryFault, rng: np.random.Generator
+) -> tuple[list[int], list[int], FloatArray]:
+    """Return arrival times and stamps [ns], and twists (M, 6), of odometry with a fault."""
+    begin = stamps[0] + round(FAULT_AFTER * NANOSECONDS)
+    first = next((k for k, stamp in enumerate(stamps) if stamp >= begin), len(stamps))
+    lateness = round(LATENESS * NANOSECONDS)
+    arrivals, said, values = list(stamps), list(stamps), twists.copy()
+    if fault is OdometryFault.SILENT:
+        return arrivals[:first], said[:first], values[:first]
+    if fault in (OdometryFault.FROZEN, OdometryFault.HANGING):
+        values[first:] = values[min(first, len(values) - 1)]
+        if fault is OdometryFault.HANGING:
+            values[first:] += 1e-3 * rng.standard_normal(values[first:].shape)
+    elif fault is OdometryFault.LATE:
+        arrivals = [stamp + lateness for stamp in arrivals]
+    elif fault is OdometryFault.WRONG_STAMPS:
+        said = [stamp + lateness for stamp in said]
+    elif fault is OdometryFault.TURNED:
+        values[:, [0, 1, 3, 4]] *= -1.0
+    elif fault is OdometryFault.SCALED:
+        values *= WRONG_SCALE
+    return arrivals, said, values
+
+
+class AidedMethod(ParticleFilterMethod):
+    """The tracker of this project, told the vehicle's motion.
+
+    Parameters
+    ----------
+    parameters : TrackerParameters
+        All of them, also the seed.
+    vehicle : SimulatedVehicle
+        Whose odometry it hears.
+    fault : OdometryFault
+        What is wrong with that.
+    """
+
+    def __init__(
+        self, parameters: TrackerParameters, vehicle: SimulatedVehicle, fault: OdometryFault
+    ) -> None:
+        super().__init__(parameters)
+        self._odometry = Odometry()
+        self._aiding = MotionAiding(vehicle.instruments, self._odometry)
+        self._covariance = vehicle.covariance
+        rng = np.random.default_rng([parameters.seed, 21])
+        arrivals, stamps, twists = faulty(vehicle.twist_stamps, vehicle.twists, fault, rng)
+        self._coming = list(zip(arrivals, stamps, twists, strict=True))[::-1]
+        self.frames, self.aided = 0, 0
+
+    def process(self, image: Image, stamp: int) -> CableEstimate:
+        """Take a frame into account, with the odometry that has come until then."""
+        while self._coming and self._coming[-1][0] <= stamp:
+            _, stated, twist = self._coming.pop()
+            self._odometry.add(stated, twist, self._covariance)
+        motion = self._aiding.motion(stamp, image)
+        estimate = self._tracker.process(image, stamp, motion)
+        self._aiding.observe(estimate)
+        self.frames += 1
+        self.aided += motion is not None
+        return estimate
+
+
+_same_vehicle = lru_cache(maxsize=2)(simulated_vehicle)
+"""Filters that are compared on one dive share its vehicle, which takes seconds to work out."""
+
+
+@dataclass(frozen=True, slots=True)
+class AidedFilter:
+    """A filter with the odometry of a scenario. It is sent to other processes.
+
+    Attributes
+    ----------
+    name : str
+        What it is called in results.
+    parameters : TrackerParameters
+        All of them; the seed is that of the run.
+    scenario : str
+        Whose vehicle.
+    fault : OdometryFault
+        What is wrong with its odometry.
+    noise : InstrumentNoise
+        How wrong its instruments are otherwise.
+    """
+
+    name: str
+    parameters: TrackerParameters
+    scenario: str
+    fault: OdometryFault = OdometryFault.NONE
+    noise: InstrumentNoise = field(default_factory=InstrumentNoise)
+
+    def make(self, seed: int) -> Method:
+        """Make a fresh tracker for the dive of a seed."""
+        vehicle = _same_vehicle(self.scenario, seed, self.noise)
+        return AidedMethod(self.parameters.replaced({"seed": seed}), vehicle, self.fault)

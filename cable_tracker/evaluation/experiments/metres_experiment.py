@@ -1,0 +1,209 @@
+"""How well the cable is known in metres: the tracker's output against the simulated vehicle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.cable.model.geometry import wrap_angle
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.evaluation.experiments.aided import AidedFilter
+from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
+from cable_tracker.evaluation.experiments.flights import (
+    LOOK_AHEAD,
+    InstrumentNoise,
+    SimulatedVehicle,
+    simulated_vehicle,
+)
+from cable_tracker.evaluation.judged_sequences import ScenarioSequence
+from cable_tracker.evaluation.methods import ConfiguredFilter
+from cable_tracker.evaluation.metrics import state_errors
+from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.spread import spread_of
+from cable_tracker.evaluation.trace import LOST_ANGLE, LOST_DISTANCE
+from cable_tracker.evaluation.workers import run_tasks
+from cable_tracker.metric.cross_track import CrossTrack
+
+METRES_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
+HEADINGS = (
+    "sequence", "runs", "with metres [%]",
+    "RMSE at x = 0 [% of altitude]", "RMSE of heading [deg]",
+    "on the cable [%]",
+    "RMSE at x = 0, on the cable [% of altitude]", "RMSE of heading, on the cable [deg]",
+    f"RMSE at x = {LOOK_AHEAD:g} m, on the cable [% of altitude]",
+    "95th percentile at x = 0 [% of altitude]", "95th percentile of heading [deg]",
+    "offset inside 2 sigma [%]", "heading inside 2 sigma [%]",
+)  # fmt: skip
+BRIEF_COLUMNS = 8
+TABLES = {
+    False: ("Without odometry", "without_odometry.csv"),
+    True: ("With odometry", "with_odometry.csv"),
+}
+"""Title and file of each table, by whether there is odometry."""
+
+NOTE = (
+    "Medians over the runs (least – most). *On the cable*: without the frames in which what is"
+    " claimed is off by more than max(10 px, w/2) or 8 deg, that is not the cable."
+)
+OFFSET, AHEAD, HEADING, OFFSET_IN_SIGMAS, HEADING_IN_SIGMAS, ON_CABLE = range(6)
+"""Columns of the errors."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Dive:
+    """One scenario with one seed."""
+
+    sequence: ScenarioSequence
+    seed: int
+    noise: InstrumentNoise
+    with_odometry: bool = False
+
+    def run(self, advance: Callable[[], None]) -> FloatArray:
+        """Return one row for each frame that shows a cable, NaN where there are no metres.
+
+        Errors of offset and offset ahead [share of the altitude] and heading [rad], those of offset
+        and heading in standard deviations, and whether the estimate is on the cable, shape (N, 6).
+        """
+        vehicle = simulated_vehicle(self.sequence.name, self.seed, self.noise)
+        method = self._maker().make(self.seed)
+        rows = []
+        for frame in self.sequence.frames(self.seed):
+            if frame.index == 0 and frame.truth is not None:
+                method.initialise(frame.truth)
+            estimate = method.process(frame.image, frame.stamp)
+            result = vehicle.instruments.cross_track(estimate)
+            advance()
+            if frame.visibility == 0.0 or frame.truth is None:
+                continue
+            row = np.full(ON_CABLE + 1, np.nan)
+            if isinstance(result, CrossTrack):
+                row[: HEADING + 1] = self._errors(result, vehicle, frame.index)
+                sigmas = result.standard_deviations()
+                row[OFFSET_IN_SIGMAS] = row[OFFSET] * vehicle.altitudes[frame.index] / sigmas[0]
+                row[HEADING_IN_SIGMAS] = row[HEADING] / sigmas[2]
+                row[ON_CABLE] = is_on_cable(estimate.state, frame.truth, estimate.image_size[0])
+            rows.append(row)
+        return np.array(rows).reshape(-1, ON_CABLE + 1)
+
+    def _maker(self) -> ConfiguredFilter | AidedFilter:
+        parameters = preset("default")
+        if not self.with_odometry:
+            return ConfiguredFilter("default", parameters)
+        return AidedFilter("aided", parameters, self.sequence.name, noise=self.noise)
+
+    @staticmethod
+    def _errors(result: CrossTrack, vehicle: SimulatedVehicle, index: int) -> FloatArray:
+        found = np.array([result.offset, result.offset_ahead, result.heading])
+        error = found - vehicle.truths[index]
+        error[HEADING] = wrap_angle(error[HEADING])
+        altitude = vehicle.altitudes[index]
+        return np.asarray(error / [altitude, altitude, 1.0])
+
+
+def is_on_cable(state: CableState, truth: CableState, image_width: int) -> bool:
+    """Tell whether an estimate has not lost the cable, as `Trace.lost` has it."""
+    allowance = max(LOST_DISTANCE * image_width / REFERENCE_WIDTH, truth.width / 2)
+    distance, angle = np.abs(state_errors(state, truth)[:2])
+    return bool(distance <= allowance and angle <= LOST_ANGLE)
+
+
+@dataclass(frozen=True, slots=True)
+class MetresExperiment:
+    """Follow the scenarios with the preset `default`, calibrated, with altimeter and imu.
+
+    Without odometry, and with it.
+
+    Attributes
+    ----------
+    seeds : tuple of int
+        Each makes another dive of the same kind.
+    sequences : tuple of ScenarioSequence
+        What to follow.
+    noise : InstrumentNoise
+        How wrong altimeter and imu are.
+    """
+
+    seeds: tuple[int, ...]
+    sequences: tuple[ScenarioSequence, ...] = tuple(map(ScenarioSequence, METRES_SEQUENCES))
+    noise: InstrumentNoise = InstrumentNoise()  # noqa: RUF009
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through."""
+        frames = sum(sequence.frame_count() or 0 for sequence in self.sequences)
+        return frames * len(self.seeds) * len(TABLES)
+
+    def run(self, workers: int, advance: Callable[[int], None]) -> ExperimentResult:
+        """Run it; the results do not depend on the number of workers."""
+        dives = [
+            _Dive(sequence, seed, self.noise, with_odometry)
+            for sequence in self.sequences
+            for seed in self.seeds
+            for with_odometry in TABLES
+        ]
+        errors = run_tasks(dives, workers=workers, advance=advance)
+        results = list(zip(dives, errors, strict=True))
+        title = "The cable in metres: errors against the simulated vehicle"
+        return ExperimentResult(title, tuple(self._table(each, results) for each in TABLES))
+
+    def _table(
+        self, with_odometry: bool, results: Sequence[tuple[_Dive, FloatArray]]
+    ) -> ResultTable:
+        chosen = [each for each in results if each[0].with_odometry is with_odometry]
+        rows = tuple(
+            _row(sequence.name, [errors for dive, errors in chosen if dive.sequence == sequence])
+            for sequence in self.sequences
+        )
+        title, file_name = TABLES[with_odometry]
+        return ResultTable(HEADINGS, rows, title, file_name, (NOTE,), BRIEF_COLUMNS)
+
+
+def _row(name: str, runs: Sequence[FloatArray]) -> tuple[str, ...]:
+    numbers = np.array([_numbers(errors) for errors in runs])
+    return (name, str(len(runs)), *(_median_and_range(column) for column in numbers.T))
+
+
+def _numbers(errors: FloatArray) -> tuple[float, ...]:
+    """Return what stands in a row from `with metres` on, for the errors (N, 6) of one run."""
+    known = errors[np.isfinite(errors).all(axis=1)]
+    share = len(known) / len(errors) if len(errors) else math.nan
+    held = known[known[:, ON_CABLE] > 0.0]
+    inside = np.abs(known) <= 2.0
+    return (
+        100.0 * share,
+        100.0 * _rms(known[:, OFFSET]),
+        math.degrees(_rms(known[:, HEADING])),
+        100.0 * _mean(known[:, ON_CABLE]),
+        100.0 * _rms(held[:, OFFSET]),
+        math.degrees(_rms(held[:, HEADING])),
+        100.0 * _rms(held[:, AHEAD]),
+        100.0 * _percentile_95(known[:, OFFSET]),
+        math.degrees(_percentile_95(known[:, HEADING])),
+        100.0 * _mean(inside[:, OFFSET_IN_SIGMAS]),
+        100.0 * _mean(inside[:, HEADING_IN_SIGMAS]),
+    )
+
+
+def _mean(values: FloatArray | BoolArray) -> float:
+    return float(np.mean(values)) if len(values) else math.nan
+
+
+def _rms(values: FloatArray) -> float:
+    return math.sqrt(_mean(values**2)) if len(values) else math.nan
+
+
+def _percentile_95(values: FloatArray) -> float:
+    return float(np.percentile(np.abs(values), 95)) if len(values) else math.nan
+
+
+def _median_and_range(values: FloatArray) -> str:
+    spread = spread_of(values)
+    median, low, high = (
+        format_number(value, "") for value in (spread.median, spread.minimum, spread.maximum)
+    )
+    return median if low == high else f"{median} ({low} – {high})"

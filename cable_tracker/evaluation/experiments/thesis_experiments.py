@@ -1,0 +1,333 @@
+"""The experiments of Wirth's thesis, section 5.2, on the simulated sequences, and all by name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Protocol
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.experiments.ablation import AblationExperiment
+from cable_tracker.evaluation.experiments.experiment_result import (
+    ExperimentResult,
+    Picture,
+    ResultTable,
+)
+from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment
+from cable_tracker.evaluation.experiments.motion_experiment import MotionExperiment
+from cable_tracker.evaluation.figures import as_png, curves_figure, trace_figure
+from cable_tracker.evaluation.judged_sequences import (
+    JudgedSequence,
+    ScenarioSequence,
+    scenario_sequences,
+)
+from cable_tracker.evaluation.methods import ConfiguredFilter
+from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
+from cable_tracker.evaluation.metrics import (
+    START_FRAMES,
+    StartOutcome,
+    StartStatistics,
+    start_statistics,
+)
+from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
+from cable_tracker.evaluation.tables import chosen, methods_of, sequences_of
+from cable_tracker.evaluation.trace import Trace
+
+THESIS_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
+THESIS_METHODS = ("default", "thesis")
+RESTART_FRAMES = 100
+"""Frames from one random start to the next (section 5.2.4)."""
+
+SPEED_SEQUENCE = ScenarioSequence("S3", 100)
+SPEED_PARTICLES = (100, 200, 300, 500, 1000, 2000)
+SPEED_TAPS = (5, 7, 11, 15)
+SPEED_HEADINGS = (
+    "particles", "filter [px]", "time per frame [ms]", "95th percentile [ms]", "frames lost [%]",
+    "RMSE of d [px]",
+)  # fmt: skip
+THESIS_TAPS, THESIS_SIGMA = 11, 1.6
+
+CLEAR_VISIBILITY = 0.6
+"""A start is clear if on average so large a share of the borders can be seen."""
+
+Advance = Callable[[int], None]
+
+
+class Experiment(Protocol):
+    """An experiment that is ready to be run."""
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through; None if that is not known."""
+        ...
+
+    def run(self, workers: int, advance: Advance) -> ExperimentResult:
+        """Run it; `advance` is told now and then how many more frames are done."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class SequenceExperiment:
+    """Section 5.2.3: follow the sequences from their true beginning.
+
+    Attributes
+    ----------
+    seeds : tuple of int
+        Each makes another dive of the same kind.
+    methods : tuple of str
+        Keys of `METHODS`.
+    sequences : tuple of JudgedSequence
+        What to follow.
+    """
+
+    seeds: tuple[int, ...]
+    methods: tuple[str, ...] = THESIS_METHODS
+    sequences: tuple[JudgedSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
+
+    def _campaign(self) -> Campaign:
+        return Campaign(self.methods, self.sequences, self.seeds, Start.TRUTH)
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through."""
+        return self._campaign().frame_count()
+
+    def run(self, workers: int, advance: Advance) -> ExperimentResult:
+        """Run it."""
+        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+        names = (
+            "lost", "longest_loss", "rmse_d", "rmse_alpha", "rmse_w", "rmse_beta", "silence", "ms",
+        )  # fmt: skip
+        specs = [METRICS_BY_NAME[name] for name in names]
+        units = tuple(f"{s.label} [{s.unit}]" for s in specs)
+        rows = []
+        for sequence in sequences_of(results):
+            for method in self.methods:
+                runs = [run.metrics for run in chosen(results, sequence=sequence, method=method)]
+                cells = (format_number(metric_spread(s, runs).mean, s.unit) for s in specs)
+                rows.append((sequence, method, str(len(runs)), *cells))
+        return ExperimentResult(
+            "Sequences followed from their true beginning (thesis, section 5.2.3); means over runs",
+            (ResultTable(("sequence", "method", "runs", *units), tuple(rows)),),
+            tuple(_sequence_picture(chosen(results, sequence=s)) for s in sequences_of(results)),
+        )
+
+
+def _sequence_picture(results: Sequence[RunResult]) -> Picture:
+    first = [chosen(results, method=method)[0] for method in methods_of(results)]
+    figure = trace_figure([(f"{run.sequence}, {run.method}", run.trace) for run in first])
+    return Picture(f"sequence_{results[0].sequence}.png", as_png(figure))
+
+
+@dataclass(frozen=True, slots=True)
+class ReinitialisationExperiment:
+    """Section 5.2.4: forget everything every 100 frames, and find the cable again.
+
+    Attributes
+    ----------
+    seeds, methods, sequences
+        See `SequenceExperiment`.
+    """
+
+    seeds: tuple[int, ...]
+    methods: tuple[str, ...] = THESIS_METHODS
+    sequences: tuple[JudgedSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
+
+    def _campaign(self) -> Campaign:
+        return Campaign(self.methods, self.sequences, self.seeds, Start.RANDOM, RESTART_FRAMES)
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through."""
+        return self._campaign().frame_count()
+
+    def run(self, workers: int, advance: Advance) -> ExperimentResult:
+        """Run it."""
+        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+        curves = {
+            method: _held_after_start(_starts(chosen(results, method=method)))
+            for method in self.methods
+        }
+        figure = curves_figure(
+            curves, x_label="frames since a random start", y_label="starts on the cable [%]"
+        )
+        return ExperimentResult(
+            f"Random start every {RESTART_FRAMES} frames (thesis, section 5.2.4)",
+            (
+                self._table(results, lambda start: True, "All starts", "table.csv"),
+                self._table(
+                    results,
+                    lambda start: start.visibility >= CLEAR_VISIBILITY,
+                    f"Clear starts: on average, {100 * CLEAR_VISIBILITY:.0f} % of the borders"
+                    f" can be seen over the first {START_FRAMES} frames that show a cable",
+                    "clear_starts.csv",
+                ),
+            ),
+            (Picture("reinitialisation.png", as_png(figure)),),
+        )
+
+    def _table(
+        self,
+        results: Sequence[RunResult],
+        is_counted: Callable[[StartStatistics], bool],
+        title: str,
+        file_name: str,
+    ) -> ResultTable:
+        """Tell how those starts went that are counted."""
+        names = (*((s, s) for s in sequences_of(results)), ("all", None))
+        rows = []
+        for name, sequence in names:
+            for method in self.methods:
+                parts = _starts(chosen(results, sequence=sequence, method=method))
+                counted = [part for part in parts if is_counted(start_statistics(part))]
+                rows.append(_start_row(name, method, counted))
+        headings = (
+            "sequence", "method", "starts", f"claimed rightly within {START_FRAMES} frames [%]",
+            "claimed wrongly only [%]", "nothing claimed [%]",
+            "median frames until claimed rightly", f"lost after {START_FRAMES} frames [%]",
+        )  # fmt: skip
+        return ResultTable(headings, tuple(rows), title, file_name)
+
+
+def _starts(results: Sequence[RunResult]) -> list[Trace]:
+    """Cut runs into the parts between starts, without those too short to tell."""
+    parts = (
+        result.trace.part(begin, begin + RESTART_FRAMES)
+        for result in results
+        for begin in range(0, len(result.trace), RESTART_FRAMES)
+    )
+    return [part for part in parts if part.visible.sum() >= START_FRAMES]
+
+
+def _start_row(sequence: str, method: str, parts: Sequence[Trace]) -> tuple[str, ...]:
+    starts = [start_statistics(part) for part in parts]
+    shares = (
+        100.0 * float(np.mean([start.outcome is outcome for start in starts]))
+        if starts
+        else math.nan
+        for outcome in (StartOutcome.RIGHT, StartOutcome.WRONG, StartOutcome.NONE)
+    )
+    known = [s.frames_to_right for s in starts if not math.isnan(s.frames_to_right)]
+    later = [part.part(START_FRAMES, len(part)) for part in parts if len(part) > START_FRAMES]
+    lost, visible = (sum(int(m.sum()) for m in masks) for masks in (
+        [part.lost for part in later], [part.visible for part in later]
+    ))  # fmt: skip
+    numbers = (
+        *(format_number(share, "%") for share in shares),
+        format_number(float(np.median(known)) if known else math.nan, "frames"),
+        format_number(100.0 * lost / visible if visible else math.nan, "%"),
+    )
+    return sequence, method, str(len(starts)), *numbers
+
+
+def _held_after_start(parts: Sequence[Trace]) -> tuple[list[float], list[float]]:
+    """Return frames since the start, and the share of starts on the cable then [%]."""
+    held, visible = np.zeros(RESTART_FRAMES), np.zeros(RESTART_FRAMES)
+    for part in parts:
+        held[: len(part)] += part.visible & ~part.lost & part.claimed
+        visible[: len(part)] += part.visible
+    known: FloatArray = np.where(visible > 0, 100.0 * held / np.maximum(visible, 1.0), np.nan)
+    return list(range(1, RESTART_FRAMES + 1)), known.tolist()
+
+
+@dataclass(frozen=True, slots=True)
+class _SpeedSetting:
+    particles: int
+    taps: int
+
+    def filter(self) -> ConfiguredFilter:
+        # A shorter filter of the same sigma would be cut off; the shape is kept instead.
+        sigma = max(0.5, THESIS_SIGMA * self.taps / THESIS_TAPS)
+        values = {
+            "particle_count": self.particles,
+            "filter_taps": self.taps,
+            "filter_sigma": sigma,
+        }
+        return ConfiguredFilter(_speed_name(self), preset("thesis").replaced(values))
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedExperiment:
+    """Section 5.2.5, Table 5.3: time against particles and filter size, with the thesis' preset.
+
+    Attributes
+    ----------
+    seeds : tuple of int
+        Each makes another dive of the same kind.
+    sequence : JudgedSequence
+        What to follow.
+    particles, taps : tuple of int
+        What to combine.
+    """
+
+    seeds: tuple[int, ...]
+    sequence: JudgedSequence = SPEED_SEQUENCE
+    particles: tuple[int, ...] = SPEED_PARTICLES
+    taps: tuple[int, ...] = SPEED_TAPS
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through."""
+        count = self.sequence.frame_count()
+        return None if count is None else count * len(self.seeds)
+
+    def run(self, workers: int, advance: Advance) -> ExperimentResult:
+        """Run it, in one process whatever `workers` says: neighbours would disturb the times."""
+        del workers
+        settings = [_SpeedSetting(n, taps) for taps in self.taps for n in self.particles]
+        results = [result for seed in self.seeds for result in self._run(settings, seed, advance)]
+        by_setting = {setting: chosen(results, method=_speed_name(setting)) for setting in settings}
+        rows = tuple(_speed_row(setting, runs) for setting, runs in by_setting.items())
+        curves = {
+            f"{taps} px": (
+                [float(n) for n in self.particles],
+                [_mean("ms", by_setting[_SpeedSetting(n, taps)]) for n in self.particles],
+            )
+            for taps in self.taps
+        }
+        figure = curves_figure(
+            curves, x_label="particles", y_label="time per frame [ms]", markers=True
+        )
+        return ExperimentResult(
+            "Time per frame against particles and filter size (thesis, section 5.2.5, Table 5.3)",
+            (ResultTable(SPEED_HEADINGS, rows),),
+            (Picture("speed.png", as_png(figure)),),
+        )
+
+    def _run(
+        self, settings: Sequence[_SpeedSetting], seed: int, advance: Advance
+    ) -> list[RunResult]:
+        filters = [setting.filter() for setting in settings]
+        runs = [MethodRun(each.name, each.make, seed, Start.TRUTH) for each in filters]
+        frames = self.sequence.frames(seed)
+        return run_together(runs, frames, self.sequence.name, lambda: advance(1))
+
+
+def _speed_name(setting: _SpeedSetting) -> str:
+    return f"{setting.particles}/{setting.taps}"
+
+
+def _mean(metric: str, results: Sequence[RunResult]) -> float:
+    return metric_spread(METRICS_BY_NAME[metric], [run.metrics for run in results]).mean
+
+
+def _speed_row(setting: _SpeedSetting, results: Sequence[RunResult]) -> tuple[str, ...]:
+    metrics = ("ms", "ms_p95", "lost", "rmse_d")
+    numbers = (format_number(_mean(m, results), METRICS_BY_NAME[m].unit) for m in metrics)
+    return str(setting.particles), str(setting.taps), *numbers
+
+
+EXPERIMENTS: Mapping[str, Callable[[tuple[int, ...]], Experiment]] = MappingProxyType(
+    {
+        "sequences": SequenceExperiment,
+        "reinitialisation": ReinitialisationExperiment,
+        "speed": SpeedExperiment,
+        "ablation": AblationExperiment,
+        "metres": MetresExperiment,
+        "motion": MotionExperiment,
+    }
+)
+"""What makes an experiment from its seeds, by the name on the command line."""

@@ -1,0 +1,285 @@
+"""The sequences that methods are judged on: simulated scenarios and labelled recordings."""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.evaluation.trace import UNKNOWN_VISIBILITY
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.image_folder import ImageFolderSource
+from cable_tracker.sequences.sequence_file import Label, read_labels
+from cable_tracker.sequences.source import ChosenRecording, Source
+from cable_tracker.simulation.scenario import simulate_scenario
+from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
+from cable_tracker.simulation.worlds.ground import photographs_of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JudgedFrame:
+    """A frame, decoded, with what is known about it.
+
+    Attributes
+    ----------
+    index : int
+        Number of the frame in its sequence.
+    stamp : int
+        Time of the frame [ns].
+    image : Image
+        Grey levels, uint8, shape (H, W).
+    truth : CableState or None
+        Where the cable really runs; None if there is none, or nobody knows.
+    visibility : float
+        Share of the borders that can be seen, 0 to 1; NaN if nobody knows.
+    """
+
+    index: int
+    stamp: int
+    image: Image
+    truth: CableState | None
+    visibility: float
+
+
+class JudgedSequence(Protocol):
+    """Something to judge methods on. It is sent to other processes, and opened there."""
+
+    @property
+    def name(self) -> str:
+        """What it is called in reports."""
+        ...
+
+    @property
+    def description(self) -> str:
+        """What it is, in a sentence."""
+        ...
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames; None if it is unknown before all have been read."""
+        ...
+
+    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+        """Make or read the frames."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioSequence:
+    """A built-in scenario of the simulator; each seed is another dive.
+
+    Attributes
+    ----------
+    name : str
+        A key of `SCENARIOS`.
+    limit : int or None
+        Use only so many frames from the beginning.
+    """
+
+    name: str
+    limit: int | None = None
+
+    @property
+    def description(self) -> str:
+        """What the scenario is about."""
+        return SCENARIOS[self.name].description
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames."""
+        count = SCENARIOS[self.name].frame_count
+        return count if self.limit is None else min(count, self.limit)
+
+    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+        """Simulate the dive of a seed."""
+        for count, item in enumerate(simulate_scenario(self.name, seed)):
+            if count == self.limit:
+                return
+            truth = item.frame.truth
+            yield _judged(item.frame, item.visibility if truth is not None else 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class WorldSequence:
+    """A built-in world of the simulator; each seed is another dive.
+
+    Attributes
+    ----------
+    name : str
+        A key of `WORLDS`.
+    limit : int or None
+        Use only so many frames from the beginning.
+    """
+
+    name: str
+    limit: int | None = None
+
+    @property
+    def description(self) -> str:
+        """What is hard about the world."""
+        return WORLDS[self.name].description
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames.
+
+        Raises
+        ------
+        RecordingError
+            The world needs photographs, and there are none.
+        """
+        world = WORLDS[self.name]
+        if world.photographed:
+            photographs_of(world.split)
+        return world.frame_count if self.limit is None else min(world.frame_count, self.limit)
+
+    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+        """Simulate the dive of a seed."""
+        for item in islice(simulate_world(self.name, seed), self.limit):
+            yield _judged(item.frame, item.visibility)
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingSequence(ChosenRecording):
+    """A recording of the user's, the same for every seed.
+
+    Attributes
+    ----------
+    unlabelled_is_empty : bool
+        Whether a frame without a label shows no cable. Otherwise it is not judged.
+    """
+
+    unlabelled_is_empty: bool = False
+
+    @property
+    def name(self) -> str:
+        """The name of the file or folder."""
+        return self.path.resolve().name
+
+    @property
+    def description(self) -> str:
+        """Where the labels are from."""
+        return f"labelled by {self.truth.name}" if self.truth is not None else ""
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames, and see that there is something to judge.
+
+        Raises
+        ------
+        RecordingError
+            The recording or the labels cannot be read, do not fit, or there are none.
+        """
+        with self.open() as source:
+            if self.truth is not None:
+                check_labels(source, self.truth)
+            if not (source.has_truth or self.unlabelled_is_empty):
+                raise RecordingError(
+                    f"{self.path}: has no ground truth to judge by; give labels with --truth FILE,"
+                    " or say with --unlabelled-is-empty that it shows no cable"
+                )
+            return source.frame_count
+
+    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+        """Read the recording.
+
+        Raises
+        ------
+        RecordingError
+            It is damaged, or has no frames.
+        """
+        unlabelled = 0.0 if self.unlabelled_is_empty else UNKNOWN_VISIBILITY
+        count = 0
+        with self.open() as source:
+            for frame in source.frames():
+                count += 1
+                yield _judged(frame, unlabelled if frame.truth is None else 1.0)
+        if not count:
+            raise RecordingError(f"{self.path}: holds no frames; record it again")
+
+
+def _judged(frame: Frame, visibility: float) -> JudgedFrame:
+    image = decode_grey(frame.image)
+    if image.dtype != np.uint8:
+        image = np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    return JudgedFrame(frame.index, frame.stamp, image, frame.truth, visibility)
+
+
+def check_labels(source: Source, truth: Path) -> None:
+    """See that every label belongs to a frame of the source, and no frame has two.
+
+    Raises
+    ------
+    RecordingError
+        A label does not; the message names its line.
+    """
+    labels = read_labels(truth)
+    own = {label.filename for label in labels if Path(label.filename).name == source.path.name}
+    first_line: dict[str, int] = {}
+    for line, label in zip(label_lines(truth), labels, strict=True):
+        name = str(label)
+        if name in first_line:
+            raise RecordingError(
+                f"{truth}: line {line} labels {name} again, after line {first_line[name]};"
+                " remove one of them"
+            )
+        first_line[name] = line
+        if own and label.filename not in own:
+            continue
+        reason = _mismatch(source, label)
+        if reason:
+            raise RecordingError(f"{truth}: line {line} labels {name}, but {reason}")
+
+
+def _mismatch(source: Source, label: Label) -> str:
+    """Return why a label belongs to no frame; empty if it does, or nobody can tell."""
+    name, count = source.path.name, source.frame_count
+    if isinstance(source, ImageFolderSource) and label.frame is None:
+        known = any(picture.name == Path(label.filename).name for picture in source.pictures)
+        return "" if known else f"{name} holds no such picture"
+    if label.frame is not None and count is not None and label.frame >= count:
+        return f"{name} has only {count} frames, counted from 0"
+    return ""
+
+
+def label_lines(truth: Path) -> list[int]:
+    """Return the line numbers of the labels in a sequence file, from 1; see `read_labels`."""
+    lines = truth.read_text(encoding="utf-8-sig").split("\n")
+    texts = ((number, line.strip()) for number, line in enumerate(lines, start=1))
+    return [number for number, text in texts if text and not text.startswith("#")]
+
+
+def scenario_sequences(
+    names: Sequence[str], limit: int | None = None
+) -> tuple[JudgedSequence, ...]:
+    """Return scenarios and worlds by name, each once, in the order given.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Keys of `SCENARIOS` or `WORLDS`, or patterns of them such as "report_*"; all scenarios, but
+        no world, if no name is given.
+    limit : int or None
+        Use only so many frames of each.
+
+    Raises
+    ------
+    ParameterError
+        There is no such scenario or world.
+    """
+    chosen: dict[str, JudgedSequence] = {}
+    for pattern in names or SCENARIOS:
+        scenarios = fnmatch.filter(SCENARIOS, pattern)
+        worlds = fnmatch.filter(WORLDS, pattern)
+        if not (scenarios or worlds):
+            known = " | ".join((*SCENARIOS, *WORLDS))
+            raise ParameterError(f"scenario: {pattern!r} is none of {known}")
+        chosen |= {name: ScenarioSequence(name, limit) for name in scenarios}
+        chosen |= {name: WorldSequence(name, limit) for name in worlds}
+    return tuple(chosen.values())

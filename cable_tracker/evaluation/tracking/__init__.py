@@ -1,0 +1,1 @@
+"""Track a recording, and write what came of it into a folder."""

@@ -1,0 +1,180 @@
+"""What a cable in a world looks like along its way, and what hides it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from statistics import NormalDist
+
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.simulation.texture import cloud_response, smooth_step, spectral_noise
+from cable_tracker.simulation.worlds.ground import look_up
+from cable_tracker.simulation.worlds.world import Cover
+
+PATCHES_SIDE = 512
+"""Rows and columns of the texture of patches [texels]."""
+
+PATCHES_PER_RADIUS = 22.0
+"""Texels of it on a radius of the cable."""
+
+GROWTH_REACH = 1.3
+"""Growth stands out over the borders to here [radii]."""
+
+SAND_REACH = 2.4
+"""Sand that lies over a border reaches so far out from the axis [radii]."""
+
+TURNS = (8.0, 30.0)
+"""Shortest and longest way from bright to dark and back again [radii]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drift:
+    """Sand over one border of the cable.
+
+    Attributes
+    ----------
+    start, end : float
+        Along the cable [radii].
+    side : int
+        -1: over the left border; 1: over the right one.
+    edge : float
+        How far in it reaches, from the axis towards that side [radii]; negative: past the axis.
+    tone : float
+        [standard deviations of the bottom].
+    """
+
+    start: float
+    end: float
+    side: int
+    edge: float
+    tone: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CableLook:
+    """One cable.
+
+    Attributes
+    ----------
+    step : float
+        Of its borders, positive if it is bright [standard deviations of the bottom].
+    turn_length, turn_phase : float
+        Way from bright to dark and back [radii], 0 if it does not change, and where on it it is at
+        the start [rad].
+    growth : float
+        Share that growth covers.
+    silt : float
+        How far silt takes the contrast away.
+    drifts : tuple of Drift
+        Sand on it.
+    place : (float, float)
+        Where in the textures the cable begins [texels].
+    """
+
+    step: float
+    turn_length: float
+    turn_phase: float
+    growth: float
+    silt: float
+    drifts: tuple[Drift, ...]
+    place: tuple[float, float]
+
+    def contrast(self, v: Image) -> Image:
+        """Return the step at the borders at places along the cable [radii], float32."""
+        step = np.full(v.shape, self.step, np.float32)
+        if self.turn_length > 0.0:
+            turns = np.sin(v * np.float32(2 * np.pi / self.turn_length) + self.turn_phase)
+            step *= np.tanh(np.float32(4.0) * turns)
+        if self.silt > 0.0:
+            film = look_up(_patches(), v * np.float32(9.0) + self.place[1], np.zeros_like(v))
+            step *= 1 - np.float32(self.silt) * smooth_step(film, -0.5, 1.0)
+        return step
+
+    def grown(self, u: Image, v: Image) -> Image | None:
+        """Return how much growth covers places, 0 to 1; None without any."""
+        if self.growth <= 0.0:
+            return None
+        scale = np.float32(PATCHES_PER_RADIUS)
+        level = look_up(_patches(), u * scale + self.place[0], v * scale + self.place[1])
+        limit = NormalDist().inv_cdf(1.0 - min(self.growth, 0.95))
+        reach = 1 - smooth_step(np.abs(u), GROWTH_REACH - 0.15, GROWTH_REACH)
+        return np.asarray(smooth_step(level, limit - 0.12, limit + 0.12) * reach)
+
+    def sand(self, u: Image, v: Image, softness: Image | float) -> list[tuple[Image, float]]:
+        """Return how much sand covers places, 0 to 1, with its tone, for each drift in view."""
+        low, high = float(v.min()), float(v.max())
+        covers = []
+        for drift in self.drifts:
+            if not (drift.start < high and drift.end > low):
+                continue
+            ramp = 0.2 * (drift.end - drift.start)
+            risen = smooth_step(v, drift.start, drift.start + ramp)
+            risen = risen - smooth_step(v, drift.end - ramp, drift.end)
+            waves = look_up(_patches(), v * np.float32(6.0) + self.place[0], np.zeros_like(v))
+            edge = drift.edge + 0.1 * waves + (1 - risen) * (SAND_REACH - drift.edge)
+            inner = np.clip((drift.side * u - edge) / softness + 0.5, 0.0, 1.0)
+            outer = 1 - smooth_step(drift.side * u, 1.2, SAND_REACH)
+            covers.append((np.asarray(inner * outer, np.float32), drift.tone))
+        return covers
+
+
+@lru_cache(maxsize=1)
+def _patches() -> Image:
+    shape = (PATCHES_SIDE, PATCHES_SIDE)
+    response = cloud_response(shape, 1.0, (26.0, 26.0), 1.5, 2.2)
+    return spectral_noise(response, shape, np.random.default_rng(77))
+
+
+def random_cable(
+    contrast: tuple[float, float],
+    turning: float,
+    cover: Cover,
+    way: tuple[float, float],
+    rng: np.random.Generator,
+) -> CableLook:
+    """Draw a cable.
+
+    Parameters
+    ----------
+    contrast, turning, cover
+        See `World`.
+    way : (float, float)
+        From where to where the dive sees it [radii].
+    """
+    low, high = np.log(contrast)
+    step = float(np.exp(rng.uniform(low, high)) * rng.choice((-1.0, 1.0)))
+    turns = rng.random() < turning
+    return CableLook(
+        step=step,
+        turn_length=float(rng.uniform(*TURNS)) if turns else 0.0,
+        turn_phase=float(rng.uniform(0.0, 2 * np.pi)),
+        growth=float(rng.uniform(*cover.growth)),
+        silt=float(rng.uniform(*cover.silt)),
+        drifts=_random_drifts(cover, way, rng),
+        place=(float(rng.uniform(0, PATCHES_SIDE)), float(rng.uniform(0, PATCHES_SIDE))),
+    )
+
+
+def _random_drifts(
+    cover: Cover, way: tuple[float, float], rng: np.random.Generator
+) -> tuple[Drift, ...]:
+    share = float(rng.uniform(*cover.drift))
+    if share <= 0.0:
+        return ()
+    bare = float(np.mean(cover.drift_lengths)) * (1 / share - 1)
+    place, drifts = way[0] + float(rng.uniform(0.0, bare)), []
+    while place < way[1]:
+        length = float(rng.uniform(*cover.drift_lengths))
+        drifts.append(
+            Drift(
+                place,
+                place + length,
+                int(rng.choice((-1, 1))),
+                float(rng.uniform(-0.3, 0.7)),
+                float(rng.normal(0.0, 0.6)),
+            )
+        )
+        place += length + bare * float(rng.uniform(0.5, 1.5))
+    return tuple(drifts)

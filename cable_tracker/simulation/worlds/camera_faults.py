@@ -1,0 +1,161 @@
+"""What lies between the bottom and a recording: light, noise, compression, and what covers it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, Image
+from cable_tracker.simulation.worlds.world import Disturbance, Optics
+
+BAR_SHARES = (0.03, 0.16)
+"""Smallest and largest share of the picture that one black bar takes."""
+
+INTRA_PERIOD = 12
+"""Of a compressed video, every so many pictures one is whole."""
+
+LEAST_LIGHT = 0.08
+"""Light is never less than so much of that in the middle."""
+
+
+def random_light(optics: Optics, image_size: tuple[int, int], rng: np.random.Generator) -> Image:
+    """Draw how bright the lamps make each pixel, about 1 on average, float32, shape (H, W)."""
+    width, height = image_size
+    x = (np.arange(width, dtype=np.float32) / (width - 1) - 0.5)[None, :]
+    y = (np.arange(height, dtype=np.float32) / (height - 1) - 0.5)[:, None]
+    uneven = float(rng.uniform(*optics.lamps))
+    beams = np.zeros((height, width), np.float32)
+    for side in (-1, 1):
+        right, up = side * rng.uniform(0.0, 0.35), rng.uniform(-0.3, 0.3)
+        spread = rng.uniform(0.2, 0.45)
+        beams += np.float32(rng.uniform(0.5, 1.0)) * np.exp(
+            -((x - right) ** 2 + (y - up) ** 2) / np.float32(2 * spread**2)
+        )
+    beams /= max(float(beams.mean()), 1e-3)
+    light = 1 - uneven + uneven * beams
+    dark = float(rng.uniform(*optics.vignette))
+    light *= 1 - np.float32(dark) * np.minimum(2 * (x * x + y * y), 1.0)
+    return np.asarray(np.maximum(light / light.mean(), LEAST_LIGHT), np.float32)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Overlaid:
+    """What covers the picture, the same in all frames of a dive but for the written figures.
+
+    Attributes
+    ----------
+    pixels : Image
+        Grey levels, uint8, shape (H, W).
+    where : BoolArray
+        Which pixels are covered, shape (H, W).
+    captions : tuple of (int, int)
+        Column and row of the lower left corner of each line of text [px].
+    """
+
+    pixels: Image
+    where: BoolArray
+    captions: tuple[tuple[int, int], ...]
+
+    def put_on(self, picture: Image, frame: int) -> None:
+        """Cover a picture, uint8, in place."""
+        picture[self.where] = self.pixels[self.where]
+        size = 0.35 * picture.shape[1] / 320
+        for number, corner in enumerate(self.captions):
+            text = f"{12 + number}:{frame // 25:02d}:{frame % 25:02d} D{101 + frame % 7}.{number}"
+            for grey, thickness in ((0, 3), (235, 1)):
+                cv2.putText(picture, text, corner, cv2.FONT_HERSHEY_SIMPLEX, size, grey, thickness)
+
+
+def random_overlaid(
+    disturbance: Disturbance, image_size: tuple[int, int], rng: np.random.Generator
+) -> Overlaid:
+    """Draw what covers the picture."""
+    width, height = image_size
+    pixels = np.zeros((height, width), np.uint8)
+    where = np.zeros((height, width), np.bool_)
+    if rng.random() < disturbance.vehicle_part:
+        _draw_part(pixels, where, rng)
+    if rng.random() < disturbance.bars:
+        share = float(rng.uniform(*BAR_SHARES))
+        grey = int(rng.choice((0, 0, 16)))
+        bars = _bars((height, width), share, bool(rng.random() < 0.5), bool(rng.random() < 0.8))
+        pixels[bars], where[bars] = grey, True
+    captions: tuple[tuple[int, int], ...] = ()
+    if rng.random() < disturbance.caption:
+        corners = ((4, round(0.06 * height)), (4, height - 6), (width // 2, round(0.06 * height)))
+        captions = corners[: int(rng.integers(1, 4))]
+    return Overlaid(pixels, where, captions)
+
+
+def _bars(shape: tuple[int, int], share: float, lying: bool, both: bool) -> BoolArray:
+    bars = np.zeros(shape, np.bool_)
+    if lying:
+        thick = round(share * shape[0])
+        bars[:thick] = True
+        bars[shape[0] - thick :] |= both
+    else:
+        thick = round(share * shape[1])
+        bars[:, :thick] = True
+        bars[:, shape[1] - thick :] |= both
+    return bars
+
+
+def _draw_part(pixels: Image, where: BoolArray, rng: np.random.Generator) -> None:
+    """Draw an arm or a skid that comes in from the lower edge."""
+    height, width = pixels.shape
+    foot = rng.uniform(0.0, 1.0) * width
+    tip = (foot + rng.normal(0.0, 0.15) * width, height * rng.uniform(0.6, 0.85))
+    half = rng.uniform(0.02, 0.06) * width
+    corners = np.array(
+        (
+            (foot - 1.6 * half, height),
+            (tip[0] - half, tip[1]),
+            (tip[0] + half, tip[1]),
+            (foot + 1.6 * half, height),
+        )
+    )
+    mask = np.zeros_like(pixels)
+    cv2.fillPoly(mask, [np.rint(corners).astype(np.int32)], 1)
+    where |= mask > 0
+    grain = rng.normal(0.0, 3.0, pixels.shape) + rng.uniform(10.0, 200.0)
+    pixels[mask > 0] = np.clip(grain, 0, 255).astype(np.uint8)[mask > 0]
+
+
+class Recorder:
+    """Compresses pictures as a camera or a recorder does, and decodes them again.
+
+    Parameters
+    ----------
+    quality : int or None
+        1 to 100; None: pictures stay as they are.
+    as_video : bool
+        Whether differences from the picture before are compressed.
+    """
+
+    def __init__(self, quality: int | None, *, as_video: bool) -> None:
+        self._quality = quality
+        self._as_video = as_video
+        self._last: Image | None = None
+        self._count = 0
+
+    def record(self, picture: Image) -> Image:
+        """Return the next picture, uint8 of shape (H, W), as it comes out."""
+        if self._quality is None:
+            return picture
+        whole = not self._as_video or self._last is None or self._count % INTRA_PERIOD == 0
+        self._count += 1
+        if whole or self._last is None:
+            self._last = self._coded(picture)
+            return self._last
+        before = self._last.astype(np.int16)
+        difference = np.clip((picture.astype(np.int16) - before) // 2 + 128, 0, 255)
+        decoded = self._coded(difference.astype(np.uint8)).astype(np.int16)
+        self._last = np.clip(before + 2 * (decoded - 128), 0, 255).astype(np.uint8)
+        return self._last
+
+    def _coded(self, picture: Image) -> Image:
+        assert self._quality is not None
+        _, data = cv2.imencode(".jpg", picture, (cv2.IMWRITE_JPEG_QUALITY, self._quality))
+        return np.asarray(cv2.imdecode(data, cv2.IMREAD_GRAYSCALE))

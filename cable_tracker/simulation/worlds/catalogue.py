@@ -1,0 +1,148 @@
+"""The built-in worlds, by name: each kind once to tune on and once to report on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+from cable_tracker.errors import ParameterError
+from cable_tracker.simulation.dive import SimulatedFrame
+from cable_tracker.simulation.worlds.motion import MotionKind
+from cable_tracker.simulation.worlds.split import Split
+from cable_tracker.simulation.worlds.world import Cover, Disturbance, Optics, World
+from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE, WorldDive
+
+_FAINT = (0.7, 3.2)
+_CLEAR = (2.5, 5.5)
+_INSPECTED = (MotionKind.INSPECTION,)
+
+
+def _kinds() -> Iterator[World]:
+    """Yield each kind of world, without a split."""
+    base = World("", "", Split.TUNE)
+    yield replace(
+        base,
+        name="clear",
+        description="clear cables, little around them",
+        contrast=_CLEAR,
+        disturbance=Disturbance(lines=0.3),
+    )
+    yield replace(
+        base,
+        name="faint",
+        description="faint, overgrown cables, some bright here and dark there",
+        contrast=_FAINT,
+        turning=0.3,
+        cover=Cover(growth=(0.0, 0.4), drift=(0.0, 0.3), silt=(0.0, 0.5)),
+        disturbance=Disturbance(lines=0.7),
+    )
+    yield replace(
+        base,
+        name="inspection",
+        description="clear pipes over real sea bed, seen as inspections by ROV see them",
+        photographed=True,
+        motions=_INSPECTED,
+        widths=None,
+        contrast=_CLEAR,
+    )
+    yield replace(
+        base,
+        name="inspection_hard",
+        description="pipes over real sea bed with growth, sand and shadows",
+        photographed=True,
+        motions=_INSPECTED,
+        widths=None,
+        contrast=(1.2, 3.5),
+        turning=0.2,
+        cover=Cover(growth=(0.1, 0.45), drift=(0.0, 0.4), silt=(0.0, 0.4)),
+        disturbance=Disturbance(shadow=0.7, lines=0.5),
+    )
+    yield replace(
+        base,
+        name="shadows",
+        description="shadows as dark as a dark cable beside the cable, uneven lamps",
+        contrast=(1.5, 4.0),
+        disturbance=Disturbance(shadow=1.0, lines=0.4),
+        optics=Optics(lamps=(0.3, 0.9), vignette=(0.2, 0.7)),
+    )
+    yield replace(
+        base,
+        name="sand",
+        description="sand over one border for a long way",
+        contrast=(1.5, 4.0),
+        cover=Cover(drift=(0.4, 0.8), drift_lengths=(8.0, 40.0)),
+        disturbance=Disturbance(lines=0.3),
+    )
+    yield replace(
+        base,
+        name="bars",
+        description="black bars, captions, a part of the vehicle in view",
+        contrast=(1.8, 4.5),
+        disturbance=Disturbance(lines=0.3, bars=1.0, caption=0.5, vehicle_part=0.4),
+    )
+    yield replace(
+        base,
+        name="compressed",
+        description="strong compression, picture by picture or as a video",
+        contrast=(1.5, 4.0),
+        disturbance=Disturbance(lines=0.3),
+        optics=Optics(quality=(12, 45)),
+    )
+    yield replace(
+        base,
+        name="empty",
+        description="no cable: real sea bed alone",
+        photographed=True,
+        has_cable=False,
+    )
+    yield replace(
+        base,
+        name="decoys",
+        description="no cable, but single and double lines, trenches, glaring rocks",
+        has_cable=False,
+        disturbance=Disturbance(lines=1.5, pairs=1.5, bars=0.2),
+    )
+
+
+def _all() -> Iterator[World]:
+    for split in Split:
+        for kind in _kinds():
+            yield replace(kind, name=f"{split.value}_{kind.name}", split=split)
+
+
+WORLDS: Mapping[str, World] = MappingProxyType({world.name: world for world in _all()})
+"""All worlds by name; names begin with what they are for, `tune_` or `report_`."""
+
+
+def worlds_of(split: Split) -> tuple[World, ...]:
+    """Return the worlds of a split."""
+    return tuple(world for world in WORLDS.values() if world.split is split)
+
+
+def simulate_world(
+    world: str | World, seed: int = 0, image_size: tuple[int, int] = WORLD_SIZE
+) -> Iterator[SimulatedFrame]:
+    """Yield the frames of a dive through a world at 25 frames per second, always the same.
+
+    Parameters
+    ----------
+    world : str or World
+        One of `WORLDS`, or one's own.
+    seed : int
+        Not negative; each is another dive.
+    image_size : (int, int)
+        Width and height [px].
+
+    Raises
+    ------
+    ParameterError
+        There is no world of that name.
+    RecordingError
+        The world needs photographs, and there are none.
+    """
+    if isinstance(world, str):
+        if world not in WORLDS:
+            raise ParameterError(f"world {world!r} is unknown: choose from {', '.join(WORLDS)}")
+        world = WORLDS[world]
+    return WorldDive(world, seed, image_size).frames()

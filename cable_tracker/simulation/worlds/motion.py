@@ -1,0 +1,156 @@
+"""How a cable moves through the image in a world: as inspections by ROV move it, or lively."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.model.state import PLACES, STATE_SIZE, StateColumn
+from cable_tracker.simulation.trajectory import Bands, Harmonics
+
+WORLD_RATE = 25.0
+"""Frames per second of all worlds."""
+
+INSPECTION_STEPS = (0.195, float(np.deg2rad(0.053)), 0.145, float(np.deg2rad(0.036)))
+"""Scale of the steps of d, alpha, w, beta from frame to frame [px at 320 px, rad]."""
+
+INSPECTION_TAILS = (0.76, 0.87, 0.81, 1.1)
+"""Standard deviation of the logarithm of that scale in the course of time: how heavy the tails."""
+
+STEP_MEMORY = 0.8
+"""Time over which a movement keeps its direction [s]."""
+
+SCALE_MEMORY = 3.0
+"""Time over which calm and hasty stretches last [s]."""
+
+RETURN_TIME = 8.0
+"""Time over which the vehicle steers back to where it wants to see the cable [s]."""
+
+PIPE_WIDTH = (112.0, 41.0)
+"""Mean and standard deviation of the width of an inspected pipe [px at 320 px]."""
+
+PIPE_WIDTHS = (28.0, 205.0)
+"""It is never narrower or wider than this [px at 320 px]."""
+
+PIPE_SKEW = (15.6, 2.8)
+"""Mean and standard deviation of the angle between its borders and its axis at that width [deg]."""
+
+SKEW_OF_WIDTH = 0.04
+"""How much larger that angle is for each pixel that the pipe is wider [deg]."""
+
+PIPE_SKEWS = (4.0, 24.5)
+"""That angle is never smaller or larger than this [deg]."""
+
+NEAREST_APEX = 130.0
+"""Borders meet no nearer to the foot point than this, so that no horizon is in view [px]."""
+
+LIVELY_BANDS: Bands = ((0.25, 0.4), (0.5, 0.7), (0.9, 1.2))
+"""Frequencies of the lively motion [Hz]."""
+
+LIVELY_LIMITS = (55.0, float(np.deg2rad(16.0)), 0.3, float(np.deg2rad(2.0)))
+"""Largest swing of d [px], alpha [rad], w (share of the mean) and beta [rad] when lively."""
+
+
+class MotionKind(str, Enum):
+    """How the cable moves through the image."""
+
+    INSPECTION = "inspection"
+    """Calm, with sudden moves: steps have the spread and the tails of real inspections by ROV."""
+
+    LIVELY = "lively"
+    """Swinging, as the small vehicle of the thesis moved."""
+
+
+def random_motion(
+    kind: MotionKind,
+    widths: tuple[float, float] | None,
+    frame_count: int,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Draw the motion of a cable.
+
+    Parameters
+    ----------
+    kind : MotionKind
+        How it moves.
+    widths : (float, float) or None
+        Narrowest and widest mean width, drawn uniformly in its logarithm [px at 320 px]; None: as
+        pipes show in real inspections.
+    frame_count : int
+        At `WORLD_RATE`.
+
+    Returns
+    -------
+    FloatArray
+        d, alpha, w, beta and their rates in each frame, shape (N, 8) [px at 320 px, rad, per
+        second].
+    """
+    means = _random_means(widths, rng)
+    if kind is MotionKind.INSPECTION:
+        places = _inspect(means, frame_count, rng)
+    else:
+        places = _swing(means, frame_count, rng)
+    states = np.zeros((frame_count, STATE_SIZE))
+    width = np.maximum(places[:, StateColumn.WIDTH], 3.0)
+    steepest = np.arctan(width / (2 * NEAREST_APEX))
+    places[:, StateColumn.WIDTH] = width
+    places[:, StateColumn.SKEW] = np.clip(places[:, StateColumn.SKEW], -steepest, steepest)
+    states[:, :PLACES] = places
+    if frame_count > 1:
+        states[:, PLACES:] = np.gradient(places, 1.0 / WORLD_RATE, axis=0)
+    return states
+
+
+def _random_means(widths: tuple[float, float] | None, rng: np.random.Generator) -> FloatArray:
+    """Return d, alpha, w, beta that the vehicle keeps to, shape (4,) [px, rad]."""
+    if widths is None:
+        width = float(np.clip(rng.normal(*PIPE_WIDTH), *PIPE_WIDTHS))
+        usual = rng.normal(*PIPE_SKEW) + SKEW_OF_WIDTH * (width - PIPE_WIDTH[0])
+        skew = float(np.deg2rad(np.clip(usual, *PIPE_SKEWS)))
+        return np.array((rng.normal(0.0, 30.0), np.deg2rad(rng.normal(0.0, 9.0)), width, skew))
+    width = float(np.exp(rng.uniform(*np.log(widths))))
+    return np.array(
+        (
+            rng.uniform(-60.0, 60.0),
+            np.deg2rad(rng.uniform(-35.0, 35.0)),
+            width,
+            np.deg2rad(rng.uniform(-1.0, 6.0)),
+        )
+    )
+
+
+def _remembering(
+    count: int, memory: float, rng: np.random.Generator, columns: int = PLACES
+) -> FloatArray:
+    """Return noise of unit variance that forgets itself over a time [s], shape (N, columns)."""
+    keep = float(np.exp(-1.0 / (WORLD_RATE * memory)))
+    fresh = float(np.sqrt(1.0 - keep * keep))
+    noise = rng.standard_normal((count, columns))
+    for index in range(1, count):
+        noise[index] = keep * noise[index - 1] + fresh * noise[index]
+    return noise
+
+
+def _inspect(means: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
+    direction = _remembering(count, STEP_MEMORY, rng)
+    haste = np.exp(np.array(INSPECTION_TAILS) * _remembering(count, SCALE_MEMORY, rng))
+    steps = np.array(INSPECTION_STEPS) * haste * direction
+    back = 1.0 / (WORLD_RATE * RETURN_TIME)
+    places = np.empty((count, PLACES))
+    place = np.zeros(PLACES)
+    for index in range(count):
+        place = place * (1.0 - back) + steps[index]
+        places[index] = means + place
+    return places
+
+
+def _swing(means: FloatArray, count: int, rng: np.random.Generator) -> FloatArray:
+    times = np.arange(count) / WORLD_RATE
+    limits = np.array(LIVELY_LIMITS) * (1.0, 1.0, means[StateColumn.WIDTH], 1.0)
+    swings = [
+        Harmonics.random(float(limit), LIVELY_BANDS, rng).values(times) * rng.uniform(0.4, 1.0)
+        for limit in limits
+    ]
+    return means + np.stack(swings, axis=1)

@@ -1,0 +1,143 @@
+"""What a world consists of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cable_tracker.simulation.worlds.motion import MotionKind
+from cable_tracker.simulation.worlds.split import Split
+
+Range = tuple[float, float]
+"""Lowest and highest value, between which a dive draws its own."""
+
+NONE: Range = (0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Cover:
+    """What hides a cable.
+
+    Attributes
+    ----------
+    growth : Range
+        Share of the cable that growth with the look of the bottom covers, 0 to 1; it also stands
+        out over the borders.
+    drift : Range
+        Share of the cable's length along which sand lies over one of its borders, 0 to 1.
+    drift_lengths : Range
+        Of such a stretch [radii].
+    silt : Range
+        How far a film takes the cable's contrast away in some places, 0 to 1.
+    """
+
+    growth: Range = NONE
+    drift: Range = NONE
+    drift_lengths: Range = (4.0, 14.0)
+    silt: Range = NONE
+
+
+@dataclass(frozen=True, slots=True)
+class Disturbance:
+    """What else there is in the picture.
+
+    Attributes
+    ----------
+    shadow : float
+        Probability that the cable casts a shadow as dark as a dark cable beside it, 0 to 1.
+    lines : float
+        Ropes, furrows, tracks and rocks in view on average.
+    pairs : float
+        Trenches and pairs of lines in view on average.
+    bars : float
+        Probability of black bars above and below or on both sides, 0 to 1.
+    caption : float
+        Probability of written figures in a corner.
+    vehicle_part : float
+        Probability of a part of the vehicle in view.
+    """
+
+    shadow: float = 0.0
+    lines: float = 0.0
+    pairs: float = 0.0
+    bars: float = 0.0
+    caption: float = 0.0
+    vehicle_part: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Optics:
+    """What light, water and camera do to the picture.
+
+    Attributes
+    ----------
+    lamps : Range
+        How uneven the light of the vehicle's lamps is, 0 (even) to 1.
+    vignette : Range
+        How much darker the corners are, 0 to 1.
+    haze : Range
+        How much contrast the far end of the view loses, 0 to 1.
+    blur : Range
+        Standard deviation of the blur [px at 320 px].
+    noise : Range
+        Standard deviation of the sensor's noise [grey levels].
+    quality : Range or None
+        Quality of the compression, 1 to 100; None: not compressed. Half of the dives are compressed
+        picture by picture, half as differences from the picture before.
+    """
+
+    lamps: Range = (0.0, 0.6)
+    vignette: Range = (0.0, 0.5)
+    haze: Range = (0.0, 0.4)
+    blur: Range = (0.4, 1.2)
+    noise: Range = (1.5, 4.0)
+    quality: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """A kind of dive. Each seed draws one.
+
+    Attributes
+    ----------
+    name : str
+        Begins with the name of its split.
+    description : str
+        What is hard about it.
+    split : Split
+        What it is for: the splits have no texture, no seed and no kind of clutter in common.
+    photographed : bool
+        Whether the bottom is made of photographs.
+    motions : tuple of MotionKind
+        One of them is drawn.
+    widths : Range or None
+        See `random_motion`.
+    contrast : Range
+        Step at the borders over the standard deviation of the bottom, drawn uniformly in its
+        logarithm; half of the cables are dark.
+    turning : float
+        Probability that the cable is bright in places and dark in others.
+    cover : Cover
+        On the cable.
+    disturbance : Disturbance
+        Around it.
+    optics : Optics
+        Before it.
+    has_cable : bool
+        Whether there is any.
+    frame_count : int
+        At `WORLD_RATE`.
+    """
+
+    name: str
+    description: str
+    split: Split
+    photographed: bool = False
+    motions: tuple[MotionKind, ...] = (MotionKind.INSPECTION, MotionKind.LIVELY)
+    widths: Range | None = (10.0, 110.0)
+    contrast: Range = (1.8, 5.0)
+    turning: float = 0.0
+    cover: Cover = Cover()
+    disturbance: Disturbance = Disturbance()
+    optics: Optics = Optics()
+    has_cable: bool = True
+    frame_count: int = 250

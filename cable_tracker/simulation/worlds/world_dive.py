@@ -1,0 +1,297 @@
+"""Dives through worlds: frame by frame, with exact ground truth."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.geometry import wrap_states
+from cable_tracker.cable.model.state import CableState, StateColumn
+from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.simulation.dive import FIRST_STAMP, SimulatedFrame
+from cable_tracker.simulation.texture import smooth_step
+from cable_tracker.simulation.worlds.cable_look import (
+    GROWTH_REACH,
+    SAND_REACH,
+    CableLook,
+    random_cable,
+)
+from cable_tracker.simulation.worlds.camera_faults import Recorder, random_light, random_overlaid
+from cable_tracker.simulation.worlds.clutter import lay, strew
+from cable_tracker.simulation.worlds.ground import look_up, random_texture
+from cable_tracker.simulation.worlds.motion import WORLD_RATE, random_motion
+from cable_tracker.simulation.worlds.strip import (
+    StripView,
+    border_points,
+    pixel_grid,
+    view_strip,
+)
+from cable_tracker.simulation.worlds.world import World
+
+ROW = 512
+"""Pixels near a cable are gathered into rows of this length."""
+
+REFERENCE_WIDTH = 320
+"""Image width that lengths of worlds are given for [px]."""
+
+WORLD_SIZE = (320, 240)
+"""Width and height of the frames of the worlds, unless said otherwise [px]."""
+
+LEAST_STEP = 0.55
+"""A border whose step is smaller cannot be seen [standard deviations of the bottom]."""
+
+STEP_OVER_NOISE = 1.2
+"""Nor can one whose step in the picture is smaller than so many times the sensor's noise."""
+
+LEAST_SHARE = 0.2
+"""Where less of the borders can be seen, it is open whether a person sees the cable."""
+
+POINT_SPACING = 3.0
+"""Distance of the points of a border at which it is asked whether it can be seen [px]."""
+
+GREY_LEVELS = (55.0, 150.0)
+"""Darkest and brightest mean of a bottom [grey levels]."""
+
+WHITE = 235.0
+"""The exposure keeps bottom and cable below this [grey levels]."""
+
+BOTTOM_CONTRAST = (0.07, 0.22)
+"""Standard deviation of a bottom over its mean."""
+
+CABLE_TEXTURE = (0.15, 0.6)
+"""Standard deviation of the cable's own look over that of the bottom."""
+
+TRAVEL_SPEED = (10.0, 60.0)
+"""Way over the bottom [px/s at 320 px]."""
+
+SHADOW_DEPTHS = (1.5, 4.0)
+"""Smallest and largest step of a cast shadow [standard deviations of the bottom]."""
+
+
+class WorldDive:
+    """One dive through a world.
+
+    Parameters
+    ----------
+    world : World
+        What it is like.
+    seed : int
+        Not negative. The same seed gives the same frames, bit for bit.
+    image_size : (int, int)
+        Width and height [px]; lengths scale with the width.
+
+    Raises
+    ------
+    RecordingError
+        The world needs photographs, and there are none.
+    """
+
+    def __init__(self, world: World, seed: int, image_size: tuple[int, int] = WORLD_SIZE) -> None:
+        self.world = world
+        name = zlib.crc32(world.name.encode())
+        self._size = image_size
+        self._scale = image_size[0] / REFERENCE_WIDTH
+        route, scenery, picture, self._grain = (
+            np.random.default_rng(each)
+            for each in np.random.SeedSequence((world.split.number, name, seed)).spawn(4)
+        )
+        self._draw_route(route)
+        self._draw_scenery(scenery)
+        self._draw_picture(picture)
+
+    @property
+    def states(self) -> FloatArray:
+        """d, alpha, w, beta and their rates in each frame, shape (N, 8) [px, rad, per second]."""
+        return self._states
+
+    def _draw_route(self, rng: np.random.Generator) -> None:
+        world = self.world
+        kind = world.motions[int(rng.integers(len(world.motions)))]
+        self._states = random_motion(kind, world.widths, world.frame_count, rng)
+        lengths = [
+            StateColumn.DISTANCE,
+            StateColumn.WIDTH,
+            StateColumn.DISTANCE_RATE,
+            StateColumn.WIDTH_RATE,
+        ]
+        self._states[:, lengths] *= self._scale
+        # On the bottom a texel is a pixel where the view is middling.
+        self._unit = float(self._states[:, StateColumn.WIDTH].mean()) / (2 * self._scale)
+        speed = float(rng.uniform(*TRAVEL_SPEED))
+        self._travel = speed * np.arange(world.frame_count) / WORLD_RATE
+
+    def _draw_scenery(self, rng: np.random.Generator) -> None:
+        world = self.world
+        self._bottom = random_texture(world.split, world.photographed, rng)
+        self._far_bottom = cv2.GaussianBlur(
+            self._bottom, (0, 0), 3.0, borderType=cv2.BORDER_REFLECT
+        )
+        self._skin = random_texture(world.split, False, rng)
+        self._places = rng.uniform(0.0, 4096.0, (3, 2)).astype(np.float32)
+        way = (-600.0, 600.0 + float(self._travel[-1]))
+        self._cable: CableLook | None = None
+        if world.has_cable:
+            radii = (way[0] / self._unit, way[1] / self._unit)
+            self._cable = random_cable(world.contrast, world.turning, world.cover, radii, rng)
+        disturbance = world.disturbance
+        self._things = strew(world.split, way, disturbance.lines, disturbance.pairs, rng)
+        self._roughness = float(rng.uniform(*CABLE_TEXTURE))
+        self._roundness = float(rng.uniform(0.0, 0.4))
+        self._shadow: tuple[int, float, float] | None = None
+        if rng.random() < disturbance.shadow:
+            self._shadow = (
+                int(rng.choice((-1, 1))),
+                float(rng.uniform(0.3, 1.6)),
+                float(rng.uniform(*SHADOW_DEPTHS)),
+            )
+
+    def _draw_picture(self, rng: np.random.Generator) -> None:
+        optics = self.world.optics
+        step = 0.0 if self._cable is None else self._cable.step
+        grey = float(rng.uniform(*GREY_LEVELS))
+        spread = grey * float(rng.uniform(*BOTTOM_CONTRAST))
+        self._light = random_light(optics, self._size, rng)
+        brightest = WHITE / float(np.quantile(self._light, 0.95))
+        self._grey = min(grey, 0.7 * brightest)
+        room = 0.85 * self._grey if step < 0 else brightest - self._grey
+        self._spread = min(spread, room / max(abs(step), 1.0))
+        self._swing = (float(rng.uniform(0.0, 0.12)), float(rng.uniform(0.2, 2.0)))
+        self._haze = float(rng.uniform(*optics.haze))
+        self._blur = float(rng.uniform(*optics.blur)) * self._scale
+        self._noise = float(rng.uniform(*optics.noise))
+        self._overlaid = random_overlaid(self.world.disturbance, self._size, rng)
+        quality = None if optics.quality is None else int(rng.integers(*optics.quality))
+        self._recorder = Recorder(quality, as_video=bool(rng.random() < 0.5))
+        self._x, self._y = pixel_grid(self._size)
+
+    def frames(self) -> Iterator[SimulatedFrame]:
+        """Render the frames, once."""
+        for index, state in enumerate(self._states):
+            image = self._render(index, state)
+            visibility = self._visibility(index, state)
+            wrapped = wrap_states(state[None, :])[0]
+            truth = CableState.from_array(wrapped) if visibility != 0.0 else None
+            yield SimulatedFrame(_frame(index, image, truth), visibility)
+
+    def _render(self, index: int, state: FloatArray) -> Image:
+        view = view_strip(state, self._x, self._y)
+        # Radii from the foot point at the start of the dive.
+        along = view.v + np.float32(self._travel[index] / self._unit)
+        look = self._ground(view, along)
+        if self._cable is not None:
+            look = self._lay_cable(look, view, along, self._cable)
+        light = self._light
+        if self._swing[0] > 0.0:
+            depth, rate = self._swing
+            light = light * np.float32(1 + depth * np.sin(rate * index / WORLD_RATE))
+        seen: Image = (np.float32(self._grey) + np.float32(self._spread) * look) * light
+        seen += self._fog(view.radius) * (np.float32(self._grey) * light - seen)
+        seen = cv2.GaussianBlur(seen, (0, 0), max(self._blur, 0.3))
+        grain: Image = self._grain.standard_normal(seen.shape, np.float32)
+        seen = seen + np.float32(self._noise) * grain
+        picture: Image = np.clip(np.rint(seen), 0, 255).astype(np.uint8)
+        self._overlaid.put_on(picture, index)
+        return self._recorder.record(picture)
+
+    def _ground(self, view: StripView, along: Image) -> Image:
+        unit = np.float32(self._unit)
+        x, y = view.u * unit, along * unit
+        right, up = self._places[0]
+        look = look_up(self._bottom, x + right, y + up)
+        texel = unit * np.float32(self._scale) / view.radius
+        if float(texel.max()) > 1.5:
+            share = np.clip((texel - 1) / 3, 0.0, 1.0)
+            look = look + share * (look_up(self._far_bottom, x + right, y + up) - look)
+        return lay(look, self._things, x, y) if self._things else look
+
+    def _lay_cable(self, look: Image, view: StripView, along: Image, cable: CableLook) -> Image:
+        """Draw cable, shadow, growth and sand, where they are, into the look of the bottom."""
+        reach = self._cable_reach(cable)
+        found = np.flatnonzero(np.abs(view.u) < reach)
+        if found.size == 0:
+            return look
+        # Remapping takes no more columns than a short integer counts: rows, the last one filled up.
+        near = np.append(found, np.full(-found.size % ROW, found[-1])).reshape(-1, ROW)
+        part = StripView(*(each.reshape(-1)[near] for each in (view.u, view.v, view.radius)))
+        laid = look.copy()
+        laid.reshape(-1)[near] = self._cable_on(
+            look.reshape(-1)[near], part, along.reshape(-1)[near], cable
+        )
+        return laid
+
+    def _cable_reach(self, cable: CableLook) -> float:
+        """Return how far from its axis the cable changes the picture [radii]."""
+        if cable.drifts:
+            return max(SAND_REACH, self._shadow_reach())
+        return max(GROWTH_REACH if cable.growth > 0.0 else 1.2, self._shadow_reach())
+
+    def _shadow_reach(self) -> float:
+        return 0.0 if self._shadow is None else self._shadow[1] + 1.0
+
+    def _cable_on(self, look: Image, view: StripView, along: Image, cable: CableLook) -> Image:
+        u, unit = view.u, np.float32(self._unit)
+        soft = np.maximum(np.float32(1.0) / view.radius, np.float32(0.03))
+        if self._shadow is not None:
+            side, length, depth = self._shadow
+            reach = side * u
+            shade = (1 - smooth_step(reach, length + 0.7, length + 1.0)) * (reach > 0)
+            look = look - np.float32(depth) * shade
+        surface = self._roughness * look_up(
+            self._skin, u * unit + self._places[1][0], along * unit + self._places[1][1]
+        )
+        step = cable.contrast(along)
+        surface += step * (1 + np.float32(self._roundness) * (0.7 - np.minimum(u * u, 1.0)))
+        cover = np.clip((1 - np.abs(u)) / soft + 0.5, 0.0, 1.0)
+        look = look + cover * (surface - look)
+        grown, sand = cable.grown(u, along), cable.sand(u, along, 2 * soft)
+        if grown is None and not sand:
+            return look
+        right, up = self._places[2]
+        other = look_up(self._bottom, u * unit + right, along * unit + up)
+        if grown is not None:
+            look = look + grown * (other - look)
+        for share, tone in sand:
+            look = look + share * (0.7 * other + np.float32(tone) - look)
+        return look
+
+    def _fog(self, radius: Image) -> Image:
+        """Return how much contrast is lost where the bottom is far, float32, 0 to 1."""
+        near = np.float32(self._unit * self._scale)
+        return np.float32(self._haze) * (1 - np.minimum(radius / near, 1.0))
+
+    def _visibility(self, index: int, state: FloatArray) -> float:
+        """Return the share of the borders in the picture that can be seen; NaN if hardly any."""
+        if self._cable is None:
+            return 0.0
+        x, y = border_points(state, self._size, POINT_SPACING * self._scale)
+        if x.shape[1] == 0:
+            return 0.0
+        view = view_strip(state, x, y)
+        along = view.v + np.float32(self._travel[index] / self._unit)
+        columns = np.rint(x + (self._size[0] - 1) / 2).astype(np.intp)
+        rows = np.rint((self._size[1] - 1) / 2 - y).astype(np.intp)
+        clear = 1 - self._fog(view.radius)
+        step = np.abs(self._cable.contrast(along)) * clear
+        seen = step >= LEAST_STEP
+        lit = self._spread * self._light[rows, columns]
+        seen &= step * lit >= STEP_OVER_NOISE * self._noise
+        seen &= ~self._overlaid.where[rows, columns]
+        grown = self._cable.grown(view.u, along)
+        if grown is not None:
+            seen &= grown < 0.5
+        for share, _ in self._cable.sand(view.u, along, 0.1):
+            seen &= share < 0.5
+        visible = float(seen.mean())
+        return visible if visible >= LEAST_SHARE else float("nan")
+
+
+def _frame(index: int, image: Image, truth: CableState | None) -> Frame:
+    height, width = image.shape
+    raw = RawImage("mono8", height, width, width, False, memoryview(image.tobytes()))
+    stamp = FIRST_STAMP + round(index * NANOSECONDS / WORLD_RATE)
+    return Frame(index=index, stamp=stamp, image=raw, truth=truth)

@@ -1,0 +1,63 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.benchmark.footage import Footage, FrameLoop, at_rest, enlarged, footage
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.cable.model.state import CableState
+
+
+@given(st.integers(1, 9), st.integers(0, 100))
+def test_the_frames_go_forwards_and_backwards_without_a_jump(count, number):
+    shown = Footage(tuple(np.zeros((1, 1), np.uint8) for _ in range(count)), ())
+    here, there = shown.index_at(number), shown.index_at(number + 1)
+    assert 0 <= here < count
+    assert abs(here - there) == (1 if count > 1 else 0)
+    assert shown.index_at(number + shown.period) == here
+
+
+@pytest.mark.parametrize("size", [(320, 240), (640, 480), (1280, 720)])
+def test_frames_have_the_size_that_is_asked_for(size):
+    shown = footage(2, size)
+    assert shown.size == size
+    assert len(shown.images) == len(shown.truths) == 2
+    assert shown.images[0].flags.c_contiguous
+
+
+def test_a_size_of_another_shape_keeps_the_centre_where_it_is():
+    picture = np.zeros((240, 320), np.uint8)
+    picture[119:121] = 200
+    wide = enlarged(picture, (1280, 720))
+    assert wide[359:361].min() > 150
+    assert wide[:300].max() == wide[420:].max() == 0
+
+
+def test_a_truth_grows_with_the_frame_and_has_no_rates():
+    truth = at_rest(CableState(10.0, 0.1, 40.0, 0.02, 5.0, 0.3), 640)
+    assert truth == CableState(20.0, 0.1, 80.0, 0.02)
+
+
+class Listener:
+    """A method that only remembers what it was told and shown."""
+
+    def __init__(self):
+        self.told, self.stamps = [], []
+
+    def initialise(self, state):
+        self.told.append((len(self.stamps), state))
+
+    def process(self, image, stamp):
+        self.stamps.append(stamp)
+        return type("Answer", (), {"status": TrackingStatus.TRACKING})
+
+
+def test_a_loop_tells_the_truth_whenever_the_first_frame_comes_back(shown):
+    listener = Listener()
+    loop = FrameLoop(listener, shown)
+    for _ in range(2 * shown.period + 1):
+        loop()
+    assert [place for place, _ in listener.told] == [0, shown.period, 2 * shown.period]
+    assert {state for _, state in listener.told} == {shown.truths[0]}
+    assert set(np.diff(listener.stamps)) == {40_000_000}
+    assert loop.frames == loop.claimed == 2 * shown.period + 1

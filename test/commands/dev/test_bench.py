@@ -1,0 +1,117 @@
+import json
+import sys
+from dataclasses import replace
+
+import pytest
+from typer.testing import CliRunner
+
+from cable_tracker.benchmark.node_timing import NodeTiming
+from cable_tracker.benchmark.plan import QUICK
+from cable_tracker.benchmark.round_robin import SECTIONS, Effort
+from cable_tracker.benchmark.statistics import Percentiles
+from cable_tracker.cli import app
+from cable_tracker.commands.dev import bench
+from cable_tracker.errors import OutputError, ParameterError, RosError
+
+TINY = replace(
+    QUICK,
+    frames=6,
+    sizes=((320, 240), (640, 480)),
+    particles=(50, 500),
+    effort=Effort(rounds=3, block=0.0),
+    profiled=2,
+    memory=0,
+)
+
+
+@pytest.fixture
+def run(monkeypatch, tmp_path):
+    """Run a tiny benchmark in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(bench, "PLANS", {False: TINY, True: TINY})
+    return lambda *arguments: CliRunner().invoke(app, ["dev", "bench", *map(str, arguments)])
+
+
+def test_numbers_tables_and_page(run, tmp_path):
+    result = run("--output", "out.json", "--markdown", "page.md", "--memory", 50)
+    assert result.exit_code == 0, result.exception
+    content = json.loads((tmp_path / "out.json").read_text())
+    assert list(content) == [
+        "format", "circumstances", "measurements", "accuracies", "growths", "profile", "memory",
+        "nodes",
+    ]  # fmt: skip
+    assert {each["label"]["section"] for each in content["measurements"]} == set(SECTIONS)
+    for each in content["measurements"]:
+        assert bool(each["skipped"]) is (each["cpu"] is None)
+        if each["cpu"]:
+            assert 0.0 < each["cpu"]["low"] <= each["cpu"]["median"] <= each["cpu"]["high"]
+            assert each["ratio"]["count"] == 3
+    (own,) = [e for e in content["measurements"] if e["label"]["section"] == "yardstick"]
+    assert own["label"]["particles"] == 500
+    assert {use["name"] for use in content["memory"]} == {"default", "thesis"}
+    assert {each["variable"] for each in content["growths"]} == {
+        "particle",
+        "image pixel",
+        "sample point",
+    }
+    assert content["nodes"] == []
+    assert "Goals" in result.stdout
+    assert "Whole frames" in result.stdout
+    assert "## Resident memory" in (tmp_path / "page.md").read_text()
+    assert {path.name for path in tmp_path.iterdir()} == {"out.json", "page.md"}
+
+
+def test_an_earlier_benchmark_is_replaced_only_with_force(run, tmp_path):
+    earlier = tmp_path / "bench.json"
+    earlier.write_text('{"format": "cable_tracker benchmark 1"}')
+    refused = run()
+    assert isinstance(refused.exception, OutputError)
+    assert "exists already" in str(refused.exception)
+    assert run("--quick", "--force").exit_code == 0
+    assert len(earlier.read_text()) > 1000
+
+
+def test_from_node_to_node_if_asked_for(run, tmp_path, monkeypatch):
+    tail = Percentiles(3.0, 4.0, 6.0, 10)
+    node = NodeTiming("thesis", (640, 480), 500, 30.0, tail, None, tail, tail, 2, 0.125, 0.05)
+    asked = []
+
+    def measure_nodes(plan, frames):
+        asked.append((plan, frames))
+        return (node,)
+
+    monkeypatch.setattr(bench, "need_ros", lambda: None)
+    monkeypatch.setattr(bench, "measure_nodes", measure_nodes)
+    result = run("--dds", "--dds-frames", 12, "--markdown", "page.md")
+    assert result.exit_code == 0, result.exception
+    assert asked == [(TINY, 12)]
+    (written,) = json.loads((tmp_path / "bench.json").read_text())["nodes"]
+    assert (written["cpu_share"], written["centreline"]) == (0.125, None)
+    assert (
+        "| thesis | 500 | 640x480 at 30 Hz | 3 / 4 / 6 | – |" in (tmp_path / "page.md").read_text()
+    )
+
+
+def test_without_ros_it_says_how_to_get_it(run, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cable_tracker.ros.rigs.node_latency", None)
+    refused = run("--dds")
+    assert isinstance(refused.exception, RosError)
+    assert "pip install '.[ros]'" in str(refused.exception)
+    assert not any(tmp_path.iterdir())
+
+
+def test_another_file_is_never_replaced(run, tmp_path):
+    (tmp_path / "bench.json").write_text("dear")
+    assert isinstance(run("--force").exception, OutputError)
+    assert (tmp_path / "bench.json").read_text() == "dear"
+
+
+def test_a_page_without_a_place_is_refused_before_anything_is_measured(run, tmp_path):
+    (tmp_path / "page.md").write_text("dear")
+    assert isinstance(run("--markdown", "page.md").exception, OutputError)
+    assert [path.name for path in tmp_path.iterdir()] == ["page.md"]
+
+
+def test_too_few_frames_for_memory_are_refused_and_nothing_is_left(run, tmp_path):
+    assert isinstance(run("--memory", 3).exception, ParameterError)
+    assert not any(tmp_path.iterdir())

@@ -1,0 +1,46 @@
+import pytest
+from typer.testing import CliRunner
+
+from cable_tracker.cli import app
+from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.simulation.scenario import SimulationSettings, simulate
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["dev", "estimate-noise", *map(str, arguments)])
+
+
+@pytest.fixture
+def labels(tmp_path):
+    write_sequence(tmp_path / "dive", simulate(SimulationSettings(frame_count=6)))
+    (path,) = (tmp_path / "dive").glob("*.txt")
+    return path
+
+
+def test_the_variances_of_a_labelled_sequence_are_printed(labels):
+    result = run(labels)
+    assert result.exit_code == 0
+    assert "6 of 6 frames labelled, 5 steps" in result.stdout
+    assert all(unit in result.stdout for unit in ("w [px²]", "beta [deg²]", "alpha [deg²]"))
+
+
+def test_a_recording_without_labels_says_what_to_do(labels):
+    pictures = next(path.parent for path in labels.parent.rglob("*.png"))
+    result = run(pictures)
+    assert "0 of 6 frames are labelled" in str(result.exception)
+    assert "--truth FILE" in str(result.exception)
+
+
+def test_a_label_that_fits_no_frame_is_named(labels):
+    pictures = next(path.parent for path in labels.parent.rglob("*.png"))
+    with labels.open("a") as file:
+        file.write("1 0 30 0 # nowhere.png\n")
+    assert "labels nowhere.png" in str(run(pictures, "--truth", labels).exception)
+
+
+def test_steps_across_frames_without_a_label_do_not_count(labels, tmp_path):
+    pictures = next(path.parent for path in labels.parent.rglob("*.png"))
+    lines = labels.read_text().splitlines()
+    some = tmp_path / "some.txt"
+    some.write_text("\n".join(lines[:4] + lines[5:]) + "\n")
+    assert "5 of 6 frames labelled, 3 steps" in run(pictures, "--truth", some).stdout

@@ -1,0 +1,71 @@
+import dataclasses
+from functools import partial
+
+import pytest
+from typer.testing import CliRunner
+
+from cable_tracker.cli import app
+from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.experiments.ablation import AblationExperiment
+from cable_tracker.evaluation.experiments.thesis_experiments import (
+    EXPERIMENTS,
+    SPEED_SEQUENCE,
+    SpeedExperiment,
+)
+from cable_tracker.evaluation.judged_sequences import scenario_sequences
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["dev", "experiment", *map(str, arguments)])
+
+
+def test_an_experiment_writes_table_and_figure(monkeypatch, tmp_path):
+    short = partial(
+        SpeedExperiment,
+        sequence=dataclasses.replace(SPEED_SEQUENCE, limit=3),
+        particles=(50,),
+        taps=(5, 11),
+    )
+    monkeypatch.setattr("cable_tracker.commands.dev.experiment.EXPERIMENTS", {"speed": short})
+    result = run("speed", "--seeds", 1, "--output", tmp_path / "out")
+    assert result.exit_code == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "table.md",
+        "table.csv",
+        "speed.png",
+    }
+    assert "particles" in result.stdout
+
+
+def test_chosen_rows_of_the_ablation_are_run(monkeypatch, tmp_path):
+    short = partial(AblationExperiment, sequences=scenario_sequences(("S3",), 2))
+    monkeypatch.setattr("cable_tracker.commands.dev.experiment.EXPERIMENTS", {"ablation": short})
+    result = run(
+        "ablation", "--row", "thesis", "--row", "any_width", "--first-seed", 5, "--seeds", 1,
+        "--workers", 1, "--output", tmp_path / "out",
+    )  # fmt: skip
+    assert result.exit_code == 0
+    files = {path.name: path.read_text() for path in (tmp_path / "out").iterdir()}
+    assert set(files) == {"table.md", "taken_away.csv", "built_up.csv"}
+    assert files["taken_away.csv"].splitlines()[1].startswith("any_width,")
+    assert files["built_up.csv"].splitlines()[1].startswith("thesis,")
+
+
+def test_rows_are_only_for_the_ablation(tmp_path):
+    result = run("speed", "--row", "thesis", "--output", tmp_path / "out")
+    assert str(result.exception).startswith("--row chooses what the experiment ablation runs")
+    assert not any(tmp_path.iterdir())
+
+
+def test_an_unknown_experiment_is_named_with_what_there_is(tmp_path):
+    result = run("magic", "--output", tmp_path / "out")
+    assert isinstance(result.exception, ParameterError)
+    assert str(result.exception) == f"experiment: 'magic' is none of {' | '.join(EXPERIMENTS)}"
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_a_path_that_is_taken_is_refused_before_anything_is_run(tmp_path, name):
+    (tmp_path / "mine").write_text("dear")
+    result = run(name, "--output", tmp_path / "mine", "--force")
+    assert "is no earlier output of this kind" in str(result.exception)
+    assert (tmp_path / "mine").read_text() == "dear"

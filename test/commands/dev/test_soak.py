@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+import importlib.util
+import json
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from cable_tracker import cli
+
+if importlib.util.find_spec("rclpy") is None:
+    pytest.skip("ROS 2 IS MISSING: the soak test is not tested", allow_module_level=True)
+
+from cable_tracker.commands.dev import soak as command
+from cable_tracker.ros.rigs.soak import SoakSettings, check_settings
+from cable_tracker.ros.rigs.soak_record import SoakRecord
+
+
+@pytest.fixture
+def run(monkeypatch, tmp_path):
+    """Run the command with a soak test that has happened already."""
+    monkeypatch.chdir(tmp_path)
+
+    def run_command(record: SoakRecord, *arguments: str) -> int:
+        done = SimpleNamespace(
+            SoakSettings=SoakSettings,
+            check_settings=check_settings,
+            run_soak=lambda _frames, _settings, _advance: record,
+        )
+        monkeypatch.setattr(command, "_ros_soak", lambda: done)
+        words = ["cable-tracker", "dev", "soak", "--size", "64x48", *arguments]
+        monkeypatch.setattr(sys, "argv", words)
+        try:
+            cli.main()
+        except SystemExit as end:
+            return end.code if isinstance(end.code, int) else 0
+        return 0
+
+    return run_command
+
+
+def record() -> SoakRecord:
+    kept = SoakRecord(sent=3, answered=3, latencies=[(0.0, 5.0)])
+    kept.faults["overload"] += 1
+    kept.recoveries["overload"] += 1
+    return kept
+
+
+def test_kept_promises_are_exit_code_0(run, capsys):
+    assert run(record()) == 0
+    assert "all promises kept" in capsys.readouterr().out
+    content = json.loads(Path("soak.json").read_text())
+    assert content["faults"] == {"overload": 1}
+    assert content["settings"]["preset"] == "default"
+
+
+def test_a_broken_promise_is_exit_code_1_and_written_down(run, capsys):
+    broken = record()
+    broken.broken("an answer took 2.00 s at 0.1 min")
+    assert run(broken) == 1
+    assert "broken promise: an answer took 2.00 s" in capsys.readouterr().out
+    assert len(json.loads(Path("soak.json").read_text())["broken_promises"]) == 1
+
+
+def test_an_earlier_report_is_replaced_only_by_force(run):
+    assert run(record()) == 0
+    assert run(record()) == 2
+    assert run(record(), "--force") == 0
+
+
+def test_no_minutes_are_refused(run, capsys):
+    assert run(record(), "--minutes", "0") == 2
+    assert "minutes is 0" in capsys.readouterr().err

@@ -1,0 +1,158 @@
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from cable_tracker.errors import RecordingError
+from cable_tracker.evaluation.closed_loop.loop_table import (
+    RIGHT_TURNED,
+    RIGHT_WITHIN,
+    Burial,
+    LoopRow,
+    LoopSummary,
+    read_summary,
+    summarise_loop,
+    write_rows,
+    write_summary,
+)
+
+LENGTH = 20.0
+BURIAL = Burial(9.0, 11.0)
+
+
+def row(x: float, error: float = 0.1, mode: str = "FOLLOWING", **changes: float) -> LoopRow:
+    is_seen = mode == "FOLLOWING"
+    values = {
+        "time": 2.0 * x,
+        "x": x,
+        "y": 0.0,
+        "altitude": 2.0,
+        "yaw": 0.0,
+        "speed": 0.5,
+        "status": "TRACKING" if is_seen else "LOST",
+        "mode": mode,
+        "error": error,
+        "heading": 0.0,
+        "offset": error,
+        "measured_offset": error + 0.01 if is_seen else math.nan,
+        "measured_heading": 0.0 if is_seen else math.nan,
+        "sigma_offset": 0.02 if is_seen else math.nan,
+    }
+    return LoopRow(**{**values, **changes})
+
+
+def way(mode_in_the_sand: str = "SEARCHING", error_in_the_sand: float = 0.4) -> list[LoopRow]:
+    rows = []
+    for step in range(41):
+        x = 0.5 * step
+        hidden = BURIAL.start <= x <= BURIAL.end
+        rows.append(row(x, error_in_the_sand, mode_in_the_sand) if hidden else row(x))
+    return rows
+
+
+def judged(rows: list[LoopRow], burial: Burial | None = BURIAL) -> LoopSummary:
+    return summarise_loop(rows, 7, LENGTH, burial)
+
+
+def test_a_run_to_the_end_is_not_lost():
+    summary = judged(way())
+    assert (summary.seed, summary.frames, summary.way) == (7, 41, 20.0)
+    assert summary.reached_end and summary.found_again and not summary.lost_for_good
+    assert summary.losses == 1
+    assert summary.longest_loss == pytest.approx(5.0)
+
+
+def test_errors_in_the_sand_count_but_not_as_in_sight():
+    summary = judged(way())
+    assert summary.rms_in_sight == pytest.approx(0.1)
+    assert summary.rms > 0.15
+    assert summary.most == pytest.approx(0.4)
+    assert not summary.is_within_goal
+    assert judged(way(error_in_the_sand=0.1)).is_within_goal
+
+
+def test_the_way_from_where_the_vehicle_was_let_down_does_not_count():
+    rows = [row(each.x, 3.0) if each.x < 5.0 else each for each in way(error_in_the_sand=0.1)]
+    assert judged(rows).rms == pytest.approx(0.1)
+
+
+def test_what_is_not_found_after_the_sand_is_lost_for_good():
+    rows = [each for each in way() if each.x <= BURIAL.end]
+    rows += [row(BURIAL.end + 0.1 * k, 2.0, "GIVEN UP") for k in range(1, 30)]
+    summary = judged(rows)
+    assert summary.lost_for_good
+    assert not summary.found_again and not summary.reached_end
+
+
+def test_who_drifts_past_the_end_without_the_cable_has_lost_it():
+    rows = [row(each.x, 2.0, "SEARCHING") if each.x > 12.0 else each for each in way()]
+    assert judged(rows).reached_end
+    assert judged(rows).lost_for_good
+
+
+@pytest.mark.parametrize(
+    "something_else",
+    [
+        {"measured_offset": 0.1 + 2 * RIGHT_WITHIN},
+        {"measured_heading": -2 * RIGHT_TURNED},
+    ],
+)
+def test_following_something_else_is_wrong(something_else):
+    rows = [replace(each, **something_else) if each.x > 12.0 else each for each in way()]
+    summary = judged(rows)
+    assert summary.wrong == pytest.approx(16 / 41)
+    assert summary.rms_offset == pytest.approx(0.01)
+    assert summary.lost_for_good
+
+
+def test_waiting_at_the_start_is_no_loss():
+    rows = [replace(each, mode="WAITING") if each.x < 2.0 else each for each in way("FOLLOWING")]
+    assert judged(rows).losses == 0
+
+
+def test_without_sand_there_is_nothing_to_find_again():
+    assert judged(way("FOLLOWING"), None).found_again
+
+
+def read(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_tables_are_written_with_gaps_where_nothing_is_known(tmp_path):
+    rows = way()
+    write_rows(tmp_path / "rows.csv", rows)
+    write_summary(tmp_path / "summary.csv", judged(rows))
+    table = read(tmp_path / "rows.csv")
+    assert len(table) == len(rows)
+    assert float(table[3]["x"]) == 1.5
+    assert table[20]["measured_offset"] == "" and table[20]["mode"] == "SEARCHING"
+    (summary,) = read(tmp_path / "summary.csv")
+    assert summary["seed"] == "7"
+    assert summary["lost_for_good"] == "false"
+
+
+def test_a_summary_is_read_as_it_was_written(tmp_path):
+    written = replace(judged(way()), rms=0.12345, rms_offset=math.nan)
+    write_summary(tmp_path / "summary.csv", written)
+    read_back = read_summary(tmp_path / "summary.csv")
+    assert (read_back.rms, read_back.losses, read_back.found_again) == (0.12345, 1, True)
+    assert math.isnan(read_back.rms_offset)
+
+
+@pytest.mark.parametrize("content", ["", "seed\n1\n", None])
+def test_what_is_no_summary_is_refused(tmp_path, content):
+    path = tmp_path / "summary.csv"
+    if content is not None:
+        path.write_text(content, encoding="utf-8")
+    with pytest.raises(RecordingError, match="no summary of a closed loop"):
+        read_summary(path)
+
+
+def test_frames_without_an_answer_are_counted():
+    rows = [replace(each, status="") if each.x < 5.0 else each for each in way()]
+    assert judged(rows).answered == pytest.approx(31 / 41)

@@ -1,0 +1,84 @@
+import dataclasses
+import math
+
+import pytest
+
+from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.experiments.ablation import AblationExperiment, mean_and_error
+from cable_tracker.evaluation.judged_sequences import scenario_sequences
+
+TIME = "time per frame [ms]"
+
+
+@pytest.fixture(scope="module")
+def short_stripe(stripe):
+    return dataclasses.replace(stripe, length=4)
+
+
+def columns(table, *left_out):
+    kept = [place for place, heading in enumerate(table.headings) if heading not in left_out]
+    return [[row[place] for place in kept] for row in table.rows]
+
+
+def test_rows_stand_in_their_tables_with_a_cell_for_every_heading(short_stripe):
+    names = ("student_t", "default", "any_width", "likelihood_ratio")
+    experiment = AblationExperiment((7,), names, (short_stripe,))
+    told = []
+    result = experiment.run(1, told.append)
+    taken, built = result.tables
+    assert [row[0] for row in taken.rows] == ["default", "any_width"]
+    assert [row[0] for row in built.rows] == ["likelihood_ratio", "student_t", "default"]
+    assert all(len(row) == len(t.headings) for t in result.tables for row in t.rows)
+    assert sum(told) == experiment.frame_count() == 4
+
+
+def test_both_tables_show_the_same_runs(short_stripe):
+    result = AblationExperiment((0,), ("default",), (short_stripe,)).run(1, lambda count: None)
+    taken, built = result.tables
+    assert taken.rows == built.rows
+
+
+def test_a_loss_is_compared_only_with_a_row_that_was_run(short_stripe):
+    names = ("default", "particles_200", "student_t")
+    result = AblationExperiment((0, 1), names, (short_stripe,)).run(1, lambda count: None)
+    taken, built = result.tables
+    place = taken.headings.index("lost more than")
+    assert [row[place] for row in taken.rows] == ["–", "default"]
+    assert [row[place] for row in built.rows] == ["–", "–"]
+
+
+def test_a_table_without_a_row_is_left_out(short_stripe):
+    result = AblationExperiment((0,), ("particles_200",), (short_stripe,)).run(1, lambda n: None)
+    assert [table.file_name for table in result.tables] == ["taken_away.csv"]
+
+
+def test_a_note_names_the_values_that_were_changed(short_stripe):
+    result = AblationExperiment((0,), ("particles_200",), (short_stripe,)).run(1, lambda n: None)
+    assert "`particles_200`: 200 particles (`particle_count` = 200)" in result.tables[0].notes
+
+
+def test_the_number_of_workers_changes_only_the_times():
+    sequences = scenario_sequences(("S6",), 3)
+    experiment = AblationExperiment((3, 4), ("thesis", "any_width"), sequences)
+    alone = experiment.run(1, lambda count: None)
+    together = experiment.run(2, lambda count: None)
+    for one, other in zip(alone.tables, together.tables, strict=True):
+        assert columns(one, TIME) == columns(other, TIME)
+
+
+@pytest.mark.parametrize(("rows", "words"), [(("magic",), "'magic' is none of"), ((), "at least")])
+def test_rows_are_checked(rows, words):
+    with pytest.raises(ParameterError, match=words):
+        AblationExperiment((0,), rows)
+
+
+def test_the_error_of_a_mean_over_sequences_is_that_of_the_runs_within_them():
+    # Means 2 and 20; standard errors 1 and 0: the sequences differ, but were chosen.
+    losses = {("S1", 0): 1.0, ("S1", 1): 3.0, ("S2", 0): 20.0, ("S2", 1): 20.0}
+    assert mean_and_error(losses, ("S1", "S2")) == pytest.approx((11.0, 0.5))
+
+
+def test_the_error_of_single_runs_is_unknown():
+    mean, error = mean_and_error({("S1", 0): 1.0, ("S2", 0): 3.0}, ("S1", "S2"))
+    assert mean == pytest.approx(2.0)
+    assert math.isnan(error)

@@ -1,0 +1,56 @@
+from __future__ import annotations
+
+from cable_tracker.evaluation.experiments.aided import OdometryFault
+from cable_tracker.evaluation.experiments.motion_experiment import (
+    FAULT_SEEDS,
+    SETTINGS,
+    MotionExperiment,
+    MotionSetting,
+)
+from cable_tracker.evaluation.judged_sequences import ScenarioSequence
+
+SHORT = (ScenarioSequence("S3", 6),)
+
+
+def test_settings_stand_in_rows_with_a_cell_for_every_heading():
+    settings = (
+        MotionSetting("as it is", None),
+        MotionSetting("half the frame rate", OdometryFault.NONE, 0.5, 2),
+        MotionSetting("as it is", None, preset="thesis"),
+    )
+    told = []
+    experiment = MotionExperiment((0, 1), SHORT, settings)
+    default, thesis = experiment.run(1, told.append).tables
+    assert [row[:3] for row in default.rows] == [
+        ("as it is", "none", "2"),
+        ("half the frame rate", "sound", "2"),
+    ]
+    assert [row[:3] for row in thesis.rows] == [("as it is", "none", "2")]
+    # Beside the frames lost stand those of the same dives without odometry, if they were run.
+    assert default.rows[0][4] == default.rows[0][3] and default.rows[1][4] == "–"
+    assert all(len(row) == len(t.headings) for t in (default, thesis) for row in t.rows)
+    assert sum(told) == experiment.frame_count() == 12
+
+
+def test_the_number_of_workers_does_not_change_the_numbers():
+    settings = (MotionSetting("as it is", OdometryFault.NONE),)
+    experiment = MotionExperiment((0, 1), (ScenarioSequence("S3", 2),), settings)
+    assert experiment.run(1, lambda n: None) == experiment.run(2, lambda n: None)
+
+
+def test_broken_odometry_is_run_on_the_first_seeds_only():
+    settings = (MotionSetting("as it is", None), MotionSetting("as it is", OdometryFault.TURNED))
+    seeds = tuple(range(7, 8 + FAULT_SEEDS))
+    (table,) = (
+        MotionExperiment(seeds, (ScenarioSequence("S3", 2),), settings)
+        .run(1, lambda n: None)
+        .tables
+    )
+    assert [row[2] for row in table.rows] == [str(len(seeds)), str(FAULT_SEEDS)]
+
+
+def test_every_fault_is_run_with_everything_that_makes_it_harder():
+    assert len(set(SETTINGS)) == len(SETTINGS)
+    default = {(s.name, s.fault) for s in SETTINGS if s.preset == "default"}
+    names = {name for name, _ in default}
+    assert default == {(name, fault) for name in names for fault in (None, *OdometryFault)}

@@ -1,0 +1,72 @@
+import dataclasses
+
+import pytest
+
+from cable_tracker.evaluation.experiments.thesis_experiments import (
+    EXPERIMENTS,
+    ReinitialisationExperiment,
+    SequenceExperiment,
+    SpeedExperiment,
+)
+
+
+@pytest.fixture
+def long_stripe(stripe):
+    return dataclasses.replace(stripe, length=135)
+
+
+def test_sequences_are_followed_by_every_method(stripe):
+    experiment = SequenceExperiment((0, 1), sequences=(stripe,))
+    told = []
+    result = experiment.run(1, told.append)
+    assert [row[:3] for row in result.tables[0].rows] == [
+        ("stripe", "default", "2"),
+        ("stripe", "thesis", "2"),
+    ]
+    assert [picture.file_name for picture in result.pictures] == ["sequence_stripe.png"]
+    assert sum(told) == experiment.frame_count() == 24
+
+
+def test_the_search_begins_anew_every_100_frames(long_stripe):
+    experiment = ReinitialisationExperiment((0,), ("default",), (long_stripe,))
+    result = experiment.run(1, lambda count: None)
+    sequence, everything = result.tables[0].rows
+    # 135 frames: one whole part and one of 35 frames, enough to tell.
+    assert sequence[:3] == ("stripe", "default", "2")
+    assert everything[:3] == ("all", "default", "2")
+    assert sum(float(share) for share in sequence[3:6]) == pytest.approx(100.0)
+
+
+def test_clear_starts_are_told_apart(long_stripe):
+    faint = dataclasses.replace(long_stripe, name="faint", visibility=0.5)
+    experiment = ReinitialisationExperiment((0,), ("default",), (long_stripe, faint))
+    every, clear = experiment.run(1, lambda count: None).tables
+    assert [row[2] for row in every.rows] == ["2", "2", "4"]
+    assert [row[2] for row in clear.rows] == ["2", "0", "2"]
+    assert clear.rows[0] == every.rows[0]
+    assert set(clear.rows[1][3:]) == {"–"}
+
+
+def test_speed_is_measured_for_every_combination(stripe):
+    experiment = SpeedExperiment((0,), stripe, particles=(50, 400), taps=(5, 11))
+    result = experiment.run(2, lambda count: None)
+    assert [row[:2] for row in result.tables[0].rows] == [
+        ("50", "5"),
+        ("400", "5"),
+        ("50", "11"),
+        ("400", "11"),
+    ]
+    # Which takes longer hangs on what else the computer does.
+    for row in result.tables[0].rows:
+        assert 0.0 < float(row[2]) <= float(row[3])
+
+
+def test_every_row_has_a_number_for_every_heading(stripe):
+    result = SpeedExperiment((0,), stripe, particles=(50,), taps=(5,)).run(1, lambda count: None)
+    (table,) = result.tables
+    assert all(len(row) == len(table.headings) for row in table.rows)
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_every_experiment_knows_how_long_it_takes(name):
+    assert EXPERIMENTS[name]((0, 1)).frame_count() == 2 * EXPERIMENTS[name]((0,)).frame_count()

@@ -1,0 +1,27 @@
+import cv2
+import numpy as np
+import pytest
+
+from cable_tracker.errors import FrameError, MetricError
+from cable_tracker.libraries import LONGEST_REASON, refusals_as
+
+
+def test_what_opencv_refuses_becomes_our_error_with_its_words():
+    with pytest.raises(FrameError, match=r"no corners: .*Assertion failed") as raised:  # noqa: SIM117
+        with refusals_as(FrameError, "no corners"):
+            cv2.goodFeaturesToTrack(np.zeros((4, 4, 3), np.float64), 5, 0.1, 2.0)
+    assert isinstance(raised.value.__cause__, cv2.error)
+    assert "\n" not in str(raised.value)
+    assert len(str(raised.value)) <= LONGEST_REASON + len("no corners: ")
+
+
+def test_what_numpy_refuses_becomes_our_error():
+    with pytest.raises(MetricError, match="no inverse: Singular matrix"):  # noqa: SIM117
+        with refusals_as(MetricError, "no inverse"):
+            np.linalg.inv(np.zeros((2, 2)))
+
+
+def test_errors_of_our_own_and_of_python_pass():
+    for error in (FrameError("x"), ValueError("x"), KeyError("x")):
+        with pytest.raises(type(error)), refusals_as(MetricError, "y"):
+            raise error
