@@ -25,11 +25,11 @@ MAY_IMPORT = {
     "sequences": {"cable", "tracking", "particle_filter"},
     "detection": {"cable", "tracking"},
     "trackers": {"cable", "tracking", "detection"},
-    "visualisation": {"sequences", "cable", "tracking"},
+    "visualisation": {"sequences", "cable", "target", "tracking"},
     "simulation": {"sequences", "cable", "tracking"},
     "evaluation": {
         "trackers", "simulation", "detection", "visualisation", "sequences", "metric", "cable",
-        "tracking",
+        "target", "tracking",
     },
     "gui": {
         "trackers", "evaluation", "detection", "visualisation", "sequences",
@@ -47,7 +47,7 @@ MAY_IMPORT = {
     },
     "commands": {
         "ros", "benchmark", "gui", "evaluation", "trackers", "simulation", "detection", "sequences",
-        "node_parameter_tables", "cable", "tracking", "resources",
+        "node_parameter_tables", "cable", "target", "tracking", "resources",
     },
     "cli": {"commands"},
 }  # fmt: skip
