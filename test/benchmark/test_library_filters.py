@@ -7,6 +7,8 @@ from cable_tracker.benchmark.footage import FIRST_STAMP, FRAME_STEP
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.cable.model.state import CableState
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(params=LIBRARY_LOOPS)
 def library(request):

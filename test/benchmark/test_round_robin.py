@@ -14,6 +14,8 @@ from cable_tracker.benchmark.round_robin import (
     timed_block,
 )
 
+pytestmark = pytest.mark.slow
+
 SIZE = (320, 240)
 
 

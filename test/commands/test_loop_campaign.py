@@ -4,6 +4,8 @@ import pytest
 
 from cable_tracker.commands.loop_campaign import LoopCampaign, run_campaign
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("rclpy")
 
 SHORT = ("--length=1.5", "--buried=0", "--size=160x120", "--no-video")

@@ -19,6 +19,8 @@ from cable_tracker import cli
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
+pytestmark = pytest.mark.slow
+
 PAGE = 4096
 SOME_ROOM = 8
 """Pages of a disk that fills up while an output is written."""

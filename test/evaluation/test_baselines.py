@@ -13,6 +13,8 @@ from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.baselines import BaselineSettings, DetectorTracker
 from cable_tracker.evaluation.kalman import FourSigmas, KalmanNoise
 
+pytestmark = pytest.mark.slow
+
 FRAME = np.zeros((240, 320), np.uint8)
 NOISE = KalmanNoise(FourSigmas(1.0, 0.5, 2.0, 0.5))
 CABLE = CableState(10.0, 0.1, 30.0, 0.02)

@@ -10,6 +10,8 @@ from cable_tracker.evaluation.judged_sequences import RecordingSequence, Scenari
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.runs import Start
 
+pytestmark = pytest.mark.slow
+
 
 def numbers(result):
     trace = result.trace

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from targets import TARGETS, scratch
 
+pytestmark = pytest.mark.slow
+
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 EXAMPLES = sorted(path for path in (HERE / "examples").rglob("*") if path.is_file())

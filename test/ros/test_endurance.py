@@ -32,6 +32,8 @@ from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS
 from cable_tracker.ros.process.environment import PROFILE_VARIABLE, RANGE_VARIABLE
 from cable_tracker.ros.process.shared_memory import remove_dead_segments
 
+pytestmark = pytest.mark.slow
+
 SHARED_MEMORY = Path("/dev/shm")
 LOOPBACK = {"127.0.0.1", "::1"}
 Make = Callable[..., Any]

@@ -25,6 +25,8 @@ from cable_tracker.ros.nodes import tracker_node, tracker_outputs
 from cable_tracker.sequences.encodings import MAX_PIXELS
 from cable_tracker.sequences.messages import read_state
 
+pytestmark = pytest.mark.slow
+
 SECOND = 1_000_000_000
 START = 1_700_000_000 * SECOND
 FRAME = 40_000_000

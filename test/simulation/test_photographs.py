@@ -9,6 +9,8 @@ from cable_tracker.simulation.photographs import make_photographed_bed
 from cable_tracker.simulation.scenario import simulate_scenario
 from cable_tracker.simulation.texture import MARGIN
 
+pytestmark = pytest.mark.slow
+
 PHOTOGRAPHS = Path(__file__).resolve().parents[3] / "shared" / "data" / "seabed"
 
 

@@ -13,6 +13,8 @@ from cable_tracker.cli import app
 from cable_tracker.commands.dev import bench
 from cable_tracker.errors import OutputError, ParameterError, RosError
 
+pytestmark = pytest.mark.slow
+
 TINY = replace(
     QUICK,
     frames=6,

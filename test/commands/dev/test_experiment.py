@@ -14,6 +14,8 @@ from cable_tracker.evaluation.experiments.thesis_experiments import (
 )
 from cable_tracker.evaluation.judged_sequences import scenario_sequences
 
+pytestmark = pytest.mark.slow
+
 
 def run(*arguments):
     return CliRunner().invoke(app, ["dev", "experiment", *map(str, arguments)])

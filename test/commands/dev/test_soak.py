@@ -17,6 +17,8 @@ from cable_tracker.commands.dev import soak as command
 from cable_tracker.ros.rigs.soak import SoakSettings, check_settings
 from cable_tracker.ros.rigs.soak_record import SoakRecord
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def run(monkeypatch, tmp_path):

@@ -7,6 +7,8 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment, mean_and_error
 from cable_tracker.evaluation.judged_sequences import scenario_sequences
 
+pytestmark = pytest.mark.slow
+
 TIME = "time per frame [ms]"
 
 

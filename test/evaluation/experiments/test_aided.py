@@ -7,6 +7,8 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault, faulty
 from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 
+pytestmark = pytest.mark.slow
+
 STAMPS = [1_000_000_000 + k * 20_000_000 for k in range(100)]
 TWISTS = np.random.default_rng(2).standard_normal((100, 6))
 

@@ -21,6 +21,8 @@ from cable_tracker.metric.motion import Odometry, PoseChange
 from cable_tracker.simulation.dive import FIRST_STAMP
 from cable_tracker.simulation.scenario import scenario_dive, scenario_states
 
+pytestmark = pytest.mark.slow
+
 EXACT = InstrumentNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 FRAME = 40_000_000
 SCENARIOS = ("S1", "S3", "S6")

@@ -7,6 +7,8 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment, is_on_cable
 from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 
+pytestmark = pytest.mark.slow
+
 
 def run(experiment):
     return experiment.run(1, lambda count: None).tables

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import pytest
+
 from cable_tracker.evaluation.experiments.aided import OdometryFault
 from cable_tracker.evaluation.experiments.motion_experiment import (
     FAULT_SEEDS,
@@ -8,6 +10,8 @@ from cable_tracker.evaluation.experiments.motion_experiment import (
     MotionSetting,
 )
 from cable_tracker.evaluation.judged_sequences import ScenarioSequence
+
+pytestmark = pytest.mark.slow
 
 SHORT = (ScenarioSequence("S3", 6),)
 

@@ -23,6 +23,8 @@ from cable_tracker.ros.rigs.soak_faults import Fault
 from cable_tracker.ros.rigs.soak_record import SoakRecord
 from cable_tracker.sequences.messages import make_header, make_particles
 
+pytestmark = pytest.mark.slow
+
 FEW_FRAMES = 400
 SETTINGS = SoakSettings(
     minutes=5.0, seed=1, fault_share=0.1, frames=FEW_FRAMES, preset="thesis", particles=50
