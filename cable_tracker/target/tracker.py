@@ -10,6 +10,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.target.detect.candidates import DETECTORS
 from cable_tracker.target.finding import Finding, TargetEngine
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import (
@@ -23,7 +24,8 @@ from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.state import POSE_SIZE, in_frame_pixels
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.pose_filter import PoseFilter
-from cable_tracker.tracking.status import StatusMachine
+from cable_tracker.target.thesis.blob_filter import BlobFilter
+from cable_tracker.tracking.status import StatusMachine, TrackingStatus
 from cable_tracker.tracking.succession import FrameMark, succession
 
 NO_OTHERS = np.empty((0, POSE_SIZE))
@@ -55,6 +57,8 @@ class TargetTracker:
         self._status = StatusMachine()
         self._frame: FrameMark | None = None
         self._zoom = 1.0
+        self._is_proposed = False
+        self._presence = 0.0
 
     @property
     def parameters(self) -> TargetParameters:
@@ -107,7 +111,11 @@ class TargetTracker:
         self._start = start
 
     def process(
-        self, image: Image, stamp: int, motion: CameraMotion | None = None
+        self,
+        image: Image,
+        stamp: int,
+        motion: CameraMotion | None = None,
+        others: FloatArray = NO_OTHERS,
     ) -> TargetEstimate:
         """Take one frame into account.
 
@@ -119,6 +127,8 @@ class TargetTracker:
             Time of the frame [ns].
         motion : CameraMotion or None
             How the camera has moved since the frame before.
+        others : FloatArray
+            States of other targets that are followed, shape (K, 6): this one is not where they are.
 
         Raises
         ------
@@ -141,13 +151,41 @@ class TargetTracker:
         self._zoom = seen.zoom
         if start is not None:
             return self._begin(seen, start, step.event)
-        if self._engine.particles is None:
-            return self._nothing(step.event)
+        if self._is_searching():
+            return self._search(seen, step.event)
         known = None if step.event else motion
-        finding = self._engine.advance(seen, step.dt, known, NO_OTHERS)
+        apart = in_frame_pixels(others, 1.0 / seen.zoom)
+        finding = self._engine.advance(seen, step.dt, known, apart)
         return self._estimate(finding, step.dt, step.event)
 
+    def _is_searching(self) -> bool:
+        """Tell whether there is no target yet, or only one that a detector wrongly proposed."""
+        if self._engine.particles is None:
+            return True
+        return (
+            self._is_proposed
+            and self._status.status is TrackingStatus.INITIALISING
+            and (self._presence < self._parameters.presence_to_lose)
+        )
+
+    def _search(self, seen: WorkingFrame, event: str) -> TargetEstimate:
+        """Take the likeliest candidate of the detector that stands out, if there is one."""
+        if self._parameters.detector != "none":
+            for candidate in DETECTORS[self._parameters.detector](seen):
+                engine = self._make_engine()
+                try:
+                    finding = engine.start(seen, candidate.mask, is_exact=True)
+                except FrameError:
+                    # It does not stand out: the next candidate may.
+                    continue
+                self._engine, self._is_proposed = engine, True
+                self._status = StatusMachine()
+                return self._estimate(finding, 0.0, event)
+        return self._nothing(event)
+
     def _make_engine(self) -> TargetEngine:
+        if self._parameters.filter == "blobs":
+            return BlobFilter(self._parameters, self._rng)
         return PoseFilter(self._parameters, self._rng)
 
     def _begin(self, seen: WorkingFrame, start: TargetStart, event: str) -> TargetEstimate:
@@ -160,7 +198,7 @@ class TargetTracker:
             self._engine = self._make_engine()
             self._status = StatusMachine()
             return self._nothing(str(error))
-        self._engine = engine
+        self._engine, self._is_proposed = engine, False
         return self._estimate(finding, 1.0, event)
 
     def _nothing(self, event: str) -> TargetEstimate:
@@ -176,6 +214,7 @@ class TargetTracker:
 
     def _estimate(self, finding: Finding, dt: float, event: str) -> TargetEstimate:
         assert self._frame is not None
+        self._presence = finding.presence
         self._status = self._status.after(
             rises=finding.rises, holds=finding.holds, dt=dt, parameters=self._parameters
         )

@@ -38,7 +38,7 @@ class UsualScore:
         return replace(self, mean=self.mean + rate * gap, variance=variance)
 
 
-LEAST_LIKENESS_SPREAD = 0.1
+LEAST_LIKENESS_SPREAD = 0.15
 """Of the likeness of the target to itself, from frame to frame."""
 
 

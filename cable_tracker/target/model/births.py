@@ -15,7 +15,7 @@ from cable_tracker.tracking.survival import share_about_last_place
 TAIL = 4.0
 """Degrees of freedom about the last place."""
 
-FIRST_SPREAD, SPREADING, WIDEST = 0.06, 0.35, 0.5
+FIRST_SPREAD, SPREADING, WIDEST = 0.1, 0.35, 0.5
 """How far from the last place at once, how much farther every second, and at most: in widths."""
 
 SCALE_SPREAD, SCALE_SPREADING, WIDEST_SCALE = 0.25, 0.15, 0.6

@@ -42,7 +42,6 @@ class TargetParameters(ParameterSet):
         ("none", "contours", "marching"),
         "What proposes a target where none was marked (see docs/targets.md).",
     )
-    target_count: int = number(1, "", 1, 8, "Targets that are followed at once; each is marked.")
     working_width: int = number(
         320, "px", 64, 4096, "Wider frames are reduced to this width before they are measured."
     )
@@ -57,7 +56,7 @@ class TargetParameters(ParameterSet):
         3.0, "deg/frame", 0.0, 90.0, "Standard deviation of the diffusion of the angle."
     )
     jump_share: float = number(
-        0.1, "", 0.0, 0.9, "Share of the movements that no diffusion explains: jerks, lost frames."
+        0.25, "", 0.0, 0.9, "Share of the movements that no diffusion explains: jerks, lost frames."
     )
     rate_gain: float = number(
         0.35, "", 0.0, 1.0, "Share of an unforeseen movement that goes into the rates."
@@ -101,7 +100,11 @@ class TargetParameters(ParameterSet):
     )
 
     size_spread: float = number(
-        0.3, "", 0.01, 100.0, "Spread of log scale about its running mean; large: any size will do."
+        0.45,
+        "",
+        0.01,
+        100.0,
+        "Spread of log scale about its running mean; large: any size will do.",
     )
     size_time: float = number(1.0, "s", 0.04, 600.0, "Time over which the usual size is averaged.")
 
@@ -136,7 +139,7 @@ class TargetParameters(ParameterSet):
         64, "", 8, 10_000, "Random places of a frame that say how its clutter scores."
     )
     clutter_share: float = number(
-        0.02, "", 1e-6, 1.0, "Share of clutter that has any score at all, like the target's or not."
+        0.01, "", 1e-6, 1.0, "Share of clutter that has any score at all, like the target's or not."
     )
     score_spread: float = number(
         0.15, "", 0.01, 10.0, "Least spread of the target's usual score, as a share of it."
