@@ -1,9 +1,9 @@
 """Where a followed target is, as seen from the vehicle: bearing, range, and its size.
 
-An extended Kalman filter, as J. Ha's thesis cites one (Johnson et al. 2006). Its state is bearing and
-elevation of the target, the logarithm of its range, their rates, and a slow bias of the logarithm of
-its apparent size. Without the bias the range would be far too sure of itself: a contour errs by the
-same few per cent in frame after frame.
+An extended Kalman filter, as J. Ha's thesis cites one (Johnson et al. 2006). Its state is bearing
+and elevation of the target, the logarithm of its range, their rates, and a slow bias of the
+logarithm of its apparent size. Without the bias the range would be far too sure of itself: a
+contour errs by the same few per cent in frame after frame.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,13 +109,33 @@ class _Look:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Shown:
+    """What the contour of a frame shows: histograms, and how like the target's they are."""
+
+    target: FloatArray
+    around: FloatArray
+    likeness: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class _Drawn:
-    """Particles before the frame is looked at."""
+    """Particles before they are weighed; the belief holds what is known of sizes."""
 
     states: FloatArray
     log_prior: FloatArray
     log_proposal: FloatArray
+    scores: FloatArray
     predicted: PredictedExistence
+
+
+class Weighed(NamedTuple):
+    """Poses with what is needed to weigh them; every array has one row for each."""
+
+    states: FloatArray
+    log_prior: FloatArray
+    log_birth: FloatArray
+    kernel_logs: FloatArray
+    scores: FloatArray
 
 
 class PoseFilter:
@@ -134,7 +155,6 @@ class PoseFilter:
         self._particles: Particles | None = None
         self._known: _Known | None = None
         self._presence = 0.0
-        self._likeness = 0.0
         self._estimate = np.zeros(POSE_SIZE)
 
     @property
@@ -202,8 +222,7 @@ class PoseFilter:
         known = self._known
         look = self._look(frame, known)
         drawn = self._draw(look, dt)
-        drawn = replace(drawn, log_prior=drawn.log_prior + self._log_size_factor(drawn.states))
-        scores = self._scores(look, drawn.states)
+        scores = drawn.scores
         self._judge_presence(look, drawn, scores)
         log_weights = drawn.log_prior - drawn.log_proposal + self._parameters.sharpness * scores
         log_weights -= self._crowding(drawn.states, others)
@@ -305,6 +324,8 @@ class PoseFilter:
         search_count = round(p.search_share * p.particle_count)
         place_count = round(p.place_share * p.particle_count) if len(peaks) else 0
         follow_count = p.particle_count - place_count - search_count - refined_count
+        if follow_count < 1:  # Of a handful, all follow.
+            follow_count, place_count, search_count, refined_count = p.particle_count, 0, 0, 0
         mixture = [Proposal(forecast.kernels, forecast.even, follow_count / p.particle_count)]
         parts = [mixture[0].draw(follow_count, rng)]
         if place_count:
@@ -312,24 +333,33 @@ class PoseFilter:
             mixture.append(Proposal(spread, strengths, place_count / p.particle_count))
             parts.append(mixture[-1].draw(place_count, rng))
         parts.append(forecast.births.draw(search_count, rng)[:, :PLACES])
-        places = np.concatenate(parts)
+        drawn = self._weighed(look, np.concatenate(parts), forecast)
         if refined_count:
-            best = self._best_places(look, places, forecast)
-            spread = KernelMixture(best, self._about(REFINED_SPREAD), DRAWN_TAIL)
-            even = np.full(len(best), 1.0 / len(best))
+            spread = KernelMixture(self._best(drawn), self._about(REFINED_SPREAD), DRAWN_TAIL)
+            even = np.full(len(spread.centres), 1.0 / len(spread.centres))
             mixture.append(Proposal(spread, even, refined_count / p.particle_count))
-            places = np.concatenate((places, mixture[-1].draw(refined_count, rng)))
-        states = np.zeros((p.particle_count, POSE_SIZE))
+            more = self._weighed(look, mixture[-1].draw(refined_count, rng), forecast)
+            drawn = Weighed(*(np.concatenate(pair) for pair in zip(drawn, more, strict=True)))
+        followed = log_mix(drawn.kernel_logs, forecast.even)
+        proposed = [followed + math.log(mixture[0].share)]
+        proposed += [part.log_density(drawn.states[:, :PLACES]) for part in mixture[1:]]
+        if search_count:
+            proposed.append(math.log(search_count / p.particle_count) + drawn.log_birth)
+        self._choose_rates(drawn.states, drawn.kernel_logs, forecast, dt)
+        return _Drawn(
+            drawn.states, drawn.log_prior, np.logaddexp.reduce(proposed), drawn.scores,
+            forecast.predicted,
+        )  # fmt: skip
+
+    def _weighed(self, look: _Look, places: FloatArray, forecast: Forecast) -> Weighed:
+        """Return places as poses at rest, with the densities of the belief and their scores."""
+        states = np.zeros((len(places), POSE_SIZE))
         states[:, :PLACES] = places
         reference = self._estimate[PoseColumn.ANGLE]
         states[:, 3] = reference + wrap_angle(states[:, 3] - reference)
-        log_prior, birth, kernel_logs = forecast.log_density(states)
-        proposed = [log_mix(kernel_logs, forecast.even) + math.log(mixture[0].share)]
-        proposed += [part.log_density(states[:, :PLACES]) for part in mixture[1:]]
-        if search_count:
-            proposed.append(math.log(search_count / p.particle_count) + birth)
-        self._choose_rates(states, kernel_logs, forecast, dt)
-        return _Drawn(states, log_prior, np.logaddexp.reduce(proposed), forecast.predicted)
+        log_prior, log_birth, kernel_logs = forecast.log_density(states)
+        log_prior = log_prior + self._log_size_factor(states)
+        return Weighed(states, log_prior, log_birth, kernel_logs, self._scores(look, states))
 
     def _forecast(self, look: _Look, dt: float) -> Forecast:
         """Return the belief before the frame is looked at."""
@@ -358,14 +388,11 @@ class PoseFilter:
         size = self._size()
         return np.array([spread[0] * size, spread[0] * size, spread[1], spread[2]])
 
-    def _best_places(self, look: _Look, places: FloatArray, forecast: Forecast) -> FloatArray:
+    def _best(self, drawn: Weighed) -> FloatArray:
         """Return the best of the places that have been drawn, shape (K, 4)."""
-        states = np.zeros((len(places), POSE_SIZE))
-        states[:, :PLACES] = places
-        log_prior, _, _ = forecast.log_density(states)
-        scores = self._scores(look, states)
-        worth = log_prior + self._log_size_factor(states) + self._parameters.sharpness * scores
-        return places[np.argsort(-worth)[:REFINED]]
+        worth = drawn.log_prior + self._parameters.sharpness * drawn.scores
+        best: FloatArray = drawn.states[np.argsort(-worth)[:REFINED], :PLACES]
+        return best
 
     def _choose_rates(
         self, states: FloatArray, kernel_logs: FloatArray, forecast: Forecast, dt: float
@@ -473,7 +500,8 @@ class PoseFilter:
         outline = find_outline(
             look.ratios, self._estimate, known.template, p.prior_softness, self._contours()
         )
-        self._judge_likeness(look, outline)
+        shown = self._shown(look, outline)
+        self._judge_likeness(shown)
         covariance = weighted_covariance(self._particles.states, weights, self._estimate)
         size = self._size()
         sigma = math.sqrt(max(covariance[0, 0], covariance[1, 1]))
@@ -489,8 +517,8 @@ class PoseFilter:
             self._known = replace(known, births=births)
             usual = known.usual_log_scale
             of_usual_size = abs(self._estimate[PoseColumn.LOG_SCALE] - usual) < WHOLE_SIZE
-            if is_whole and of_usual_size and outline is not None:
-                self._learn(look, outline, score)
+            if is_whole and of_usual_size and outline is not None and shown is not None:
+                self._learn(look, outline, shown, score)
         return Finding(
             state=self._estimate.copy(),
             covariance=covariance,
@@ -504,31 +532,36 @@ class PoseFilter:
             holds=self._presence >= p.presence_to_lose and is_near,
         )
 
-    def _judge_likeness(self, look: _Look, outline: Outline | None) -> None:
-        """Update the probability of presence by the colours within the contour."""
+    def _shown(self, look: _Look, outline: Outline | None) -> _Shown | None:
+        """Return the histograms that the contour shows; None without a contour."""
         assert self._known is not None
         if outline is None or outline.area == 0:
+            return None
+        mask = outline.in_picture(look.frame.shape)
+        appearance = self._known.appearance
+        target, around = learn_histograms(look.bins, mask, near(mask), appearance.bins.count)
+        likeness = appearance.likeness(target, self._parameters.first_look_share)
+        return _Shown(target, around, likeness)
+
+    def _judge_likeness(self, shown: _Shown | None) -> None:
+        """Update the probability of presence by the colours within the contour."""
+        assert self._known is not None
+        if shown is None:
             return
         p, known = self._parameters, self._known
-        mask = outline.in_picture(look.frame.shape)
-        histogram, _ = learn_histograms(look.bins, mask, near(mask), known.appearance.bins.count)
-        likeness = known.appearance.likeness(histogram, p.first_look_share)
-        ratio = log_ratio_of_likeness(likeness, known.usual_likeness)
-        self._likeness = likeness
+        ratio = log_ratio_of_likeness(shown.likeness, known.usual_likeness)
         ratio = min(max(ratio, -p.likeness_limit), p.likeness_limit)
         before = PredictedExistence(self._presence, 0.0)
         self._presence = update_existence(
             before, ratio + math.log(self._presence), LEAST_PRESENCE, MOST_PRESENCE
         )
 
-    def _learn(self, look: _Look, outline: Outline, score: float) -> None:
+    def _learn(self, look: _Look, outline: Outline, shown: _Shown, score: float) -> None:
         """Let shape, appearance and usual score follow what the contour shows."""
         assert self._known is not None
         p, known = self._parameters, self._known
-        mask = outline.in_picture(look.frame.shape)
-        target, around = learn_histograms(look.bins, mask, near(mask), known.appearance.bins.count)
         appearance = known.appearance.adapted(
-            target, around, p.appearance_rate_of_target, p.appearance_rate_around
+            shown.target, shown.around, p.appearance_rate_of_target, p.appearance_rate_around
         )
         template = known.template
         if p.shape_rate > 0.0:
@@ -538,7 +571,7 @@ class PoseFilter:
             appearance=appearance,
             template=template,
             usual=known.usual.seen(score, SCORE_RATE),
-            usual_likeness=known.usual_likeness.seen(self._likeness, SCORE_RATE),
+            usual_likeness=known.usual_likeness.seen(shown.likeness, SCORE_RATE),
         )
 
     def _reshaped(self, outline: Outline, shape: tuple[int, int]) -> Template:

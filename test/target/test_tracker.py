@@ -192,3 +192,14 @@ def test_parameters_change_on_the_way(draw):
     tracker.configure(TargetParameters(particle_count=77))
     tracker.process(draw(seed=2)[0], 2 * STEP)
     assert tracker.particles.count == 77
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5])
+def test_a_handful_of_particles_is_no_error(draw, count):
+    tracker = TargetTracker(TargetParameters(particle_count=count))
+    _, mask = draw()
+    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    for number in range(1, 4):
+        estimate = tracker.process(draw(seed=number)[0], number * STEP)
+    assert np.isfinite(estimate.state).all()
+    assert tracker.particles.count == count

@@ -98,17 +98,24 @@ def _hues(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
 
 def _smoothed(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
     """Spread every bin a little over its neighbours."""
-    cube = histogram.reshape(shape)
+    smooth = np.ascontiguousarray(histogram, dtype=np.float64).reshape(-1)
     for axis in range(3):
         if shape[axis] > 1:
-            cube = np.moveaxis(_smoothed_along(np.moveaxis(cube, axis, 0)), 0, axis)
-    return cube.ravel()
-
-
-def _smoothed_along(cube: FloatArray) -> FloatArray:
-    padded = np.concatenate((cube[:1], cube, cube[-1:]))
-    smooth: FloatArray = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
+            after = shape[1] * shape[2] if axis == 0 else shape[2] if axis == 1 else 1
+            smooth = _smoothed_along(smooth, shape[axis], after)
     return smooth
+
+
+@compiled
+def _smoothed_along(values: FloatArray, count: int, stride: int) -> FloatArray:
+    """Weigh neighbours along an axis of `count` bins, `stride` apart, by 1/4, 1/2, 1/4."""
+    result = np.empty_like(values)
+    for index in range(len(values)):
+        place = index // stride % count
+        before = values[index - stride] if place > 0 else values[index]
+        after = values[index + stride] if place < count - 1 else values[index]
+        result[index] = 0.25 * before + 0.5 * values[index] + 0.25 * after
+    return result
 
 
 def learn_histograms(
