@@ -64,6 +64,7 @@ setup(
             "mypy",
             "playwright",
             "ruff",
+            "scikit-image",
             "types-PyYAML",
         ],
     },

@@ -16,8 +16,9 @@ from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError
 
 GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
-        "Follow a cable": {
+        "Follow a cable, or a target with an outline": {
             "track": "track:track",
+            "target": "target:target",
             "gui": "gui:gui",
         },
         "Fit the tracker to footage of yours": {

@@ -32,14 +32,27 @@ from cable_tracker.node_parameter_tables import (
 )
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.trackers import make_tracker, warm_up
 from cable_tracker.tracking.parameter_files import format_parameter_file
+from cable_tracker.tracking.parameter_table import parameter_table
 
 ROOT = Path(__file__).resolve().parents[1]
 
 TITLES = {
     "default": "Preset `default`: what to begin with. Written by `make docs`.",
     "thesis": "Preset `thesis`: Wirth (2008), Tables 5.1, 5.2. Written by `make docs`.",
+}
+
+TARGET_TITLES = {
+    name: f"Preset `{name}` of targets: {what} Written by `make docs`."
+    for name, what in {
+        "default": "what to begin with.",
+        "thesis": "Ha (2008), Table 7 with the weights of (30).",
+        "docking": "rigid, approached slowly.",
+        "diver": "a shape that changes fast.",
+    }.items()
 }
 
 INTRODUCTION = """\
@@ -64,6 +77,13 @@ Parameters of the node `tracker`, of `cable-tracker track --params FILE`, and of
 """
 
 
+TARGET_INTRODUCTION = """\
+Parameters of `cable-tracker target --params FILE` and of `TargetParameters`; see
+[targets.md](targets.md). `config/target_*.yaml` hold the presets.
+
+"""
+
+
 def cell(value: object) -> str:
     """Write a value into a table."""
     if isinstance(value, bool):
@@ -77,6 +97,16 @@ def filter_table() -> str:
     for spec in PARAMETER_TABLE:
         default, thesis = (cell(PRESETS[name].as_mapping()[spec.name]) for name in TITLES)
         lines.append(row(spec, default, thesis))
+    return "\n".join(lines) + "\n"
+
+
+def target_table() -> str:
+    """Return the table of a target filter's parameters, with the values of all presets."""
+    names = list(TARGET_PRESETS)
+    lines = [f"| name | {' | '.join(names)} | unit | range | meaning |", "|---" * 8 + "|"]
+    for spec in parameter_table(TargetParameters):
+        values = [cell(TARGET_PRESETS[name].as_mapping()[spec.name]) for name in names]
+        lines.append(row(spec, *values))
     return "\n".join(lines) + "\n"
 
 
@@ -107,6 +137,7 @@ def parameters_page() -> str:
         ("The node `controller`, an example", CONTROLLER_PARAMETERS),
     ):
         parts += [f"\n## {title}\n\nRead at start only:\n\n", node_table(start)]
+    parts += ["\n## The filter of targets\n\n", TARGET_INTRODUCTION, target_table()]
     return "".join(parts)
 
 
@@ -154,6 +185,9 @@ def generated_files() -> dict[Path, str]:
     }
     for name, title in TITLES.items():
         files[ROOT / "config" / f"{name}.yaml"] = format_parameter_file(PRESETS[name], title)
+    for name, title in TARGET_TITLES.items():
+        path = ROOT / "config" / f"target_{name}.yaml"
+        files[path] = format_parameter_file(TARGET_PRESETS[name], title)
     return files
 
 

@@ -16,18 +16,20 @@ MAY_IMPORT = {
     "libraries": set(),
     "resources": set(),
     "particle_filter": set(),
+    "contour": set(),
     "tracking": set(),
     "cable": {"tracking", "particle_filter"},
+    "target": {"contour", "tracking", "particle_filter"},
     "metric": {"cable", "tracking"},
     "node_parameter_tables": {"cable", "tracking"},
     "sequences": {"cable", "tracking", "particle_filter"},
     "detection": {"cable", "tracking"},
     "trackers": {"cable", "tracking", "detection"},
-    "visualisation": {"sequences", "cable", "tracking"},
+    "visualisation": {"sequences", "cable", "target", "tracking"},
     "simulation": {"sequences", "cable", "tracking"},
     "evaluation": {
         "trackers", "simulation", "detection", "visualisation", "sequences", "metric", "cable",
-        "tracking",
+        "target", "tracking",
     },
     "gui": {
         "trackers", "evaluation", "detection", "visualisation", "sequences",
@@ -46,7 +48,7 @@ MAY_IMPORT = {
     },
     "commands": {
         "ros", "benchmark", "gui", "evaluation", "trackers", "simulation", "detection", "sequences",
-        "node_parameter_tables", "cable", "tracking", "resources",
+        "node_parameter_tables", "cable", "target", "tracking", "resources",
     },
     "cli": {"commands"},
 }  # fmt: skip

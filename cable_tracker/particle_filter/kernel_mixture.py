@@ -13,10 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.compilation import compiled_fast_part, compiled_part
+from cable_tracker.compilation import compiled, compiled_fast_part, compiled_part
 from cable_tracker.particle_filter.student_t import peak_density, relative_density
 
 DIMENSIONS = 4
+
+LEAST_DENSITY = 1e-300
+"""Stands for a density of zero where its logarithm is needed."""
 
 
 class KernelMixture(NamedTuple):
@@ -87,6 +90,18 @@ def kernels_at(point: FloatArray, mixture: KernelMixture, kernels: Image) -> Non
             c, d = third - threes[index], fourth - fours[index]
             squared = a * a + b * b + c * c + d * d
             kernels[index] = relative_density(squared, mixture.degrees_of_freedom, 4)
+
+
+@compiled
+def log_kernels(points: FloatArray, mixture: KernelMixture) -> FloatArray:
+    """Return the log-density of every kernel at points (N, 4 or more), shape (N, M)."""
+    logs = np.empty((len(points), len(mixture.places)))
+    kernels = np.empty(len(mixture.places), np.float32)
+    for row in range(len(points)):
+        kernels_at(points[row], mixture, kernels)
+        for column in range(len(kernels)):
+            logs[row, column] = math.log(max(mixture.peak * kernels[column], LEAST_DENSITY))
+    return logs
 
 
 @compiled_fast_part

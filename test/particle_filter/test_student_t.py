@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.particle_filter.student_t import (
+    log_densities,
     peak_density,
     relative_density,
     standard_student_t,
@@ -54,3 +55,9 @@ def test_draws_have_the_quantiles_of_the_density(tail, rng):
 
 def test_no_draws_are_no_problem(rng):
     assert standard_student_t(rng, 0, 3, 4.0).shape == (0, 3)
+
+
+@pytest.mark.parametrize("tail", TAILS)
+def test_log_densities_are_the_logarithms_of_the_density(tail):
+    x = np.linspace(-3.0, 3.0, 7)
+    np.testing.assert_allclose(log_densities(x**2, tail, 2), np.log(density(x, tail, 2)))

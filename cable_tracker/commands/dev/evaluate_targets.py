@@ -1,0 +1,89 @@
+"""`cable-tracker dev evaluate-targets`."""
+
+from __future__ import annotations
+
+from datetime import date
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cable_tracker.commands.evaluate import (
+    FirstSeedOption,
+    SeedsOption,
+    WorkersOption,
+    seeds_from,
+    worker_count,
+)
+from cable_tracker.commands.machine import machine, typed_command
+from cable_tracker.commands.options import ForceOption
+from cable_tracker.commands.terminal import advance, console, messages, progress_bar
+from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.folder import output_folder
+from cable_tracker.evaluation.targets.comparison import (
+    ScenarioTask,
+    markdown_table,
+    method_names,
+    write_figures,
+)
+from cable_tracker.evaluation.targets.peers import MISSING_PEERS, PEERS
+from cable_tracker.evaluation.workers import run_tasks
+from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
+
+FIGURES_CSV = "figures.csv"
+TABLE_MARKDOWN = "table.md"
+FRAMES = 150
+
+
+def evaluate_targets(  # noqa: PLR0917
+    output: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("targets"),
+    scenario: Annotated[
+        list[str] | None,
+        typer.Option(help=f"{' | '.join(TARGET_SCENARIOS)}; may be given several times."),
+    ] = None,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(
+            help=f"{' | '.join(method_names())}; may be given several times."
+            "  [default: default, thesis, the trackers of OpenCV, and grey default]"
+        ),
+    ] = None,
+    first_seed: FirstSeedOption = 0,
+    seeds: SeedsOption = 5,
+    force: ForceOption = False,
+    workers: WorkersOption = None,
+) -> None:
+    """Follow simulated targets with our filters and with the trackers of OpenCV.
+
+    All follow the same frames, from the first box. CSRT and KCF are in the wheel
+    opencv-contrib-python-headless before 5.0, which takes the place of opencv-python-headless.
+    """
+    scenarios = tuple(scenario or [name for name in TARGET_SCENARIOS if name != "nothing"])
+    methods = tuple(method or ["default", "thesis", *PEERS, "grey default"])
+    for name, known in [(n, list(TARGET_SCENARIOS)) for n in scenarios] + [
+        (n, method_names()) for n in methods
+    ]:
+        if name not in known:
+            raise ParameterError(f"{name!r} is none of {' | '.join(known)}")
+    if MISSING_PEERS:
+        messages.print(f"note: this OpenCV has no {', '.join(MISSING_PEERS)}", soft_wrap=True)
+    tasks = [
+        ScenarioTask(name, seed, methods, FRAMES)
+        for seed in seeds_from(seeds, first_seed)
+        for name in scenarios
+    ]
+    with output_folder(output, TABLE_MARKDOWN, overwrite=force) as folder:
+        with progress_bar("targets", len(tasks) * FRAMES) as progress:
+            parts = run_tasks(
+                tasks,
+                workers=worker_count(workers),
+                advance=lambda count: advance(progress, count),
+            )
+        results = [each for part in parts for each in part]
+        note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
+        table = markdown_table(results, methods, note)
+        write_figures(folder / FIGURES_CSV, results)
+        (folder / TABLE_MARKDOWN).write_text(table, encoding="utf-8")
+    console.print(table)
+    for file_name in (FIGURES_CSV, TABLE_MARKDOWN):
+        console.print(f"  {output / file_name}", soft_wrap=True)

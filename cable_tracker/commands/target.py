@@ -1,0 +1,131 @@
+"""`cable-tracker target`."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cable_tracker.commands.options import (
+    ForceOption,
+    OutsideOption,
+    ParamsOption,
+    RateOption,
+    SeedOption,
+    SkipOption,
+    SourceArgument,
+    TopicOption,
+    open_recording,
+)
+from cable_tracker.commands.terminal import advance, console, messages, progress_bar
+from cable_tracker.errors import FrameError, ParameterError
+from cable_tracker.evaluation.targets.track_target import (
+    CONTACT_SHEET,
+    DETECT,
+    ESTIMATES,
+    VIDEO,
+    TargetRow,
+    parse_start,
+    track_target,
+)
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.parameters.presets import TARGET_PRESETS, target_preset
+from cable_tracker.target.tracker import TargetTracker
+from cable_tracker.tracking.parameter_files import read_parameter_file
+
+TargetPresetName = Enum(  # type: ignore[misc]
+    "TargetPresetName", {name: name for name in TARGET_PRESETS}, type=str
+)
+NODE = "target_tracker"
+"""Section of parameter files that counts."""
+
+
+def target(  # noqa: PLR0917
+    source: SourceArgument,
+    init: Annotated[
+        str,
+        typer.Option(
+            help=f"Where the target is in the first frame: `x0,y0,x1,y1` in px from the top left"
+            f" corner; or `{DETECT}`: a detector proposes one."
+        ),
+    ] = DETECT,
+    preset_name: Annotated[
+        TargetPresetName | None,
+        typer.Option("--preset", help="Values to start from.  [default: default]"),
+    ] = None,
+    params: ParamsOption = None,
+    seed: SeedOption = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Folder for the results.  [default: SOURCE_target]")
+    ] = None,
+    force: ForceOption = False,
+    topic: TopicOption = None,
+    rate: RateOption = 25.0,
+    skip_bad_frames: SkipOption = False,
+    allow_outside: OutsideOption = False,
+    timing: Annotated[
+        bool,
+        typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
+    ] = True,
+) -> None:
+    """Follow a target with an outline: a buoy, a vehicle, a diver.
+
+    Writes a table, a sheet of pictures and a video into one folder. The same recording, parameters
+    and seed give the same estimates.
+    """
+    parameters = _parameters(preset_name.value if preset_name else None, params, seed)
+    tracker = TargetTracker(parameters.replaced(_detector(init, parameters)))
+    try:
+        start = parse_start(init)
+    except FrameError as error:
+        raise ParameterError(f"init: {error}") from error
+    folder = output if output is not None else _default_output(source)
+    with open_recording(source, topic, rate, None, skip_bad_frames, allow_outside) as recording:
+        if start is not None:
+            tracker.initialise(start)
+        with progress_bar("following", recording.frame_count) as progress:
+            rows, damage = track_target(
+                recording, tracker, folder, overwrite=force, timing=timing,
+                advance=lambda: advance(progress),
+            )  # fmt: skip
+    _print(rows, folder)
+    if damage is not None:
+        raise damage
+
+
+def _parameters(preset_name: str | None, params: Path | None, seed: int | None) -> TargetParameters:
+    values = read_parameter_file(params, NODE) if params is not None else {}
+    base = target_preset(preset_name or str(values.get("preset", "default")))
+    values.pop("preset", None)
+    parameters = base.replaced(values)
+    return parameters if seed is None else parameters.replaced({"seed": seed})
+
+
+def _detector(init: str, parameters: TargetParameters) -> dict[str, object]:
+    """Return the detector to use: with `detect` one is needed."""
+    if init == DETECT and parameters.detector == "none":
+        return {"detector": "contours"}
+    return {}
+
+
+def _default_output(source: Path) -> Path:
+    resolved = source.resolve()
+    stem = resolved.name if resolved.is_dir() else resolved.stem
+    return Path(f"{stem}_target")
+
+
+def _print(rows: list[TargetRow], folder: Path) -> None:
+    statuses = [row.status for row in rows]
+    counts = {status: statuses.count(status) for status in dict.fromkeys(statuses)}
+    words = ", ".join(f"{count} {status}" for status, count in counts.items())
+    console.print(f"{len(rows)} frames: {words}", soft_wrap=True)
+    for row in rows:
+        if row.estimate is not None and row.estimate.event:
+            messages.print(f"note: frame {row.frame}: {row.estimate.event}", soft_wrap=True)
+    times = sorted(row.ms for row in rows if row.ms is not None)
+    if times:
+        console.print(f"median time in the tracker: {times[len(times) // 2]:.2f} ms per frame")
+    for name in (ESTIMATES, VIDEO, CONTACT_SHEET):
+        console.print(f"  {folder / name}", soft_wrap=True)

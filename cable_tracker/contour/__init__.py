@@ -1,0 +1,1 @@
+"""Level sets and shapes of closed contours. Knows no target and no ROS."""

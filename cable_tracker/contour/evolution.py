@@ -1,0 +1,193 @@
+"""Fast contours: Chan-Vese's energy lowered by switching single points, in a window if wanted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.contour.levels import Levels, levels_of_mask
+from cable_tracker.contour.switching import FEWEST, switch_points
+from cable_tracker.errors import FrameError
+
+Window: TypeAlias = tuple[int, int, int, int]
+"""First column, first row, and the column and row after the last [px]."""
+
+SEVERAL = 1000
+"""Iterations that hardly any contour needs."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContourSettings:
+    """How contours evolve.
+
+    Attributes
+    ----------
+    regulariser : float
+        rho_1 of (17, 18): cost of a neighbour too many on the other side, in units of the data
+        term. The thesis gives no value.
+    balance : float
+        eps_N: the regulariser acts only where the lengths of the two lists differ by more than this
+        share; negative: always. The thesis gives no value; its figure 2 implies less than 0.027.
+    iterations : int
+        At most so many.
+    flooding : bool
+        Whether points that join a list are looked at in the same scan, so that one iteration can
+        carry the contour any distance; otherwise by about a pixel.
+    """
+
+    regulariser: float = 0.0
+    balance: float = 0.02
+    iterations: int = SEVERAL
+    flooding: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contour:
+    """What a contour has become.
+
+    Attributes
+    ----------
+    levels : Levels
+        Level set, shape of the picture.
+    iterations : int
+        Done.
+    converged : bool
+        Whether the last iteration switched no point.
+    inside_count : int
+        Points inside, within the window.
+    inside_mean, outside_mean : float
+        Mean of the data on either side, within the window.
+    changes : FloatArray
+        Changes of energy of the first switches, as many as were asked for at most.
+    """
+
+    levels: Levels
+    iterations: int
+    converged: bool
+    inside_count: int
+    inside_mean: float
+    outside_mean: float
+    changes: FloatArray
+
+    @property
+    def mask(self) -> BoolArray:
+        """The inside, shape of the picture."""
+        inside: BoolArray = self.levels < 0
+        return inside
+
+    @property
+    def contrast(self) -> float:
+        """Difference of the two means, positive."""
+        return abs(self.inside_mean - self.outside_mean)
+
+
+def evolve_by_means(
+    image: NDArray[np.float32],
+    start: BoolArray,
+    settings: ContourSettings,
+    window: Window | None = None,
+    recorded: int = 0,
+) -> Contour:
+    """Separate two regions of different mean intensity: Table 1 of the thesis.
+
+    Parameters
+    ----------
+    image : array
+        Intensities in [0, 1], shape (H, W), float32.
+    start : BoolArray
+        Inside at the start, of the same shape.
+    settings : ContourSettings
+        How it evolves.
+    window : Window or None
+        Points beyond it keep their side and do not count; None: the whole picture.
+    recorded : int
+        How many changes of energy to return.
+
+    Raises
+    ------
+    FrameError
+        The shapes differ, or one of the regions has fewer than two points in the window.
+    """
+    return _evolve(image, start, settings, window, by_means=True, recorded=recorded)
+
+
+def evolve_by_ratio(
+    log_ratio: NDArray[np.float32],
+    start: BoolArray,
+    settings: ContourSettings,
+    window: Window | None = None,
+    recorded: int = 0,
+) -> Contour:
+    """Separate what is likelier target from what is likelier background.
+
+    Parameters
+    ----------
+    log_ratio : array
+        log p(pixel | target) / p(pixel | background), plus the log-odds of a shape prior where
+        there is one (`shape_prior.log_odds`); shape (H, W), float32.
+    start, settings, window, recorded
+        As for `evolve_by_means`.
+
+    Raises
+    ------
+    FrameError
+        As there.
+    """
+    return _evolve(log_ratio, start, settings, window, by_means=False, recorded=recorded)
+
+
+def _evolve(
+    data: NDArray[np.float32],
+    start: BoolArray,
+    settings: ContourSettings,
+    window: Window | None,
+    *,
+    by_means: bool,
+    recorded: int,
+) -> Contour:
+    if data.ndim != 2 or data.shape != start.shape:
+        raise FrameError(f"a contour of shape {start.shape} cannot evolve on data {data.shape}")
+    left, top, right, bottom = _inside_picture(window, data.shape)
+    levels = levels_of_mask(start)
+    cut = np.ascontiguousarray(levels[top:bottom, left:right])
+    inside = int((cut < 0).sum())
+    if min(inside, cut.size - inside) < FEWEST:
+        raise FrameError(
+            f"a contour needs {FEWEST} points on either side, not {inside} and {cut.size - inside}"
+        )
+    changes = np.zeros(recorded)
+    part = np.ascontiguousarray(data[top:bottom, left:right], dtype=np.float32)
+    iterations, converged, inside, inside_sum, outside_sum, switches = switch_points(
+        part, cut, by_means, settings.regulariser, settings.balance, settings.iterations,
+        settings.flooding, changes,
+    )  # fmt: skip
+    if cut.shape == levels.shape:
+        levels = cut
+    else:
+        mask = levels < 0
+        mask[top:bottom, left:right] = cut < 0
+        levels = levels_of_mask(mask)
+    return Contour(
+        levels=levels,
+        iterations=iterations,
+        converged=converged,
+        inside_count=inside,
+        inside_mean=inside_sum / inside,
+        outside_mean=outside_sum / (cut.size - inside),
+        changes=changes[:switches],
+    )
+
+
+def _inside_picture(window: Window | None, shape: tuple[int, ...]) -> Window:
+    if window is None:
+        return 0, 0, shape[1], shape[0]
+    left, top, right, bottom = window
+    left, top = max(left, 0), max(top, 0)
+    right, bottom = min(right, shape[1]), min(bottom, shape[0])
+    if right <= left or bottom <= top:
+        raise FrameError(f"the window {window} lies outside the picture of shape {shape}")
+    return left, top, right, bottom

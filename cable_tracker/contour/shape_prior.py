@@ -1,0 +1,44 @@
+"""A soft prior of shape: how likely a pixel is inside, by its distance from a known outline."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_tracker.arrays import BoolArray
+
+
+def signed_distances(mask: BoolArray) -> NDArray[np.float32]:
+    """Return the distance of every pixel from the outline of a mask, negative inside [px].
+
+    The outline runs between the pixels: the nearest on either side are half a pixel off. A picture
+    that is all inside or all outside has no outline: its distances are those to beyond the picture.
+    """
+    inside = np.pad(mask, 1).astype(np.uint8)
+    to_outside = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    to_inside = cv2.distanceTransform(1 - inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    if not mask.any():
+        height, width = mask.shape
+        to_inside = np.full(inside.shape, np.hypot(height, width), np.float32)
+    signed = np.where(inside > 0, 0.5 - to_outside, to_inside - 0.5)
+    cut: NDArray[np.float32] = signed[1:-1, 1:-1].astype(np.float32)
+    return cut
+
+
+def log_odds(mask: BoolArray, softness: float, limit: float) -> NDArray[np.float32]:
+    """Return the log-odds of being inside, given an expected mask.
+
+    Parameters
+    ----------
+    mask : BoolArray
+        Expected inside, shape (H, W).
+    softness : float
+        Distance from its outline at which the odds are e : 1 [px].
+    limit : float
+        Largest log-odds.
+    """
+    odds: NDArray[np.float32] = np.clip(
+        -signed_distances(mask) / np.float32(softness), -limit, limit
+    )
+    return odds

@@ -1,0 +1,89 @@
+"""Figures about one run: what was claimed of a target, frame by frame, against the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.target.model.estimate import Box
+
+ENOUGH_OVERLAP = 0.5
+"""Intersection over union of the boxes above which a frame is a success."""
+
+RETURN_FRAMES = 15
+"""A target that comes back should be found within so many frames."""
+
+OWN_FRAMES = 20
+"""After a crossing, the last so many frames tell whose box it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedClaim:
+    """One frame of a run.
+
+    Attributes
+    ----------
+    truth : Box or None
+        Of what can be seen of the target; None while it is out of view.
+    claim : Box or None
+        None where no target is claimed.
+    twin : Box or None
+        Of another target that looks the same.
+    ms : float
+        Processor time [ms].
+    """
+
+    truth: Box | None
+    claim: Box | None
+    twin: Box | None
+    ms: float
+
+
+def overlap(one: Box | None, two: Box | None) -> float:
+    """Return the intersection of two boxes over their union; 0 without one of them."""
+    if one is None or two is None:
+        return 0.0
+    width = min(one[2], two[2]) - max(one[0], two[0])
+    height = min(one[3], two[3]) - max(one[1], two[1])
+    if width <= 0.0 or height <= 0.0:
+        return 0.0
+    both = width * height
+    areas = sum((box[2] - box[0]) * (box[3] - box[1]) for box in (one, two))
+    return both / (areas - both)
+
+
+def success(claims: Sequence[JudgedClaim]) -> float:
+    """Return the share of frames in view whose box overlaps enough; NaN if none is in view."""
+    return _share([overlap(c.truth, c.claim) > ENOUGH_OVERLAP for c in claims if c.truth])
+
+
+def claimed_in_view(claims: Sequence[JudgedClaim]) -> float:
+    """Return the share of frames in view in which a target is claimed; NaN if none is."""
+    return _share([c.claim is not None for c in claims if c.truth])
+
+
+def claimed_while_absent(claims: Sequence[JudgedClaim]) -> float:
+    """Return the share of frames without the target in which it is claimed; NaN without such."""
+    return _share([c.claim is not None for c in claims if c.truth is None])
+
+
+def returns_found(claims: Sequence[JudgedClaim]) -> list[bool]:
+    """Return, for every return into view, whether the target was found in time."""
+    found = []
+    for index in range(1, len(claims)):
+        if claims[index].truth is not None and claims[index - 1].truth is None:
+            soon = claims[index : index + RETURN_FRAMES + 1]
+            found.append(any(overlap(c.truth, c.claim) > ENOUGH_OVERLAP for c in soon))
+    return found
+
+
+def keeps_its_own(claims: Sequence[JudgedClaim]) -> float:
+    """Return the share of the last frames whose box is the target's rather than its twin's."""
+    last = [c for c in claims[-OWN_FRAMES:] if c.truth and c.twin]
+    return _share([overlap(c.truth, c.claim) > overlap(c.twin, c.claim) for c in last])
+
+
+def _share(values: Sequence[bool]) -> float:
+    return float(np.mean(values)) if values else float("nan")

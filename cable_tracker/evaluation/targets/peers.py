@@ -1,0 +1,124 @@
+"""Trackers to compare with: those of OpenCV, as far as the installed wheel has them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from types import MappingProxyType
+from typing import Any, Protocol
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.target.model.estimate import Box
+
+
+class BoxTracker(Protocol):
+    """What follows a box from frame to frame."""
+
+    def start(self, image: Image, box: Box, stamp: int) -> Box | None:
+        """Take what is in the box for the target; return the first claim."""
+        ...
+
+    def update(self, image: Image, stamp: int) -> Box | None:
+        """Return the box in the next frame; None where no target is claimed."""
+        ...
+
+
+def _whole(box: Box) -> tuple[int, int, int, int]:
+    """Return left, top, width and height in whole pixels."""
+    left, top = round(box[0]), round(box[1])
+    return left, top, max(round(box[2]) - left, 2), max(round(box[3]) - top, 2)
+
+
+class OpenCvTracker:
+    """One of the `cv2.Tracker...` classes.
+
+    Parameters
+    ----------
+    make : callable
+        Makes the tracker.
+    """
+
+    def __init__(self, make: Callable[[], Any]) -> None:
+        self._make = make
+        self._tracker: Any = None
+
+    def start(self, image: Image, box: Box, stamp: int) -> Box | None:
+        """Take what is in the box for the target."""
+        self._tracker = self._make()
+        self._tracker.init(_in_colour(image), _whole(box))
+        return box
+
+    def update(self, image: Image, stamp: int) -> Box | None:
+        """Return the box in the next frame; None where the tracker says that it has none."""
+        found, (left, top, width, height) = self._tracker.update(_in_colour(image))
+        if not found:
+            return None
+        return float(left), float(top), float(left + width), float(top + height)
+
+
+class CamShiftTracker:
+    """CamShift on the back projection of a histogram of hues, or of grey levels."""
+
+    LEAST_MEAN = 20.0
+    """Back projection below which nothing is claimed, of 255."""
+
+    def __init__(self) -> None:
+        self._histogram: Image = np.empty(0)
+        self._window = (0, 0, 1, 1)
+
+    def start(self, image: Image, box: Box, stamp: int) -> Box | None:
+        """Learn the hues of the inner ellipse of the box."""
+        self._window = left, top, width, height = _whole(box)
+        mask = np.zeros(image.shape[:2], np.uint8)
+        centre, axes = (left + width // 2, top + height // 2), (width * 2 // 5, height * 2 // 5)
+        cv2.ellipse(mask, centre, axes, 0, 0, 360, 255, -1)
+        channel, limit = self._channel(image)
+        histogram = cv2.calcHist([channel], [0], mask, [32], [0, limit])
+        self._histogram = histogram * (255.0 / max(float(histogram.max()), 1.0))
+        return box
+
+    def update(self, image: Image, stamp: int) -> Box | None:
+        """Return the box in the next frame."""
+        channel, limit = self._channel(image)
+        projection = cv2.calcBackProject([channel], [0], self._histogram, [0, limit], 1)
+        criteria = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 10, 1)
+        _, window = cv2.CamShift(projection, self._window, criteria)
+        left, top, width, height = (int(value) for value in window)
+        if width < 2 or height < 2:
+            return None
+        self._window = (left, top, width, height)
+        if projection[top : top + height, left : left + width].mean() < self.LEAST_MEAN:
+            return None
+        return float(left), float(top), float(left + width), float(top + height)
+
+    @staticmethod
+    def _channel(image: Image) -> tuple[Image, int]:
+        if image.ndim == 2:
+            return image, 256
+        return np.ascontiguousarray(cv2.cvtColor(image, cv2.COLOR_BGR2HSV)[..., 0]), 180
+
+
+def _in_colour(image: Image) -> Image:
+    return image if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+
+
+def _opencv_peers() -> dict[str, Callable[[], BoxTracker]]:
+    peers: dict[str, Callable[[], BoxTracker]] = {}
+    for name in ("CSRT", "KCF", "MIL"):
+        make = getattr(cv2, f"Tracker{name}_create", None)
+        if make is not None:
+            peers[name] = partial(OpenCvTracker, make)
+    peers["CamShift"] = CamShiftTracker
+    return peers
+
+
+PEERS: Mapping[str, Callable[[], BoxTracker]] = MappingProxyType(_opencv_peers())
+"""By name; CSRT and KCF only where the wheel is opencv-contrib-python-headless before 5.0."""
+
+MISSING_PEERS: tuple[str, ...] = tuple(
+    name for name in ("CSRT", "KCF", "MIL", "CamShift") if name not in PEERS
+)
+"""What the installed OpenCV lacks."""

@@ -1,0 +1,240 @@
+"""Where a followed target is, as seen from the vehicle: bearing, range, and its size.
+
+An extended Kalman filter, as J. Ha's thesis cites one (Johnson et al. 2006). Its state is bearing
+and elevation of the target, the logarithm of its range, their rates, and a slow bias of the
+logarithm of its apparent size. Without the bias the range would be far too sure of itself: a
+contour errs by the same few per cent in frame after frame.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.errors import ParameterError
+
+
+class RelativeColumn(IntEnum):
+    """Rows of the state."""
+
+    BEARING = 0
+    ELEVATION = 1
+    LOG_RANGE = 2
+    BEARING_RATE = 3
+    ELEVATION_RATE = 4
+    LOG_RANGE_RATE = 5
+    SIZE_BIAS = 6
+
+
+STATE_SIZE = len(RelativeColumn)
+MEASURED = (RelativeColumn.BEARING, RelativeColumn.ELEVATION, RelativeColumn.LOG_RANGE)
+
+
+@dataclass(frozen=True, slots=True)
+class RelativeNoise:
+    """What moves and what errs.
+
+    Attributes
+    ----------
+    angular_acceleration : float
+        Spectral density of the bearing's and elevation's acceleration [rad/s^1.5].
+    range_acceleration : float
+        The same of the log range [1/s^1.5].
+    bearing_sigma : float
+        Of one measured bearing or elevation [rad].
+    size_sigma : float
+        Of one measured log size.
+    bias_sigma, bias_time : float
+        Of the bias of log size, and the time over which it changes [s].
+    gate : float
+        Measurements farther than so many sigmas are passed over.
+    gate_time : float
+        After so long without one that was taken, the gate is open [s].
+    """
+
+    angular_acceleration: float = 0.15
+    range_acceleration: float = 0.15
+    bearing_sigma: float = math.radians(0.6)
+    size_sigma: float = 0.03
+    bias_sigma: float = 0.05
+    bias_time: float = 20.0
+    gate: float = 4.0
+    gate_time: float = 0.6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TargetSighting:
+    """What one frame says.
+
+    Attributes
+    ----------
+    bearing, elevation : float
+        Of the target's centre [rad].
+    angular_size : float
+        Root of the contour's area over the focal length; the target's size over its range.
+    is_whole : bool
+        Whether that size means anything: not at the border of the picture, not half hidden.
+    """
+
+    bearing: float
+    elevation: float
+    angular_size: float
+    is_whole: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RelativeState:
+    """The belief about where the target is. Never changed in place.
+
+    Attributes
+    ----------
+    mean : FloatArray
+        Rows of `RelativeColumn`, shape (7,) [rad, log m, per second].
+    covariance : FloatArray
+        Shape (7, 7).
+    target_size : float
+        Root of the area that the target shows [m].
+    noise : RelativeNoise
+        See there.
+    unseen : float
+        Time since a measurement was last taken [s].
+    """
+
+    mean: FloatArray
+    covariance: FloatArray
+    target_size: float
+    noise: RelativeNoise
+    unseen: float = 0.0
+
+    @property
+    def range(self) -> float:
+        """Distance to the target [m]."""
+        return math.exp(float(self.mean[RelativeColumn.LOG_RANGE]))
+
+    @property
+    def range_sigma(self) -> float:
+        """Standard deviation of the range [m]."""
+        return self.range * math.sqrt(float(self.covariance[2, 2]))
+
+    def position(self) -> FloatArray:
+        """Return where the target is: ahead, to the left, up, shape (3,) [m]."""
+        bearing, elevation = self.mean[:2]
+        flat = math.cos(elevation)
+        return self.range * np.array(
+            [flat * math.cos(bearing), flat * math.sin(bearing), math.sin(elevation)]
+        )
+
+    def position_covariance(self) -> FloatArray:
+        """Return its covariance, shape (3, 3) [m²]."""
+        bearing, elevation = (float(angle) for angle in self.mean[:2])
+        cb, sb, ce, se = (
+            math.cos(bearing), math.sin(bearing), math.cos(elevation), math.sin(elevation),
+        )  # fmt: skip
+        jacobian = self.range * np.array(
+            [[-ce * sb, -se * cb, ce * cb], [ce * cb, -se * sb, ce * sb], [0.0, ce, se]]
+        )
+        covariance: FloatArray = jacobian @ self.covariance[:3, :3] @ jacobian.T
+        return covariance
+
+    def predicted(self, dt: float, turn: tuple[float, float] = (0.0, 0.0)) -> RelativeState:
+        """Return the belief `dt` seconds later.
+
+        `turn` is by how much the camera has turned meanwhile, to the left and up [rad]: bearing and
+        elevation shrink by it.
+        """
+        transition = np.eye(STATE_SIZE)
+        transition[[0, 1, 2], [3, 4, 5]] = dt
+        keep = math.exp(-dt / self.noise.bias_time)
+        transition[6, 6] = keep
+        mean = transition @ self.mean
+        mean[0] -= turn[0]
+        mean[1] -= turn[1]
+        densities = [self.noise.angular_acceleration] * 2 + [self.noise.range_acceleration]
+        added = np.zeros((STATE_SIZE, STATE_SIZE))
+        for row, density in enumerate(densities):
+            block = density**2 * np.array([[dt**3 / 3.0, dt**2 / 2.0], [dt**2 / 2.0, dt]])
+            added[np.ix_([row, row + 3], [row, row + 3])] = block
+        added[6, 6] = (1.0 - keep**2) * self.noise.bias_sigma**2
+        covariance = transition @ self.covariance @ transition.T + added
+        return replace(self, mean=mean, covariance=covariance, unseen=self.unseen + dt)
+
+    def updated(self, seen: TargetSighting) -> RelativeState:
+        """Return the belief after a sighting; unchanged if the gate refuses it.
+
+        The size counts only while the contour is whole.
+        """
+        rows = 3 if seen.is_whole and seen.angular_size > 0.0 else 2
+        model = np.zeros((rows, STATE_SIZE))
+        model[0, RelativeColumn.BEARING] = model[1, RelativeColumn.ELEVATION] = 1.0
+        measured = [seen.bearing, seen.elevation]
+        sigmas = [self.noise.bearing_sigma] * 2
+        if rows == 3:
+            # log(size / range) and a bias of the size.
+            model[2, RelativeColumn.LOG_RANGE], model[2, RelativeColumn.SIZE_BIAS] = -1.0, 1.0
+            measured.append(math.log(seen.angular_size / self.target_size))
+            sigmas.append(self.noise.size_sigma)
+        innovation = np.array(measured) - model @ self.mean
+        innovation[0] = math.remainder(innovation[0], 2.0 * math.pi)
+        spread = model @ self.covariance @ model.T + np.diag(np.square(sigmas))
+        distance = float(innovation @ np.linalg.solve(spread, innovation))
+        is_open = self.unseen > self.noise.gate_time
+        if distance > self.noise.gate**2:
+            return _begin(seen, self) if is_open and rows == 3 else self
+        gain = np.linalg.solve(spread, model @ self.covariance).T
+        mean = self.mean + gain @ innovation
+        rest = np.eye(STATE_SIZE) - gain @ model
+        # Joseph's form keeps the covariance positive.
+        covariance = rest @ self.covariance @ rest.T + gain @ np.diag(np.square(sigmas)) @ gain.T
+        return replace(self, mean=mean, covariance=covariance, unseen=0.0)
+
+
+def begin_relative_state(
+    seen: TargetSighting, target_size: float, noise: RelativeNoise | None = None
+) -> RelativeState:
+    """Return the belief after the first sighting.
+
+    Parameters
+    ----------
+    seen : TargetSighting
+        Of a whole target.
+    target_size : float
+        Root of the area that it shows [m].
+    noise : RelativeNoise or None
+        See there; None: the usual.
+
+    Raises
+    ------
+    ParameterError
+        The size is not positive, or the first sighting shows no whole target.
+    """
+    if not (math.isfinite(target_size) and target_size > 0.0):
+        raise ParameterError(
+            f"target_size is {target_size:g} m: give the root of its area, above 0"
+        )
+    if not seen.is_whole or not seen.angular_size > 0.0:
+        raise ParameterError("the range can only begin with a target that is seen as a whole")
+    empty = RelativeState(
+        np.zeros(STATE_SIZE), np.eye(STATE_SIZE), target_size, noise or RelativeNoise()
+    )
+    return _begin(seen, empty)
+
+
+def _begin(seen: TargetSighting, before: RelativeState) -> RelativeState:
+    """Return the belief that one sighting alone gives."""
+    noise = before.noise
+    mean = np.zeros(STATE_SIZE)
+    mean[:3] = seen.bearing, seen.elevation, math.log(before.target_size / seen.angular_size)
+    size = noise.size_sigma**2 + noise.bias_sigma**2
+    covariance = np.diag(
+        [noise.bearing_sigma**2, noise.bearing_sigma**2, size, 0.25, 0.25, 0.25,
+         noise.bias_sigma**2]
+    )  # fmt: skip
+    # What the bias adds to the size, the range takes up.
+    bias = noise.bias_sigma**2
+    covariance[RelativeColumn.LOG_RANGE, RelativeColumn.SIZE_BIAS] = bias
+    covariance[RelativeColumn.SIZE_BIAS, RelativeColumn.LOG_RANGE] = bias
+    return replace(before, mean=mean, covariance=covariance, unseen=0.0)

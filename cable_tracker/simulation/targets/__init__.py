@@ -1,0 +1,1 @@
+"""Simulated targets with an outline, in colour, with exact masks."""

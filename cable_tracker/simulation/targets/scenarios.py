@@ -1,0 +1,216 @@
+"""The scenarios: which body, on which way, and what makes it hard."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from cable_tracker.simulation.targets.bodies import Patch, Pose, box_vehicle, buoy, diver, vehicle
+
+Way = Callable[[float], Pose | None]
+"""The pose at a time [s]; None while there is no target."""
+
+Body = Callable[[float], list[Patch]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cast:
+    """Who appears in one run of a scenario.
+
+    Attributes
+    ----------
+    way : Way
+        Of the target.
+    twin : Way or None
+        Of another one that looks the same.
+    twin_in_front : bool
+        Which of the two hides the other.
+    stalks : tuple of (float, float)
+        Upright stalks before everything: middle and half width [px].
+    """
+
+    way: Way
+    twin: Way | None = None
+    twin_in_front: bool = False
+    stalks: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class TargetScenario:
+    """One scenario; its runs differ by their seeds.
+
+    Attributes
+    ----------
+    name, purpose : str
+        For people.
+    body : Body
+        What the target looks like.
+    cast : callable
+        Makes the ways from the size of the pictures, the duration [s] and random numbers.
+    clearness : float
+        Share of its own colour that a near target shows; the rest is that of the water.
+    surface : float or None
+        Height of the surface, as a share of the picture.
+    """
+
+    name: str
+    purpose: str
+    body: Body
+    cast: Callable[[float, float, float, np.random.Generator], Cast]
+    clearness: float = 0.9
+    surface: float | None = None
+
+
+def _sway(rng: np.random.Generator, amplitude: float) -> Callable[[float], float]:
+    """Return a smooth wandering about zero."""
+    rates, phases = rng.uniform(0.5, 2.4, 3), rng.uniform(0.0, 2.0 * math.pi, 3)
+    return lambda time: float(amplitude * np.sin(rates * time + phases).sum() / 2.0)
+
+
+def _buoy_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+    x, y = width * rng.uniform(0.3, 0.7), height * rng.uniform(0.35, 0.6)
+    near, far = rng.uniform(60.0, 85.0), rng.uniform(16.0, 24.0)
+    across, up, tilt = _sway(rng, 45.0), _sway(rng, 24.0), _sway(rng, 0.15)
+    approaches = rng.random() < 0.5
+
+    def way(time: float) -> Pose:
+        share = time / duration if approaches else 1.0 - time / duration
+        size = far * (near / far) ** share
+        return Pose(x + across(time), y + up(time), size, tilt(time))
+
+    return Cast(way)
+
+
+def _swimming(
+    width: float, height: float, duration: float, rng: np.random.Generator, size: float
+) -> Way:
+    """Return a way to and fro across the picture, turning towards the camera at its ends."""
+    heading = rng.choice((-1.0, 1.0))
+    reach, period = width * rng.uniform(0.25, 0.33), duration * rng.uniform(0.7, 1.1)
+    y, phase = height * rng.uniform(0.35, 0.6), rng.uniform(-0.7, 0.7)
+    up, tilt, nearness = _sway(rng, 22.0), _sway(rng, 0.22), _sway(rng, 0.28)
+
+    def way(time: float) -> Pose:
+        turn = 2.0 * math.pi * time / period + phase
+        facing = heading * math.cos(turn)
+        shortening = math.copysign(max(abs(facing), 0.35), facing)
+        x = width / 2 + heading * reach * math.sin(turn)
+        return Pose(
+            x, y + up(time), size * math.exp(nearness(time)), tilt(time), shortening, 7.0 * time
+        )
+
+    return way
+
+
+def _vehicle_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+    return Cast(_swimming(width, height, duration, rng, rng.uniform(60.0, 85.0)))
+
+
+def _diver_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+    return Cast(_swimming(width, height, duration, rng, rng.uniform(95.0, 125.0)))
+
+
+def _hazy_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+    way = _swimming(width, height, duration, rng, rng.uniform(55.0, 75.0))
+    return Cast(lambda time: replace(_there(way(time)), shortening=1.0))
+
+
+def _there(pose: Pose | None) -> Pose:
+    assert pose is not None
+    return pose
+
+
+def _leaving_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+    """Out over one side for about a third of the time, and back over the same."""
+    side, size = rng.choice((-1.0, 1.0)), rng.uniform(34.0, 46.0)
+    y, up = height * rng.uniform(0.35, 0.6), _sway(rng, 16.0)
+    back_lower = rng.uniform(-30.0, 30.0)
+    reach = width * 0.5 + size * rng.uniform(1.6, 2.2)
+
+    def way(time: float) -> Pose:
+        out = math.sin(math.pi * time / duration) ** 2
+        x = width / 2 + side * (reach * 1.25 * out - width * 0.15)
+        lower = back_lower if time > duration / 2 else 0.0
+        return Pose(x, y + lower + up(time), size)
+
+    return Cast(way)
+
+
+def _occlusion_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+    size, side = rng.uniform(30.0, 40.0), rng.choice((-1.0, 1.0))
+    y, up = height * rng.uniform(0.35, 0.6), _sway(rng, 14.0)
+
+    def way(time: float) -> Pose:
+        x = width * (0.5 + side * (0.36 - 0.72 * time / duration))
+        return Pose(x, y + up(time), size)
+
+    stalks = tuple(
+        (width * (0.5 + side * place), half)
+        for place, half in ((0.14, 0.3 * size), (-0.12, size * rng.uniform(0.55, 0.8)))
+    )
+    return Cast(way, stalks=stalks)
+
+
+def _crossing_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+    size, side = rng.uniform(30.0, 40.0), rng.choice((-1.0, 1.0))
+    y, up, twin_up = height * rng.uniform(0.4, 0.55), _sway(rng, 12.0), _sway(rng, 12.0)
+    apart = rng.uniform(-8.0, 8.0)
+
+    def way(time: float) -> Pose:
+        return Pose(width * (0.5 + side * (0.35 - 0.7 * time / duration)), y + up(time), size)
+
+    def twin(time: float) -> Pose:
+        x = width * (0.5 - side * (0.33 - 0.66 * time / duration))
+        return Pose(x, y + apart + twin_up(time), size)
+
+    return Cast(way, twin, twin_in_front=bool(rng.random() < 0.5))
+
+
+def _surface_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+    size, x, y = rng.uniform(34.0, 48.0), width * rng.uniform(0.35, 0.65), height * 0.58
+    across, up, nearness = _sway(rng, 60.0), _sway(rng, 14.0), _sway(rng, 0.2)
+    return Cast(lambda time: Pose(x + across(time), y + up(time), size * math.exp(nearness(time))))
+
+
+def _vanishing_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
+    """Leaves within the first fifth of the time, for good."""
+    side, size = rng.choice((-1.0, 1.0)), rng.uniform(34.0, 46.0)
+    y = height * rng.uniform(0.35, 0.6)
+
+    def way(time: float) -> Pose | None:
+        x = width / 2 + side * (0.5 * width + size) * time / (0.2 * duration)
+        return Pose(x, y, size) if time < 0.25 * duration else None
+
+    return Cast(way)
+
+
+def _nobody_cast(
+    _width: float, _height: float, _duration: float, _rng: np.random.Generator
+) -> Cast:
+    return Cast(lambda _time: None)
+
+
+TARGET_SCENARIOS: Mapping[str, TargetScenario] = MappingProxyType(
+    {
+        scenario.name: scenario
+        for scenario in (
+            TargetScenario("buoy", "a buoy from far to near, or back", buoy, _buoy_cast),
+            TargetScenario("vehicle", "a vehicle that turns about", vehicle, _vehicle_cast),
+            TargetScenario("diver", "an outline that changes in every frame", diver, _diver_cast),
+            TargetScenario("low_contrast", "a grey vehicle in haze", box_vehicle, _hazy_cast, 0.6),
+            TargetScenario("leaving", "out of the picture and back", buoy, _leaving_cast),
+            TargetScenario("occlusion", "hidden by stalks, twice", buoy, _occlusion_cast),
+            TargetScenario("crossing", "two of one kind cross", buoy, _crossing_cast),
+            TargetScenario(
+                "near_surface", "its mirror above it", buoy, _surface_cast, surface=0.68
+            ),
+            TargetScenario("vanishing", "soon gone, for good", buoy, _vanishing_cast),
+            TargetScenario("nothing", "never any target", buoy, _nobody_cast),
+        )
+    }
+)
+"""By name."""

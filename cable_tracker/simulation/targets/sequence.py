@@ -1,0 +1,235 @@
+"""Frames of a scenario, with the exact mask of what can be seen of the target."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, Image
+from cable_tracker.errors import ParameterError
+from cable_tracker.simulation.targets.bodies import Pose, paint
+from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS, Cast, TargetScenario
+from cable_tracker.simulation.targets.surroundings import Surroundings, make_surroundings
+
+FIRST_STAMP = 1_000_000_000
+"""Stamp of the first frame [ns]; not 0, which ROS takes for "no time"."""
+
+LEAST_SHARE = 0.25
+"""A target of which less can be seen counts as out of view."""
+
+LEAST_AREA = 40
+"""The same in pixels, at a width of 320."""
+
+HAZE = np.array([140.0, 118.0, 58.0], np.float32)
+"""Colour of the water between target and camera: blue, green, red."""
+
+STALK = np.array([52.0, 74.0, 58.0], np.float32)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TargetFrame:
+    """A frame and the truth about the target.
+
+    Attributes
+    ----------
+    image : Image
+        uint8, blue-green-red, shape (H, W, 3).
+    stamp : int
+        Time [ns].
+    mask : BoolArray
+        What can be seen of the target, shape (H, W); empty while it is out of view.
+    twin_mask : BoolArray
+        The same of the other one.
+    size : float
+        Length of the body's unit [px]; 0 while it is out of view.
+    """
+
+    image: Image
+    stamp: int
+    mask: BoolArray
+    twin_mask: BoolArray
+    size: float
+
+    @property
+    def box(self) -> tuple[float, float, float, float] | None:
+        """Left, top, right, bottom of the mask, from the top left corner; None if out of view."""
+        return box_of(self.mask)
+
+    @property
+    def twin_box(self) -> tuple[float, float, float, float] | None:
+        """The same of the other one."""
+        return box_of(self.twin_mask)
+
+
+def box_of(mask: BoolArray) -> tuple[float, float, float, float] | None:
+    """Return left, top, right and bottom of a mask [px]; None for an empty one."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    if len(rows) == 0:
+        return None
+    return float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1)
+
+
+def find_target_scenario(name: str) -> TargetScenario:
+    """Return a scenario by its name.
+
+    Raises
+    ------
+    ParameterError
+        There is none.
+    """
+    if name not in TARGET_SCENARIOS:
+        raise ParameterError(f"scenario {name!r} is none of {' | '.join(TARGET_SCENARIOS)}")
+    return TARGET_SCENARIOS[name]
+
+
+def simulate_target(
+    name: str,
+    seed: int,
+    frame_count: int = 150,
+    *,
+    rate: float = 25.0,
+    size: tuple[int, int] = (320, 240),
+    noise: float = 3.0,
+) -> Iterator[TargetFrame]:
+    """Yield the frames of one run of a scenario.
+
+    Parameters
+    ----------
+    name : str
+        Of `TARGET_SCENARIOS`.
+    seed : int
+        The same arguments give the same frames, bit for bit.
+    frame_count : int
+        How many; the way is the same, in more or fewer steps of time.
+    rate : float
+        Frames per second.
+    size : (int, int)
+        Width and height [px].
+    noise : float
+        Standard deviation of the sensor's noise [grey levels].
+
+    Raises
+    ------
+    ParameterError
+        There is no such scenario.
+    """
+    scenario = find_target_scenario(name)
+    rng = np.random.default_rng([seed, sorted(TARGET_SCENARIOS).index(name)])
+    surroundings = make_surroundings(size, rng, surface=scenario.surface)
+    duration = frame_count / rate
+    zoom = size[0] / 320.0
+    cast = scenario.cast(320.0, size[1] / zoom, duration, rng)
+    drift = rng.uniform(-70.0, 70.0, 2), rng.uniform(0.3, 1.1, 2), rng.uniform(0.0, 6.0, 2)
+    for index in range(frame_count):
+        time = index / rate
+        offset = drift[0] * zoom * np.sin(drift[1] * time + drift[2])
+        picture = surroundings.view(size, (float(offset[0]), float(offset[1])), time)
+        stamp = FIRST_STAMP + round(index * 1e9 / rate)
+        yield _frame(scenario, cast, surroundings, picture, time, stamp, zoom, noise, rng)
+
+
+def _frame(  # noqa: PLR0917
+    scenario: TargetScenario,
+    cast: Cast,
+    surroundings: Surroundings,
+    picture: Image,
+    time: float,
+    stamp: int,
+    zoom: float,
+    noise: float,
+    rng: np.random.Generator,
+) -> TargetFrame:
+    height, width = picture.shape[:2]
+    nobody = np.zeros((height, width), np.float32)
+    if scenario.surface is not None:
+        _mirror(scenario, cast, picture, time, zoom)
+    own = _painted(scenario, cast.way(time), picture, zoom)
+    twin = _painted(scenario, cast.twin(time) if cast.twin else None, picture, zoom)
+    hidden = nobody.copy()
+    for colours, coverage in (own, twin) if cast.twin_in_front else (twin, own):
+        picture *= (1.0 - coverage)[..., None]
+        picture += colours
+    stalks = _stalks(cast, picture, time, zoom)
+    np.maximum(hidden, stalks, out=hidden)
+    own_hidden = np.maximum(hidden, twin[1]) if cast.twin_in_front else hidden
+    twin_hidden = hidden if cast.twin_in_front else np.maximum(hidden, own[1])
+    surroundings.snow(picture, time)
+    picture = cv2.GaussianBlur(picture, (0, 0), 0.7)
+    picture += rng.normal(0.0, noise, picture.shape).astype(np.float32)
+    mask = _visible(own[1], own_hidden, cast.way(time), zoom)
+    pose = cast.way(time)
+    return TargetFrame(
+        image=np.clip(np.rint(picture), 0, 255).astype(np.uint8),
+        stamp=stamp,
+        mask=mask,
+        twin_mask=_visible(twin[1], twin_hidden, pose, zoom),
+        size=pose.size * zoom if pose is not None and mask.any() else 0.0,
+    )
+
+
+def _painted(
+    scenario: TargetScenario, pose: Pose | None, picture: Image, zoom: float
+) -> tuple[Image, Image]:
+    height, width = picture.shape[:2]
+    if pose is None:
+        return np.zeros_like(picture), np.zeros((height, width), np.float32)
+    scaled = replace(pose, x=pose.x * zoom, y=pose.y * zoom, size=pose.size * zoom)
+    colours, coverage = paint(scenario.body(pose.phase), scaled, (width, height))
+    # What is small is far, and its colour fades into that of the water.
+    clear = scenario.clearness * min(1.0, 0.55 + pose.size / 90.0)
+    return clear * colours + (1.0 - clear) * HAZE * coverage[..., None], coverage
+
+
+def _mirror(scenario: TargetScenario, cast: Cast, picture: Image, time: float, zoom: float) -> None:
+    """Paint the target's wavering image in the under side of the surface."""
+    assert scenario.surface is not None
+    pose = cast.way(time)
+    if pose is None:
+        return
+    height, width = picture.shape[:2]
+    colours, coverage = _painted(scenario, pose, picture, zoom)
+    line = height * (1.0 - scenario.surface)
+    rows, columns = np.mgrid[:height, :width].astype(np.float32)
+    across = columns + 3.0 * zoom * np.sin(0.35 * rows / zoom + 6.0 * time)
+    below = 2.0 * line - rows + 2.0 * zoom * np.sin(0.2 * columns / zoom + 4.0 * time)
+    flipped = [
+        cv2.remap(each, across.astype(np.float32), below.astype(np.float32), cv2.INTER_LINEAR)
+        for each in (colours, coverage)
+    ]
+    flipped[0][rows > line] = 0.0
+    flipped[1][rows > line] = 0.0
+    picture *= (1.0 - 0.6 * flipped[1])[..., None]
+    picture += 0.6 * flipped[0]
+
+
+def _stalks(cast: Cast, picture: Image, time: float, zoom: float) -> Image:
+    """Paint the stalks before everything; return their coverage."""
+    height, width = picture.shape[:2]
+    rows, columns = np.mgrid[:height, :width].astype(np.float32)
+    coverage = np.zeros((height, width), np.float32)
+    for middle, half in cast.stalks:
+        bend = 4.0 * zoom * np.sin(rows / (40.0 * zoom) + 0.8 * time)
+        inside = half * zoom - np.abs(columns - middle * zoom - bend)
+        np.maximum(coverage, np.clip(inside + 0.5, 0.0, 1.0), out=coverage)
+    picture *= (1.0 - coverage)[..., None]
+    picture += coverage[..., None] * STALK
+    return coverage
+
+
+def _visible(coverage: Image, hidden: Image, pose: Pose | None, zoom: float) -> BoolArray:
+    mask: BoolArray = (coverage > 0.5) & (hidden < 0.5)
+    seen = int(mask.sum())
+    whole = _whole_area(coverage, pose, zoom)
+    if seen < max(LEAST_AREA * zoom**2, LEAST_SHARE * whole):
+        mask[:] = False
+    return mask
+
+
+def _whole_area(coverage: Image, pose: Pose | None, zoom: float) -> float:
+    """Return about how large the body is, also beyond the border of the picture [px²]."""
+    if pose is None:
+        return 0.0
+    return max(float(coverage.sum()), 0.3 * (pose.size * zoom) ** 2 * abs(pose.shortening))

@@ -1,0 +1,1 @@
+"""Detectors: they propose outlines in whole pictures, and decide nothing."""

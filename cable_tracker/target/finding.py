@@ -1,0 +1,98 @@
+"""What a filter has found in one frame, whatever filter it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.target.measure.outline import Outline
+from cable_tracker.target.measure.working_frame import WorkingFrame
+from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.parameters.parameters import TargetParameters
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finding:
+    """One frame's result, in pixels of the working image.
+
+    Attributes
+    ----------
+    state, covariance : FloatArray
+        Pose, shape (6,), and its covariance, shape (6, 6).
+    size : float
+        Root of the target's area at scale 1 [px].
+    outline : Outline or None
+        Contour; None where the target is beyond the picture.
+    is_whole : bool
+        Whether its size means something.
+    presence : float
+        Probability that the target is in view.
+    effective_sample_size, score : float
+        As in `TargetEstimate`.
+    rises, holds : bool
+        Whether the frame speaks for claiming the target, and for going on to claim it.
+    """
+
+    state: FloatArray
+    covariance: FloatArray
+    size: float
+    outline: Outline | None
+    is_whole: bool
+    presence: float
+    effective_sample_size: float
+    score: float
+    rises: bool
+    holds: bool
+
+
+class TargetEngine(Protocol):
+    """A filter over the outline of one target."""
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief, in pixels of the working image; None before the first target."""
+        ...
+
+    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> Finding:
+        """Learn a target from its pixels in a frame.
+
+        Raises
+        ------
+        FrameError
+            The mask is too small, or does not stand out from its surroundings.
+        """
+        ...
+
+    def advance(
+        self,
+        frame: WorkingFrame,
+        dt: float,
+        motion: CameraMotion | None,
+        others: FloatArray,
+    ) -> Finding:
+        """Follow the target into the next frame.
+
+        Parameters
+        ----------
+        frame : WorkingFrame
+            The frame.
+        dt : float
+            Time since the frame before [s].
+        motion : CameraMotion or None
+            How the camera has moved since.
+        others : FloatArray
+            Poses of the other targets that are followed, shape (K, 6): they exclude this one.
+        """
+        ...
+
+    def configure(self, parameters: TargetParameters) -> None:
+        """Take other parameters from now on, and keep the belief."""
+        ...
+
+    def use(self, rng: np.random.Generator) -> None:
+        """Draw from another generator."""
+        ...

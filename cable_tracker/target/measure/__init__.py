@@ -1,0 +1,1 @@
+"""What a frame says about a target: appearance, scores of regions, places, outlines."""

@@ -1,0 +1,163 @@
+"""How the target looks, and its surroundings: histograms, learnt at the start and after."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.compilation import compiled
+from cable_tracker.target.measure.features import BinMap, Bins
+
+UNSEEN = 0.01
+"""Share of the target's histogram that is spread over all bins."""
+
+UNSEEN_AROUND = 0.3
+"""The same of the surroundings: a colour that neither has shown is rather another's."""
+
+NEAR_SHARE = 0.5
+"""Share of the surroundings' histogram that comes from near the target."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Appearance:
+    """Histograms of target and surroundings, and what follows from them.
+
+    Attributes
+    ----------
+    bins : Bins
+        Of pixels.
+    first : FloatArray
+        Histogram of the target at the start: shares of the bins, shape (B,), summing to one.
+    target, surroundings : FloatArray
+        The present ones.
+    limit : float
+        Largest log-likelihood ratio of one pixel.
+    """
+
+    bins: Bins
+    first: FloatArray
+    target: FloatArray
+    surroundings: FloatArray
+    limit: float
+
+    def log_ratios(self, first_share: float = 0.0) -> NDArray[np.float32]:
+        """Return log p(bin | target) / p(bin | surroundings), shape (B,).
+
+        `first_share` of the target's histogram is that of the start.
+        """
+        shape = self.bins.shape
+        mixed = first_share * self.first + (1.0 - first_share) * self.target
+        target, surroundings = (_smoothed(each, shape) for each in (mixed, self.surroundings))
+        even = 1.0 / self.bins.count
+        own = (1.0 - UNSEEN) * target + UNSEEN * even
+        others = (1.0 - UNSEEN_AROUND) * surroundings + UNSEEN_AROUND * even
+        ratios = np.log(own / others)
+        return np.clip(ratios, -self.limit, self.limit).astype(np.float32)
+
+    def hue_roots(self, first_share: float = 0.0) -> FloatArray:
+        """Return the roots of the target's shares of the hues, shape (K,)."""
+        mixed = first_share * self.first + (1.0 - first_share) * self.target
+        roots: FloatArray = np.sqrt(_hues(mixed, self.bins.shape))
+        return roots
+
+    def likeness(self, histogram: FloatArray, first_share: float = 0.0) -> float:
+        """Return the Bhattacharyya coefficient of a region's histogram and the target's, 0 to 1."""
+        mixed = first_share * self.first + (1.0 - first_share) * self.target
+        target, other = (_hues(each, self.bins.shape) for each in (mixed, histogram))
+        return float(np.sqrt(target * other).sum())
+
+    def adapted(
+        self, target: FloatArray, surroundings: FloatArray, rate: float, outer_rate: float
+    ) -> Appearance:
+        """Return it moved towards the histograms of a new frame, by shares of the way."""
+        return replace(
+            self,
+            target=(1.0 - rate) * self.target + rate * target,
+            surroundings=(1.0 - outer_rate) * self.surroundings + outer_rate * surroundings,
+        )
+
+    def adapted_around(self, surroundings: FloatArray, rate: float) -> Appearance:
+        """Return it with only the surroundings moved."""
+        return self.adapted(self.target, surroundings, 0.0, rate)
+
+
+def _hues(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
+    """Return the shares of the chromas, whatever the luma; of a grey picture, those of all bins.
+
+    The nearer, the brighter: luma says less about what it is. Twice smoothed, for the same reason.
+    """
+    if shape[2] == 1:
+        return _smoothed(histogram, shape)
+    chromas = (1, shape[1], shape[2])
+    hues = histogram.reshape(shape).sum(axis=0)
+    return _smoothed(_smoothed(hues, chromas), chromas)
+
+
+def _smoothed(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
+    """Spread every bin a little over its neighbours."""
+    smooth = np.ascontiguousarray(histogram, dtype=np.float64).reshape(-1)
+    for axis in range(3):
+        if shape[axis] > 1:
+            after = shape[1] * shape[2] if axis == 0 else shape[2] if axis == 1 else 1
+            smooth = _smoothed_along(smooth, shape[axis], after)
+    return smooth
+
+
+@compiled
+def _smoothed_along(values: FloatArray, count: int, stride: int) -> FloatArray:
+    """Weigh neighbours along an axis of `count` bins, `stride` apart, by 1/4, 1/2, 1/4."""
+    result = np.empty_like(values)
+    for index in range(len(values)):
+        place = index // stride % count
+        before = values[index - stride] if place > 0 else values[index]
+        after = values[index + stride] if place < count - 1 else values[index]
+        result[index] = 0.25 * before + 0.5 * values[index] + 0.25 * after
+    return result
+
+
+def learn_histograms(
+    bins: BinMap, mask: BoolArray, near: tuple[int, int, int, int], count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the histograms of a target and of its surroundings.
+
+    Parameters
+    ----------
+    bins : BinMap
+        Of the frame.
+    mask : BoolArray
+        The target, of the same shape.
+    near : (int, int, int, int)
+        First column and row, and those after the last, of what is near.
+    count : int
+        Number of bins.
+
+    Returns
+    -------
+    (FloatArray, FloatArray)
+        Shares, shape (B,); all even where there are no pixels.
+    """
+    target, beside, far = _counted(bins, mask, np.array(near), count)
+    shares = [each / each.sum() if each.any() else np.full(count, 1.0 / count) for each in
+              (target, beside, far)]  # fmt: skip
+    return shares[0], NEAR_SHARE * shares[1] + (1.0 - NEAR_SHARE) * shares[2]
+
+
+@compiled
+def _counted(
+    bins: BinMap, mask: BoolArray, near: NDArray[np.int64], count: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    height, width = bins.shape
+    target, beside, far = np.zeros(count), np.zeros(count), np.zeros(count)
+    left, top, right, bottom = near[0], near[1], near[2], near[3]
+    for row in range(height):
+        for column in range(width):
+            if mask[row, column]:
+                target[bins[row, column]] += 1.0
+            elif top <= row < bottom and left <= column < right:
+                beside[bins[row, column]] += 1.0
+            elif row % 2 == 0 and column % 2 == 0:
+                far[bins[row, column]] += 1.0
+    return target, beside, far

@@ -1,0 +1,104 @@
+"""How likely a score is of the target, and of a place without it: the frame's own null."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+
+TAIL = 3.0
+"""Degrees of freedom of the Student-t about the usual score of clutter."""
+
+LEAST_SPREAD = 0.2
+"""Of the scores of clutter; also that of pictures without any texture."""
+
+STUDENT_PEAK = math.gamma((TAIL + 1) / 2) / (math.gamma(TAIL / 2) * math.sqrt(TAIL * math.pi))
+
+
+@dataclass(frozen=True, slots=True)
+class UsualScore:
+    """The scores of the target while it was in view.
+
+    Attributes
+    ----------
+    mean, variance : float
+        Running.
+    """
+
+    mean: float
+    variance: float
+
+    def seen(self, score: float, rate: float) -> UsualScore:
+        """Return it after one more frame in which the target was surely in view."""
+        gap = score - self.mean
+        variance = (1.0 - rate) * (self.variance + rate * gap * gap)
+        return replace(self, mean=self.mean + rate * gap, variance=variance)
+
+
+LEAST_LIKENESS_SPREAD = 0.15
+"""Of the likeness of the target to itself, from frame to frame."""
+
+
+def log_ratio_of_likeness(likeness: float, usual: UsualScore) -> float:
+    """Return log p(likeness | target) / p(likeness | clutter), clutter having any from 0 to 1."""
+    spread = max(math.sqrt(usual.variance), LEAST_LIKENESS_SPREAD)
+    below = min(likeness - usual.mean, 0.0) / spread
+    return -0.5 * below * below - math.log(spread * math.sqrt(2.0 * math.pi))
+
+
+@dataclass(frozen=True, slots=True)
+class Clutter:
+    """The scores of places of one frame where the target is not.
+
+    Attributes
+    ----------
+    middle, spread : float
+        Robust.
+    anything : float
+        Share of clutter with any score at all.
+    """
+
+    middle: float
+    spread: float
+    anything: float
+
+    def log_ratios(self, scores: FloatArray, usual: UsualScore, least: float) -> FloatArray:
+        """Return log p(score | target) / p(score | clutter), shape (N,).
+
+        Parameters
+        ----------
+        scores : FloatArray
+            Shape (N,).
+        usual : UsualScore
+            Of the target. A score above the usual is as good as the usual one.
+        least : float
+            Least spread of the usual score, as a share of it.
+        """
+        spread = max(math.sqrt(usual.variance), least * abs(usual.mean), LEAST_SPREAD)
+        below = np.minimum(scores - usual.mean, 0.0) / spread
+        target = -0.5 * below**2 - math.log(spread * math.sqrt(2.0 * math.pi))
+        standard = (scores - self.middle) / self.spread
+        student = STUDENT_PEAK * (1.0 + standard**2 / TAIL) ** (-(TAIL + 1) / 2) / self.spread
+        even = 1.0 / max(2.0 * abs(usual.mean), 1.0)
+        clutter = (1.0 - self.anything) * student + self.anything * even
+        ratios: FloatArray = target - np.log(clutter)
+        return ratios
+
+
+def clutter_of(scores: FloatArray, anything: float) -> Clutter:
+    """Return the clutter that random places of a frame show.
+
+    Parameters
+    ----------
+    scores : FloatArray
+        Of places where the target is not, shape (K,).
+    anything : float
+        See `Clutter`.
+    """
+    if len(scores) == 0:
+        return Clutter(0.0, LEAST_SPREAD, anything)
+    low, middle, high = np.percentile(scores, (16.0, 50.0, 84.0))
+    return Clutter(float(middle), max(float(high - low) / 2.0, LEAST_SPREAD), anything)

@@ -1,0 +1,121 @@
+"""The first look at a marked target: which pixels it has, and how they look."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.contour.evolution import ContourSettings
+from cable_tracker.target.measure.appearance import Appearance, learn_histograms
+from cable_tracker.target.measure.features import BinMap, Bins, bins_of, choose_bins, looked_up
+from cable_tracker.target.measure.outline import find_outline
+from cable_tracker.target.measure.region import HueModel, score_poses
+from cable_tracker.target.measure.working_frame import WorkingFrame
+from cable_tracker.target.model.state import POSE_SIZE
+from cable_tracker.target.model.template import LEAST_AREA, Template, centroid, template_of_mask
+
+ROUNDS = 3
+"""How often outline and appearance are worked out in turn."""
+
+NEARNESS = 1.0
+"""What is near a target reaches this far beyond its box, in sides of the box."""
+
+BOX_SOFTNESS = 0.15
+"""Softness of the ellipse in a box as a prior of shape, in roots of its area."""
+
+
+class FirstLook(NamedTuple):
+    """What is known of a target after the frame in which it was marked.
+
+    Attributes
+    ----------
+    template : Template
+        Shape.
+    appearance : Appearance
+        Colours or greys and texture.
+    state : FloatArray
+        Pose, shape (6,).
+    score : float
+        Mean log-ratio in the region there less that around.
+    """
+
+    template: Template
+    appearance: Appearance
+    state: FloatArray
+    score: float
+
+
+def near(mask: BoolArray) -> tuple[int, int, int, int]:
+    """Return the first column and row, and those after the last, of what is near a mask."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    if len(rows) == 0:
+        return 0, 0, 0, 0
+    reach_x = int(NEARNESS * (columns[-1] - columns[0] + 1) * 0.75) + 4
+    reach_y = int(NEARNESS * (rows[-1] - rows[0] + 1) * 0.75) + 4
+    return (
+        max(int(columns[0]) - reach_x, 0), max(int(rows[0]) - reach_y, 0),
+        min(int(columns[-1]) + reach_x + 1, mask.shape[1]),
+        min(int(rows[-1]) + reach_y + 1, mask.shape[0]),
+    )  # fmt: skip
+
+
+def look_first(
+    frame: WorkingFrame,
+    mask: BoolArray,
+    *,
+    is_exact: bool,
+    points: int,
+    limit: float,
+    settings: ContourSettings,
+) -> FirstLook:
+    """Learn a target from the frame in which it was marked.
+
+    Parameters
+    ----------
+    frame : WorkingFrame
+        The frame.
+    mask : BoolArray
+        Marked pixels, shape (H, W).
+    is_exact : bool
+        Whether the mask is an outline; of a box, what belongs to the target is worked out.
+    points : int
+        Of the template, inside and around.
+    limit : float
+        Largest log-ratio.
+    settings : ContourSettings
+        How the contour evolves.
+
+    Raises
+    ------
+    FrameError
+        The mask is too small.
+    """
+    bins = choose_bins(frame.channels, frame.is_coloured)
+    bin_map = bins_of(frame.channels, bins.lookups)
+    marked = template_of_mask(mask, points)
+    state = np.zeros(POSE_SIZE)
+    state[:2] = centroid(mask)
+    appearance = _learn(bin_map, mask, bins, limit)
+    for _ in range(0 if is_exact else ROUNDS):
+        ratios = looked_up(bin_map, appearance.log_ratios())
+        outline = find_outline(ratios, state, marked, BOX_SOFTNESS, settings)
+        if outline is None or outline.area < max(LEAST_AREA, 0.15 * mask.sum()):
+            break
+        appearance = _learn(bin_map, outline.in_picture(frame.shape), bins, limit)
+        mask = outline.in_picture(frame.shape)
+    template = template_of_mask(mask, points)
+    state = np.zeros(POSE_SIZE)
+    state[:2] = centroid(mask)
+    ratios = looked_up(bin_map, appearance.log_ratios())
+    plain = HueModel(bin_map, appearance.hue_roots(), 0.0)
+    scores = score_poses(
+        ratios, state[None], template.inside, template.around, template.size, plain
+    )
+    return FirstLook(template, appearance, state, float(scores[0]))
+
+
+def _learn(bin_map: BinMap, mask: BoolArray, bins: Bins, limit: float) -> Appearance:
+    target, surroundings = learn_histograms(bin_map, mask, near(mask), bins.count)
+    return Appearance(bins, target, target, surroundings, limit)

@@ -1,0 +1,185 @@
+"""One contour a frame: the outline of the target where the estimate says that it is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.compilation import compiled
+from cable_tracker.contour.evolution import ContourSettings, Window
+from cable_tracker.contour.levels import levels_of_mask
+from cable_tracker.contour.switching import FEWEST, switch_points
+from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.model.template import SIDE, UNIT, Template
+
+MARGIN = 1.4
+"""The window reaches this much farther than the template."""
+
+PRIOR_LIMIT = 6.0
+"""Largest log-odds of the prior."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outline:
+    """A mask in a window of the working image.
+
+    Attributes
+    ----------
+    mask : BoolArray
+        Shape (bottom - top, right - left).
+    window : Window
+        Where it is.
+    overlap : float
+        With the template at the estimated pose: intersection over union.
+    """
+
+    mask: BoolArray
+    window: Window
+    overlap: float
+
+    @property
+    def area(self) -> int:
+        """Pixels inside."""
+        return int(self.mask.sum())
+
+    @property
+    def box(self) -> tuple[float, float, float, float]:
+        """Left, top, right, bottom from the top left corner [px]; of an empty mask, the window."""
+        rows = np.flatnonzero(self.mask.any(axis=1))
+        columns = np.flatnonzero(self.mask.any(axis=0))
+        left, top, right, bottom = self.window
+        if len(rows) == 0:
+            return float(left), float(top), float(right), float(bottom)
+        return (
+            float(left + columns[0]), float(top + rows[0]),
+            float(left + columns[-1] + 1), float(top + rows[-1] + 1),
+        )  # fmt: skip
+
+    def in_picture(self, shape: tuple[int, int]) -> BoolArray:
+        """Return the mask in a picture of this shape."""
+        whole = np.zeros(shape, np.bool_)
+        left, top, right, bottom = self.window
+        whole[top:bottom, left:right] = self.mask
+        return whole
+
+    def touches_border(self, shape: tuple[int, int]) -> bool:
+        """Tell whether the target reaches the border of a picture of this shape."""
+        left, top, right, bottom = self.box
+        return left <= 0 or top <= 0 or right >= shape[1] or bottom >= shape[0]
+
+
+def window_about(state: FloatArray, template: Template, shape: tuple[int, ...]) -> Window | None:
+    """Return the window about a pose; None where it lies beyond the picture."""
+    height, width = shape
+    reach = MARGIN * template.reach * template.size * math.exp(state[PoseColumn.LOG_SCALE]) + 2.0
+    column = (width - 1) / 2 + state[PoseColumn.X]
+    row = (height - 1) / 2 - state[PoseColumn.Y]
+    left, right = max(int(column - reach), 0), min(int(column + reach) + 2, width)
+    top, bottom = max(int(row - reach), 0), min(int(row + reach) + 2, height)
+    if right - left < 3 or bottom - top < 3:
+        return None
+    return left, top, right, bottom
+
+
+def find_outline(
+    ratios: NDArray[np.float32],
+    state: FloatArray,
+    template: Template,
+    softness: float,
+    settings: ContourSettings,
+) -> Outline | None:
+    """Let the template's outline at a pose evolve on the map of log-ratios.
+
+    Parameters
+    ----------
+    ratios : array
+        Float32, shape (H, W).
+    state : FloatArray
+        Pose, shape (6,).
+    template : Template
+        Expected shape.
+    softness : float
+        Distance from its outline at which the prior's odds are e : 1, in units of the template.
+    settings : ContourSettings
+        How the contour evolves.
+
+    Returns
+    -------
+    Outline or None
+        None where hardly anything of the pose is in the picture.
+    """
+    window = window_about(state, template, ratios.shape)
+    if window is None:
+        return None
+    left, top, right, bottom = window
+    height, width = ratios.shape
+    size = template.size * math.exp(state[PoseColumn.LOG_SCALE])
+    distances = distances_at(
+        template.distances,
+        (width - 1) / 2 + state[PoseColumn.X] - left,
+        (height - 1) / 2 - state[PoseColumn.Y] - top,
+        size,
+        state[PoseColumn.ANGLE],
+        bottom - top,
+        right - left,
+    )
+    expected = distances < 0.0
+    count = int(expected.sum())
+    if count < FEWEST or expected.size - count < FEWEST:
+        return None
+    prior = np.clip(-distances / np.float32(softness), -PRIOR_LIMIT, PRIOR_LIMIT)
+    levels = levels_of_mask(expected)
+    switch_points(
+        ratios[top:bottom, left:right] + prior, levels, False, settings.regulariser,
+        settings.balance, settings.iterations, settings.flooding, np.empty(0),
+    )  # fmt: skip
+    mask = levels < 0
+    overlap = float((mask & expected).sum() / max(int((mask | expected).sum()), 1))
+    return Outline(mask, window, overlap)
+
+
+@compiled
+def distances_at(
+    template: NDArray[np.float32],
+    column: float,
+    row: float,
+    size: float,
+    angle: float,
+    height: int,
+    width: int,
+) -> NDArray[np.float32]:
+    """Return the distances from a template's outline at a pose, in units, shape (height, width).
+
+    Parameters
+    ----------
+    template : array
+        Its distances, shape (SIDE, SIDE).
+    column, row : float
+        Where its origin is [px].
+    size : float
+        Length of a unit [px].
+    angle : float
+        Counter-clockwise [rad].
+    height, width : int
+        Of the result.
+    """
+    result = np.empty((height, width), np.float32)
+    middle = (SIDE - 1) / 2
+    cosine, sine = math.cos(angle) * UNIT / size, math.sin(angle) * UNIT / size
+    for i in range(height):
+        for j in range(width):
+            across, up = j - column, row - i
+            x = middle + cosine * across + sine * up
+            y = middle + sine * across - cosine * up
+            inner_x, inner_y = min(max(x, 0.0), SIDE - 1.0), min(max(y, 0.0), SIDE - 1.0)
+            beyond = math.hypot(x - inner_x, y - inner_y) / UNIT
+            left, top = min(int(inner_x), SIDE - 2), min(int(inner_y), SIDE - 2)
+            a, b = inner_x - left, inner_y - top
+            value = (1.0 - b) * ((1.0 - a) * template[top, left] + a * template[top, left + 1])
+            value += b * ((1.0 - a) * template[top + 1, left] + a * template[top + 1, left + 1])
+            result[i, j] = value + beyond
+    return result

@@ -1,0 +1,124 @@
+"""How much more a region looks like the target than what is around it."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.compilation import compiled, compiled_inside
+
+MIN_SHARE = 0.05
+"""With less of its points in the picture a region has no score."""
+
+NO_SCORE = -10.0
+
+
+@compiled_inside
+def _mean_at(
+    ratios: NDArray[np.float32], points: FloatArray, x: float, y: float, cosine: float, sine: float
+) -> tuple[float, float]:
+    """Return the mean ratio at points of a pose, and the share of them within the picture."""
+    height, width = ratios.shape
+    total = 0.0
+    within = 0
+    for index in range(len(points)):
+        across, up = points[index, 0], points[index, 1]
+        column = math.floor((width - 1) * 0.5 + x + cosine * across - sine * up + 0.5)
+        row = math.floor((height - 1) * 0.5 - y - sine * across - cosine * up + 0.5)
+        if 0 <= column < width and 0 <= row < height:
+            total += ratios[row, column]
+            within += 1
+    if within == 0:
+        return 0.0, 0.0
+    return total / within, within / len(points)
+
+
+class HueModel(NamedTuple):
+    """What the hues of a region are compared with.
+
+    Attributes
+    ----------
+    bins : array
+        Bin of every pixel, uint16, shape (H, W).
+    roots : FloatArray
+        Roots of the target's shares of the hues, shape (K,).
+    weight : float
+        Score of hues that agree fully.
+    """
+
+    bins: NDArray[np.uint16]
+    roots: FloatArray
+    weight: float
+
+
+@compiled_inside
+def _likeness_at(
+    hues: HueModel,
+    counts: FloatArray,
+    points: FloatArray,
+    place: tuple[float, float],
+    turn: tuple[float, float],
+) -> float:
+    """Return the Bhattacharyya coefficient of the hues at points of a pose with the target's."""
+    height, width = hues.bins.shape
+    counts[:] = 0.0
+    within = 0
+    for index in range(len(points)):
+        across, up = points[index, 0], points[index, 1]
+        column = math.floor((width - 1) * 0.5 + place[0] + turn[0] * across - turn[1] * up + 0.5)
+        row = math.floor((height - 1) * 0.5 - place[1] - turn[1] * across - turn[0] * up + 0.5)
+        if 0 <= column < width and 0 <= row < height:
+            counts[hues.bins[row, column] % len(counts)] += 1.0
+            within += 1
+    total = 0.0
+    for hue in range(len(counts)):
+        if counts[hue] > 0.0:
+            total += math.sqrt(counts[hue]) * hues.roots[hue]
+    return total / math.sqrt(max(within, 1))
+
+
+@compiled
+def score_poses(
+    ratios: NDArray[np.float32],
+    states: FloatArray,
+    inside: FloatArray,
+    around: FloatArray,
+    size: float,
+    hues: HueModel,
+) -> FloatArray:
+    """Return the score of every pose, shape (N,).
+
+    Mean log-ratio inside less that around, and how far the hues inside are those of the target. Of
+    a target that is partly beyond the picture, the part in view counts, by the root of its share.
+
+    Parameters
+    ----------
+    ratios : array
+        log p(pixel | target) / p(pixel | surroundings), float32, shape (H, W).
+    states : FloatArray
+        Poses, shape (N, 6).
+    inside, around : FloatArray
+        Points of the template, in units.
+    size : float
+        Length of a unit at scale 1 [px].
+    hues : HueModel
+        Hues of frame and target.
+    """
+    scores = np.empty(len(states))
+    counts = np.empty(len(hues.roots))
+    for row in range(len(states)):
+        x, y = states[row, 0], states[row, 1]
+        length = size * math.exp(states[row, 2])
+        cosine, sine = length * math.cos(states[row, 3]), length * math.sin(states[row, 3])
+        mean, share = _mean_at(ratios, inside, x, y, cosine, sine)
+        if share < MIN_SHARE:
+            scores[row] = NO_SCORE
+            continue
+        ring, _ = _mean_at(ratios, around, x, y, cosine, sine)
+        likeness = _likeness_at(hues, counts, inside, (x, y), (cosine, sine))
+        scores[row] = math.sqrt(share) * (mean - ring + hues.weight * likeness)
+    return scores

@@ -1,0 +1,93 @@
+"""The frame as it is measured: reduced, and as channels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_tracker.arrays import Image
+from cable_tracker.errors import FrameError
+from cable_tracker.target.measure.features import channels_of
+
+SMALLEST_SIDE = 16
+
+COLOURLESS = 3
+"""Pictures of which hardly a pixel's chroma is farther from grey are taken for grey."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorkingFrame:
+    """A frame ready to be measured.
+
+    Attributes
+    ----------
+    channels : array
+        uint8, shape (H, W, 3); see `features.channels_of`.
+    grey : array
+        uint8, shape (H, W).
+    is_coloured : bool
+        Whether the channels are those of colour.
+    frame_size : (int, int)
+        Width and height of the frame [px].
+    zoom : float
+        Pixels of the frame per pixel of the working image.
+    """
+
+    channels: NDArray[np.uint8]
+    grey: NDArray[np.uint8]
+    is_coloured: bool
+    frame_size: tuple[int, int]
+    zoom: float
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the working image."""
+        return self.grey.shape[0], self.grey.shape[1]
+
+
+def check_target_frame(image: Image) -> None:
+    """See that a frame can be measured.
+
+    Raises
+    ------
+    FrameError
+        It cannot.
+    """
+    if image.dtype != np.uint8 or image.ndim not in {2, 3}:
+        raise FrameError(
+            f"frames must be uint8 of shape (H, W) or (H, W, 3), not {image.dtype} {image.shape}"
+        )
+    if image.ndim == 3 and image.shape[2] != 3:
+        raise FrameError(f"a coloured frame has 3 channels, not {image.shape[2]}")
+    if min(image.shape[:2]) < SMALLEST_SIDE:
+        raise FrameError(f"a frame is at least {SMALLEST_SIDE} px wide and high")
+
+
+def make_working_frame(image: Image, working_width: int) -> WorkingFrame:
+    """Reduce a frame to the working width, and work out its channels.
+
+    Parameters
+    ----------
+    image : Image
+        uint8, grey (H, W) or blue-green-red (H, W, 3).
+    working_width : int
+        Wider frames are reduced to it [px].
+    """
+    height, width = image.shape[:2]
+    zoom = 1.0
+    small = image
+    if width > working_width:
+        zoom = width / working_width
+        size = (working_width, max(round(height / zoom), 1))
+        small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+    if small.ndim == 3:
+        channels = channels_of(small)
+        chroma = channels[::4, ::4, 1:].astype(np.int16) - 128
+        if np.percentile(np.abs(chroma), 99.0) > COLOURLESS:
+            return WorkingFrame(channels, channels[..., 0], True, (width, height), zoom)
+        small = cv2.cvtColor(small, cv2.COLOR_BGR2GRAY)
+    small = np.ascontiguousarray(small)
+    return WorkingFrame(channels_of(small), small, False, (width, height), zoom)

@@ -1,0 +1,107 @@
+"""Where a target is at the start: a box or an outline that somebody marked."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.errors import FrameError
+
+LEAST_SIDE = 3.0
+"""A marked box is at least so wide and high [px]."""
+
+ROUNDNESS = 0.95
+"""Axes of the ellipse that a box stands for, against its sides."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TargetStart:
+    """A marked target.
+
+    Attributes
+    ----------
+    corners : FloatArray
+        Two opposite corners of a box, or the corners of an outline; column and row from the top
+        left corner of the frame [px], shape (K, 2).
+
+    Raises
+    ------
+    FrameError
+        It is not finite, or has no area.
+    """
+
+    corners: FloatArray
+
+    def __post_init__(self) -> None:
+        if self.corners.ndim != 2 or self.corners.shape[1] != 2 or len(self.corners) < 2:
+            raise FrameError("mark a target by two corners of a box, or three of an outline")
+        if not np.isfinite(self.corners).all():
+            raise FrameError("the corners of the marked target must be finite numbers")
+        left, top, right, bottom = self.box
+        if right - left < LEAST_SIDE or bottom - top < LEAST_SIDE:
+            raise FrameError(
+                f"the marked target is {right - left:g} px wide and {bottom - top:g} px high;"
+                f" mark {LEAST_SIDE:g} px at least"
+            )
+
+    @classmethod
+    def from_box(cls, x0: float, y0: float, x1: float, y1: float) -> TargetStart:
+        """Return the start from a box; see `corners`."""
+        return cls(np.array([[x0, y0], [x1, y1]], dtype=np.float64))
+
+    @property
+    def is_box(self) -> bool:
+        """Whether only a box is known."""
+        return len(self.corners) == 2
+
+    @property
+    def box(self) -> tuple[float, float, float, float]:
+        """Left, top, right, bottom [px]."""
+        left, top = self.corners.min(axis=0)
+        right, bottom = self.corners.max(axis=0)
+        return float(left), float(top), float(right), float(bottom)
+
+    def check(self, image_size: tuple[int, int]) -> None:
+        """See that it can be in a picture of this size.
+
+        Raises
+        ------
+        FrameError
+            It lies outside, or is larger.
+        """
+        width, height = image_size
+        left, top, right, bottom = self.box
+        if min(right, width) - max(left, 0.0) < LEAST_SIDE or (
+            min(bottom, height) - max(top, 0.0) < LEAST_SIDE
+        ):
+            raise FrameError(
+                f"the marked target {left:g},{top:g},{right:g},{bottom:g} lies outside the picture"
+                f" of {width}x{height} px; mark one inside"
+            )
+        if right - left >= width or bottom - top >= height:
+            raise FrameError(
+                f"the marked target {left:g},{top:g},{right:g},{bottom:g} is as large as the"
+                f" picture of {width}x{height} px; mark only the target"
+            )
+
+    def mask(self, shape: tuple[int, int], zoom: float) -> BoolArray:
+        """Return the mask in a picture of `shape`, `zoom` times smaller than the frame."""
+        mask = np.zeros(shape, np.uint8)
+        if self.is_box:
+            left, top, right, bottom = (value / zoom for value in self.box)
+            turns = np.linspace(0.0, 2.0 * math.pi, 49)[:-1]
+            middle = ((left + right) / 2, (top + bottom) / 2)
+            half = (ROUNDNESS * (right - left) / 2, ROUNDNESS * (bottom - top) / 2)
+            corners = np.stack(
+                (middle[0] + half[0] * np.cos(turns), middle[1] + half[1] * np.sin(turns)), axis=1
+            )
+        else:
+            corners = self.corners / zoom
+        # A pixel's centre is at its number and a half, as boxes count.
+        cv2.fillPoly(mask, [np.round((corners - 0.5) * 16).astype(np.int32)], 1, cv2.LINE_8, 4)
+        inside: BoolArray = mask > 0
+        return inside

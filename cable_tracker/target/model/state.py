@@ -1,0 +1,44 @@
+"""The pose of a target.
+
+Image coordinates: origin at the image centre, x right, y up, pixels of the working image; angles
+counter-clockwise. The angle and the scale are those against the template.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+
+
+class PoseColumn(IntEnum):
+    """Columns of an array of poses."""
+
+    X = 0
+    Y = 1
+    LOG_SCALE = 2
+    ANGLE = 3
+    X_RATE = 4
+    Y_RATE = 5
+
+
+PLACES = 4
+"""Columns that say where the target is; the others are rates, per second."""
+
+POSE_SIZE = len(PoseColumn)
+
+
+def in_frame_pixels(states: FloatArray, zoom: float) -> FloatArray:
+    """Return poses, shape (N, 6), with lengths in pixels of the frame; `zoom` of those a pixel."""
+    scaled = states.copy()
+    for column in (PoseColumn.X, PoseColumn.Y, PoseColumn.X_RATE, PoseColumn.Y_RATE):
+        scaled[:, column] *= zoom
+    return scaled
+
+
+def wrap_angle(angles: FloatArray) -> FloatArray:
+    """Return angles in (-pi, pi]."""
+    wrapped: FloatArray = -np.remainder(np.pi - angles, 2.0 * np.pi) + np.pi
+    return wrapped

@@ -1,0 +1,182 @@
+"""The shape of a target as it is remembered: signed distances, and points to measure at."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.compilation import compiled
+from cable_tracker.contour.shape_prior import signed_distances
+from cable_tracker.errors import FrameError
+
+SIDE = 97
+"""Rows and columns of the map of distances; odd, the origin is in the middle."""
+
+UNIT = 24.0
+"""Its texels per unit: the square root of the target's area."""
+
+RING = (0.12, 0.5)
+"""The points around the target are this far from its outline, in units."""
+
+LEAST_AREA = 12
+"""Pixels that a shape needs."""
+
+GOLDEN = (0.7548776662466927, 0.5698402909980532)
+"""Steps of a sequence that fills the square evenly (M. Roberts' R2)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Template:
+    """A shape about its centroid, of area 1.
+
+    Attributes
+    ----------
+    distances : array
+        Signed distances from the outline, negative inside, in units; float32, shape (SIDE, SIDE),
+        rows downwards.
+    size : float
+        Length of a unit at scale 1 [px of the working image].
+    inside, around : FloatArray
+        Points inside and in a ring outside, x right, y up, in units; shape (K, 2).
+    """
+
+    distances: NDArray[np.float32]
+    size: float
+    inside: FloatArray
+    around: FloatArray
+
+    @property
+    def reach(self) -> float:
+        """Distance from the centroid that the shape does not exceed, in units."""
+        rows, columns = np.nonzero(self.distances < 0.0)
+        middle = (SIDE - 1) / 2
+        return float(np.hypot(rows - middle, columns - middle).max() + 1.0) / UNIT
+
+    def extent(self, angle: float) -> tuple[float, float]:
+        """Return the half width and half height of the turned shape, in units."""
+        rows, columns = np.nonzero(self.distances < 0.0)
+        x, y = (columns - (SIDE - 1) / 2) / UNIT, ((SIDE - 1) / 2 - rows) / UNIT
+        across = math.cos(angle) * x - math.sin(angle) * y
+        up = math.sin(angle) * x + math.cos(angle) * y
+        half = 0.5 / UNIT
+        return float(np.abs(across).max() + half), float(np.abs(up).max() + half)
+
+
+def make_template(distances: NDArray[np.float32], size: float, points: int) -> Template:
+    """Return the template with its points.
+
+    Parameters
+    ----------
+    distances, size
+        As in `Template`.
+    points : int
+        How many inside and around, each; fewer only where the shape is as good as nothing.
+    """
+    inside, around = spread_points(distances, points, RING[0], RING[1])
+    return Template(distances, size, inside, around)
+
+
+def template_of_mask(mask: BoolArray, points: int) -> Template:
+    """Return the template of a mask, shape (H, W), upright as it is.
+
+    Raises
+    ------
+    FrameError
+        The mask is too small for a shape.
+    """
+    area = int(mask.sum())
+    if area < LEAST_AREA:
+        raise FrameError(f"a target of {area} px is too small; mark one of {LEAST_AREA} at least")
+    x, y = centroid(mask)
+    size = math.sqrt(area)
+    return make_template(distances_about(mask, (x, y), size, 0.0), size, points)
+
+
+def centroid(mask: BoolArray) -> tuple[float, float]:
+    """Return x and y of a mask's centre, from the image centre, y up [px]."""
+    height, width = mask.shape
+    rows, columns = np.nonzero(mask)
+    return float(columns.mean() - (width - 1) / 2), float((height - 1) / 2 - rows.mean())
+
+
+def distances_about(
+    mask: BoolArray, centre: tuple[float, float], size: float, angle: float
+) -> NDArray[np.float32]:
+    """Return the distances of a mask in the frame of a template, shape (SIDE, SIDE), in units.
+
+    Parameters
+    ----------
+    mask : BoolArray
+        Shape (H, W).
+    centre : (float, float)
+        Where the template's origin is, from the image centre, y up [px].
+    size : float
+        Length of a unit [px].
+    angle : float
+        Of the template in the image [rad].
+    """
+    return _into_template(signed_distances(mask), centre[0], centre[1], size, angle)
+
+
+@compiled
+def _into_template(
+    distances: NDArray[np.float32], x: float, y: float, size: float, angle: float
+) -> NDArray[np.float32]:
+    height, width = distances.shape
+    cosine, sine = math.cos(angle), math.sin(angle)
+    middle = (SIDE - 1) / 2
+    result = np.empty((SIDE, SIDE), np.float32)
+    for i in range(SIDE):
+        for j in range(SIDE):
+            across, up = (j - middle) / UNIT * size, (middle - i) / UNIT * size
+            column = (width - 1) / 2 + x + cosine * across - sine * up
+            row = (height - 1) / 2 - y - sine * across - cosine * up
+            # Beyond the picture the distance grows as it does within.
+            inner_column = min(max(column, 0.0), width - 1.0)
+            inner_row = min(max(row, 0.0), height - 1.0)
+            beyond = math.hypot(column - inner_column, row - inner_row)
+            left, top = min(int(inner_column), width - 2), min(int(inner_row), height - 2)
+            a, b = inner_column - left, inner_row - top
+            value = (1.0 - b) * ((1.0 - a) * distances[top, left] + a * distances[top, left + 1])
+            value += b * ((1.0 - a) * distances[top + 1, left] + a * distances[top + 1, left + 1])
+            result[i, j] = (value + beyond) / size
+    return result
+
+
+@compiled
+def spread_points(
+    distances: NDArray[np.float32], count: int, nearest: float, farthest: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return points spread evenly inside a shape, and in a ring around it, in units.
+
+    Parameters
+    ----------
+    distances : array
+        Of the shape, shape (SIDE, SIDE), in units.
+    count : int
+        How many of either; fewer where hardly any place fits.
+    nearest, farthest : float
+        Distances from the outline within which the ring lies.
+    """
+    inside, around = np.empty((count, 2)), np.empty((count, 2))
+    found_inside = found_around = 0
+    first = second = 0.5
+    middle = (SIDE - 1) / 2
+    for _ in range(400 * count):
+        if found_inside == count and found_around == count:
+            break
+        first, second = (first + GOLDEN[0]) % 1.0, (second + GOLDEN[1]) % 1.0
+        column, row = first * (SIDE - 1), second * (SIDE - 1)
+        distance = distances[int(row + 0.5), int(column + 0.5)]
+        x, y = (column - middle) / UNIT, (middle - row) / UNIT
+        if distance < 0.0 and found_inside < count:
+            inside[found_inside] = (x, y)
+            found_inside += 1
+        elif nearest <= distance <= farthest and found_around < count:
+            around[found_around] = (x, y)
+            found_around += 1
+    return inside[:found_inside], around[:found_around]

@@ -1,0 +1,1 @@
+"""The table of parameters, and named sets of them."""

@@ -1,0 +1,320 @@
+"""The Blob-FICVM filter of J. Ha (2008), Table 7: every particle evolves a contour of its own.
+
+A particle is a place; about it lies the window of the level set of the shape prior, moved as a
+whole. Its contour evolves by a few iterations where the contrast is high enough, and its weight
+comes from the energy of the contour and from how far its shape is from the prior. The best particle
+is the estimate; its contour becomes the prior where contrast is high and the shapes are near.
+Resampled every frame. Where the thesis is silent (`blob_shape_limit`; what counts as lost: no
+contour worth evolving) the choice is ours.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.contour.evolution import ContourSettings, evolve_by_means
+from cable_tracker.contour.shape_prior import signed_distances
+from cable_tracker.errors import FrameError
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.particle_filter.resampling import multinomial_resampling
+from cable_tracker.particle_filter.weights import effective_sample_size
+from cable_tracker.target.finding import Finding
+from cable_tracker.target.measure.outline import Outline
+from cable_tracker.target.measure.working_frame import WorkingFrame
+from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.state import POSE_SIZE, PoseColumn
+from cable_tracker.target.model.template import LEAST_AREA, centroid
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.thesis.border_model import BorderModel
+from cable_tracker.target.thesis.horizon import horizon_weights
+from cable_tracker.target.thesis.weights import blob_weights
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
+
+MARGIN = 0.5
+"""The window reaches beyond the shape by this share of its sides."""
+
+LEAST_MARGIN = 4
+"""And by so many pixels at least."""
+
+REGULARISER = ContourSettings(regulariser=0.02, balance=0.02, flooding=False)
+"""rho_1 and eps_N: the thesis gives neither."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShapePrior:
+    """The shape that is expected, in a window about it.
+
+    Attributes
+    ----------
+    mask : BoolArray
+        Inside, shape (h, w).
+    first_area : int
+        Pixels of the shape that was marked.
+    """
+
+    mask: BoolArray
+    first_area: int
+
+    @property
+    def area(self) -> int:
+        """Pixels inside."""
+        return int(self.mask.sum())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Blob:
+    """One particle's contour.
+
+    Attributes
+    ----------
+    mask : BoolArray
+        In its window.
+    left, top : int
+        Where the window is.
+    image_energy : float
+        Variance about the two means, per pixel of the window: (9) over its area.
+    shape_energy : float
+        (19, 20) against the prior [px²].
+    contrast : float
+        Difference of the means.
+    """
+
+    mask: BoolArray
+    left: int
+    top: int
+    image_energy: float
+    shape_energy: float
+    contrast: float
+
+
+class BlobFilter:
+    """See the module.
+
+    Parameters
+    ----------
+    parameters : TargetParameters
+        All of them.
+    rng : numpy.random.Generator
+        The only source of randomness.
+    """
+
+    def __init__(self, parameters: TargetParameters, rng: np.random.Generator) -> None:
+        self._parameters = parameters
+        self._rng = rng
+        self._particles: Particles | None = None
+        self._prior: ShapePrior | None = None
+        self._estimate = np.zeros(POSE_SIZE)
+        self._before: NDArray[np.float32] | None = None
+        self._border = BorderModel()
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief, in pixels of the working image; None before the first target."""
+        return self._particles
+
+    def configure(self, parameters: TargetParameters) -> None:
+        """Take other parameters from now on, and keep the belief."""
+        self._parameters = parameters
+
+    def use(self, rng: np.random.Generator) -> None:
+        """Draw from another generator."""
+        self._rng = rng
+
+    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> Finding:
+        """Take the pixels of a target for the prior of its shape.
+
+        Raises
+        ------
+        FrameError
+            The mask is too small, or its contrast too low for a contour.
+        """
+        if int(mask.sum()) < LEAST_AREA:
+            raise FrameError(f"a target of {int(mask.sum())} px is too small for a contour")
+        image = _intensities(frame)
+        contrast = abs(float(image[mask].mean() - image[~mask].mean()))
+        if contrast < self._parameters.blob_contrast:
+            raise FrameError(
+                f"the marked target does not stand out from its surroundings (contrast"
+                f" {contrast:.2f}, needs {self._parameters.blob_contrast:.2f})"
+            )
+        window = _cut_about(mask)
+        self._prior = ShapePrior(window, int(mask.sum()))
+        self._estimate = np.zeros(POSE_SIZE)
+        self._estimate[:2] = centroid(mask)
+        states = np.tile(self._estimate, (self._parameters.particle_count, 1))
+        self._particles = Particles.equally_weighted(states)
+        self._before = image
+        blob = self._blob_at(image, self._estimate)
+        assert blob is not None
+        return self._finding(frame, blob, float(len(states)), claims=True)
+
+    def advance(
+        self,
+        frame: WorkingFrame,
+        dt: float,
+        motion: CameraMotion | None,
+        others: FloatArray,
+    ) -> Finding:
+        """Follow the target into the next frame; see `TargetEngine`. `others` are not heeded."""
+        assert self._particles is not None and self._prior is not None
+        image = _intensities(frame)
+        states = self._moved(frame, dt, motion)
+        p = self._parameters
+        if p.blob_model == "near_horizon" and self._before is not None:
+            weights = horizon_weights(
+                image, self._before, self._prior.mask, _corners(states, self._prior.mask, frame)
+            )
+            best = int(np.argmax(weights))
+            blob = self._blob_at(image, states[best])
+        else:
+            blobs = [self._blob_at(image, state) for state in states]
+            weights = blob_weights(
+                np.array([each.image_energy if each else np.inf for each in blobs]),
+                np.array([each.shape_energy if each else np.inf for each in blobs]),
+                np.array([each.contrast if each else 0.0 for each in blobs]),
+                p.blob_weights,
+            )
+            best = int(np.argmax(weights))
+            blob = blobs[best]
+        self._before = image
+        self._estimate = states[best]
+        chosen = multinomial_resampling(weights, len(states), self._rng)
+        n_eff = effective_sample_size(np.log(np.maximum(weights, 1e-300)))
+        self._particles = Particles.equally_weighted(states[chosen])
+        is_seen = blob is not None and blob.contrast >= p.blob_contrast
+        if p.blob_model == "boundary":
+            self._border = self._border.after(self._estimate, frame.shape, is_seen, self._rng)
+        if blob is None:
+            return self._nothing(n_eff)
+        return self._finding(frame, blob, n_eff, claims=is_seen)
+
+    def _moved(self, frame: WorkingFrame, dt: float, motion: CameraMotion | None) -> FloatArray:
+        """Return the places after a random walk."""
+        assert self._particles is not None
+        states = self._particles.states.copy()
+        if motion is not None:
+            states = motion.moved(states, frame.zoom)
+        zoom = frame.shape[1] / REFERENCE_WIDTH
+        sigma = math.sqrt(self._parameters.position_variance * dt * REFERENCE_RATE) * zoom
+        states[:, :2] += sigma * self._rng.standard_normal((len(states), 2))
+        if self._parameters.blob_model == "boundary":
+            states = self._border.placed(states, frame.shape, self._rng)
+        return states
+
+    def _blob_at(self, image: NDArray[np.float32], state: FloatArray) -> Blob | None:
+        """Return the contour of a particle, evolved where the contrast is high enough."""
+        assert self._prior is not None
+        mask = self._prior.mask
+        height, width = mask.shape
+        column, row = _corner(state, mask, image.shape)
+        left, top = max(column, 0), max(row, 0)
+        right, bottom = min(column + width, image.shape[1]), min(row + height, image.shape[0])
+        if right - left < 3 or bottom - top < 3:
+            return None
+        cut = np.ascontiguousarray(image[top:bottom, left:right])
+        start = np.ascontiguousarray(mask[top - row : bottom - row, left - column : right - column])
+        inside = int(start.sum())
+        if min(inside, start.size - inside) < LEAST_AREA:
+            return None
+        means = float(cut[start].mean()), float(cut[~start].mean())
+        found, contrast = start, abs(means[0] - means[1])
+        if contrast >= self._parameters.blob_contrast:
+            settings = replace(REGULARISER, iterations=self._parameters.blob_iterations)
+            contour = evolve_by_means(cut, start, settings)
+            found, contrast = contour.mask, contour.contrast
+            means = contour.inside_mean, contour.outside_mean
+        energy = (cut[found] - means[0]) @ (cut[found] - means[0])
+        energy += (cut[~found] - means[1]) @ (cut[~found] - means[1])
+        return Blob(
+            found, left, top, float(energy) / cut.size, _shape_energy(found, start), contrast
+        )
+
+    def _finding(self, frame: WorkingFrame, blob: Blob, n_eff: float, *, claims: bool) -> Finding:
+        """Take over the contour as the prior where it is near, and say what was found."""
+        assert self._prior is not None and self._particles is not None
+        prior, p = self._prior, self._parameters
+        is_near = blob.shape_energy <= p.blob_shape_limit
+        outline = Outline(
+            blob.mask,
+            (blob.left, blob.top, blob.left + blob.mask.shape[1], blob.top + blob.mask.shape[0]),
+            1.0 if is_near else 0.0,
+        )
+        touches = outline.touches_border(frame.shape)
+        area = outline.area
+        state = self._estimate.copy()
+        state[PoseColumn.LOG_SCALE] = 0.5 * math.log(max(area, 1) / prior.first_area)
+        if claims and is_near and not touches and area >= LEAST_AREA:
+            whole = outline.in_picture(frame.shape)
+            self._prior = replace(prior, mask=_cut_about(whole))
+            state[:2] = self._estimate[:2] = centroid(whole)
+        spread = self._particles.states[:, :POSE_SIZE]
+        return Finding(
+            state=state,
+            covariance=np.cov(spread.T) if len(spread) > 1 else np.zeros((POSE_SIZE, POSE_SIZE)),
+            size=math.sqrt(prior.first_area),
+            outline=outline,
+            is_whole=is_near and not touches,
+            presence=1.0 if claims else 0.0,
+            effective_sample_size=n_eff,
+            score=blob.contrast,
+            rises=claims,
+            holds=claims,
+        )
+
+    def _nothing(self, n_eff: float) -> Finding:
+        """Say that nothing of the target can be in the picture."""
+        assert self._prior is not None
+        return Finding(
+            state=self._estimate.copy(),
+            covariance=np.eye(POSE_SIZE) * 1e6,
+            size=math.sqrt(self._prior.first_area),
+            outline=None,
+            is_whole=False,
+            presence=0.0,
+            effective_sample_size=n_eff,
+            score=0.0,
+            rises=False,
+            holds=False,
+        )
+
+
+def _intensities(frame: WorkingFrame) -> NDArray[np.float32]:
+    scaled: NDArray[np.float32] = frame.grey.astype(np.float32) / np.float32(255.0)
+    return scaled
+
+
+def _cut_about(mask: BoolArray) -> BoolArray:
+    """Return a mask with an even margin about its centroid, also beyond the picture."""
+    rows, columns = np.nonzero(mask)
+    sides = int(np.ptp(columns)) + 1, int(np.ptp(rows)) + 1
+    reach_x = round((0.5 + MARGIN) * sides[0]) + LEAST_MARGIN
+    reach_y = round((0.5 + MARGIN) * sides[1]) + LEAST_MARGIN
+    padded = np.pad(mask, ((reach_y, reach_y), (reach_x, reach_x)))
+    row, column = round(float(rows.mean())) + reach_y, round(float(columns.mean())) + reach_x
+    cut: BoolArray = padded[
+        row - reach_y : row + reach_y + 1, column - reach_x : column + reach_x + 1
+    ].copy()
+    return cut
+
+
+def _corner(state: FloatArray, mask: BoolArray, shape: tuple[int, ...]) -> tuple[int, int]:
+    """Return the column and row of a window's first pixel."""
+    column = (shape[1] - 1) / 2 + float(state[0]) - (mask.shape[1] - 1) / 2
+    row = (shape[0] - 1) / 2 - float(state[1]) - (mask.shape[0] - 1) / 2
+    return round(column), round(row)
+
+
+def _corners(states: FloatArray, mask: BoolArray, frame: WorkingFrame) -> list[tuple[int, int]]:
+    return [_corner(state, mask, frame.shape) for state in states]
+
+
+def _shape_energy(found: BoolArray, expected: BoolArray) -> float:
+    if not found.any():
+        return math.inf
+    squared = (signed_distances(found) - signed_distances(expected)) ** 2
+    return float(0.5 * (squared[found].mean() + squared[expected].mean()))

@@ -1,0 +1,113 @@
+"""Weights near a horizon: what moves against the sky and has edges (section 6.5, (31) to (34)).
+
+Without a horizon or a sun in the picture, p of (33) is 1 everywhere. Lines and columns of both are
+found as the rows and columns where the picture changes most; our choice.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cable_tracker.arrays import BoolArray, FloatArray
+
+FARTHEST_SHIFT = 5
+"""Frames are aligned by shifts up to so many pixels."""
+
+EDGE_SHARE = 0.5
+"""l_e of (34); that of the movement is the rest."""
+
+HORIZON_REACH, HORIZON_COST = 1, 0.5
+"""(33): within a pixel of the horizon half the edges are the horizon's."""
+
+LEAST_STEP = 0.15
+"""Mean step between rows that makes a horizon."""
+
+
+def alignment(now: NDArray[np.float32], before: NDArray[np.float32]) -> tuple[int, int]:
+    """Return the shift (columns, rows) of the picture since the frame before.
+
+    Two rows and two columns are compared, at thirds of the picture, for shifts of -5 to 5 px.
+    """
+    height, width = now.shape
+    rows, columns = (height // 3, 2 * height // 3), (width // 3, 2 * width // 3)
+    across = _best_shift([(now[row], before[row]) for row in rows])
+    down = _best_shift([(now[:, column], before[:, column]) for column in columns])
+    return across, down
+
+
+def _best_shift(pairs: list[tuple[NDArray[np.float32], NDArray[np.float32]]]) -> int:
+    reach = FARTHEST_SHIFT
+    best, least = 0, math.inf
+    # Small shifts first: of equal ones the smallest.
+    for shift in sorted(range(-reach, reach + 1), key=abs):
+        error = sum(
+            float(((now[reach:-reach] - np.roll(before, shift)[reach:-reach]) ** 2).mean())
+            for now, before in pairs
+        )
+        if error < least:
+            best, least = shift, error
+    return best
+
+
+def roberts_energy(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the squared Roberts cross at every pixel (32); zero in the last row and column."""
+    energy = np.zeros_like(image)
+    energy[:-1, :-1] = (image[:-1, :-1] - image[1:, 1:]) ** 2
+    energy[:-1, :-1] += (image[:-1, 1:] - image[1:, :-1]) ** 2
+    return energy
+
+
+def horizon_row(image: NDArray[np.float32]) -> int | None:
+    """Return the row of the horizon: the largest step between rows; None if it is small."""
+    means = image.mean(axis=1)
+    steps = np.abs(np.diff(means))
+    row = int(np.argmax(steps))
+    return row if float(steps[row]) >= LEAST_STEP else None
+
+
+def horizon_weights(
+    now: NDArray[np.float32],
+    before: NDArray[np.float32],
+    mask: BoolArray,
+    corners: list[tuple[int, int]],
+) -> FloatArray:
+    """Return the weights (34) of blobs, shape (N,), summing to one.
+
+    Parameters
+    ----------
+    now, before : array
+        Intensities of this frame and of the one before, float32, shape (H, W).
+    mask : BoolArray
+        The blob in its window.
+    corners : list of (int, int)
+        Column and row of every particle's window.
+    """
+    across, down = alignment(now, before)
+    moving = (now - np.roll(before, (down, across), axis=(0, 1))) ** 2
+    edges = roberts_energy(now)
+    row = horizon_row(now)
+    if row is not None:
+        edges[max(row - HORIZON_REACH, 0) : row + HORIZON_REACH + 1] *= 1.0 - HORIZON_COST
+    edge_sums = np.array([_sum_in(edges, mask, corner) for corner in corners])
+    moving_sums = np.array([_sum_in(moving, mask, corner) for corner in corners])
+    return EDGE_SHARE * _shares(edge_sums) + (1.0 - EDGE_SHARE) * _shares(moving_sums)
+
+
+def _shares(values: FloatArray) -> FloatArray:
+    total = values.sum()
+    return values / total if total > 0.0 else np.full(len(values), 1.0 / len(values))
+
+
+def _sum_in(values: NDArray[np.float32], mask: BoolArray, corner: tuple[int, int]) -> float:
+    column, row = corner
+    height, width = mask.shape
+    left, top = max(column, 0), max(row, 0)
+    right = min(column + width, values.shape[1])
+    bottom = min(row + height, values.shape[0])
+    if right <= left or bottom <= top:
+        return 0.0
+    part = mask[top - row : bottom - row, left - column : right - column]
+    return float(values[top:bottom, left:right][part].sum())

@@ -1,0 +1,254 @@
+"""The target tracker: a frame and its time in, an estimate out."""
+
+from __future__ import annotations
+
+import copy
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.errors import FrameError
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.target.detect.candidates import DETECTORS
+from cable_tracker.target.finding import Finding, TargetEngine
+from cable_tracker.target.measure.outline import Outline
+from cable_tracker.target.measure.working_frame import (
+    WorkingFrame,
+    check_target_frame,
+    make_working_frame,
+)
+from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.model.state import POSE_SIZE, in_frame_pixels
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.pose_filter import PoseFilter
+from cable_tracker.target.thesis.blob_filter import BlobFilter
+from cable_tracker.tracking.status import StatusMachine, TrackingStatus
+from cable_tracker.tracking.succession import FrameMark, succession
+
+NO_OTHERS = np.empty((0, POSE_SIZE))
+
+
+class TargetTracker:
+    """Follow one target with an outline through a sequence of frames.
+
+    Parameters
+    ----------
+    parameters : TargetParameters
+        The same parameters, frames and times give the same estimates, bit for bit.
+
+    Examples
+    --------
+    >>> tracker = TargetTracker(TargetParameters(seed=1))
+    >>> picture = np.full((240, 320, 3), (90, 80, 40), np.uint8)
+    >>> picture[100:140, 150:190] = (30, 30, 200)
+    >>> tracker.initialise(TargetStart.from_box(150, 100, 190, 140))
+    >>> tracker.process(picture, stamp=1_000_000_000).status.value
+    'TRACKING'
+    """
+
+    def __init__(self, parameters: TargetParameters | None = None) -> None:
+        self._parameters = parameters if parameters is not None else TargetParameters()
+        self._rng = np.random.default_rng(self._parameters.seed)
+        self._engine = self._make_engine()
+        self._start: TargetStart | None = None
+        self._status = StatusMachine()
+        self._frame: FrameMark | None = None
+        self._zoom = 1.0
+        self._is_proposed = False
+        self._presence = 0.0
+
+    @property
+    def parameters(self) -> TargetParameters:
+        """The parameters in force."""
+        return self._parameters
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief, lengths in pixels of the frame; None before the first target."""
+        particles = self._engine.particles
+        if particles is None:
+            return None
+        return particles.moved_to(in_frame_pixels(particles.states, self._zoom))
+
+    def configure(self, parameters: TargetParameters) -> None:
+        """Take other parameters from now on, and keep the belief.
+
+        A changed seed waits for the next reset; another filter or working width starts anew with
+        the next target that is marked.
+        """
+        before, self._parameters = self._parameters, parameters
+        if (before.filter, before.working_width) != (parameters.filter, parameters.working_width):
+            self._engine = self._make_engine()
+            self._status = StatusMachine()
+            return
+        self._engine.configure(parameters)
+
+    def reset(self) -> None:
+        """Forget everything; the next frame is like the first, with the same random numbers."""
+        self._rng = np.random.default_rng(self._parameters.seed)
+        self._engine = self._make_engine()
+        self._start = None
+        self._status = StatusMachine()
+        self._frame = None
+
+    def copy(self) -> TargetTracker:
+        """Return another tracker that goes on as this one would, bit for bit, and apart from it."""
+        return copy.deepcopy(self, {id(self._parameters): self._parameters})
+
+    def initialise(self, start: TargetStart) -> None:
+        """Take what is marked in the next frame for the target, instead of the present one.
+
+        Raises
+        ------
+        FrameError
+            It lies outside the frames that came before, or is larger.
+        """
+        if self._frame is not None:
+            start.check(self._frame.size)
+        self._start = start
+
+    def process(
+        self,
+        image: Image,
+        stamp: int,
+        motion: CameraMotion | None = None,
+        others: FloatArray = NO_OTHERS,
+    ) -> TargetEstimate:
+        """Take one frame into account.
+
+        Parameters
+        ----------
+        image : Image
+            uint8, blue-green-red (H, W, 3) or grey (H, W).
+        stamp : int
+            Time of the frame [ns].
+        motion : CameraMotion or None
+            How the camera has moved since the frame before.
+        others : FloatArray
+            States of other targets that are followed, shape (K, 6): this one is not where they are.
+
+        Raises
+        ------
+        FrameError
+            The frame cannot be used, has the same time as the frame before, or cannot hold what was
+            marked in it. Nothing has changed, but for a mark, which is dropped.
+        """
+        check_target_frame(image)
+        frame = FrameMark((image.shape[1], image.shape[0]), stamp)
+        start = self._start
+        if start is not None:
+            self._start = None
+            start.check(frame.size)
+        step = succession(self._frame, frame, self._parameters.maximum_gap)
+        if step.event:
+            self._engine = self._make_engine()
+            self._status = StatusMachine()
+        self._frame = frame
+        seen = make_working_frame(image, self._parameters.working_width)
+        self._zoom = seen.zoom
+        if start is not None:
+            return self._begin(seen, start, step.event)
+        if self._is_searching():
+            return self._search(seen, step.event)
+        known = None if step.event else motion
+        apart = in_frame_pixels(others, 1.0 / seen.zoom)
+        finding = self._engine.advance(seen, step.dt, known, apart)
+        return self._estimate(finding, step.dt, step.event)
+
+    def _is_searching(self) -> bool:
+        """Tell whether there is no target yet, or only one that a detector wrongly proposed."""
+        if self._engine.particles is None:
+            return True
+        return (
+            self._is_proposed
+            and self._status.status is TrackingStatus.INITIALISING
+            and (self._presence < self._parameters.presence_to_lose)
+        )
+
+    def _search(self, seen: WorkingFrame, event: str) -> TargetEstimate:
+        """Take the likeliest candidate of the detector that stands out, if there is one."""
+        if self._parameters.detector != "none":
+            for candidate in DETECTORS[self._parameters.detector](seen):
+                engine = self._make_engine()
+                try:
+                    finding = engine.start(seen, candidate.mask, is_exact=True)
+                except FrameError:
+                    # It does not stand out: the next candidate may.
+                    continue
+                self._engine, self._is_proposed = engine, True
+                self._status = StatusMachine()
+                return self._estimate(finding, 0.0, event)
+        return self._nothing(event)
+
+    def _make_engine(self) -> TargetEngine:
+        if self._parameters.filter == "blobs":
+            return BlobFilter(self._parameters, self._rng)
+        return PoseFilter(self._parameters, self._rng)
+
+    def _begin(self, seen: WorkingFrame, start: TargetStart, event: str) -> TargetEstimate:
+        engine = self._make_engine()
+        mask = start.mask(seen.shape, seen.zoom)
+        self._status = StatusMachine().expecting()
+        try:
+            finding = engine.start(seen, mask, is_exact=not start.is_box)
+        except FrameError as error:
+            self._engine = self._make_engine()
+            self._status = StatusMachine()
+            return self._nothing(str(error))
+        self._engine, self._is_proposed = engine, False
+        return self._estimate(finding, 1.0, event)
+
+    def _nothing(self, event: str) -> TargetEstimate:
+        assert self._frame is not None
+        return TargetEstimate(
+            stamp=self._frame.stamp,
+            status=self._status.status,
+            image_size=self._frame.size,
+            state=np.zeros(POSE_SIZE),
+            covariance=np.eye(POSE_SIZE) * 1e6,
+            event=event,
+        )
+
+    def _estimate(self, finding: Finding, dt: float, event: str) -> TargetEstimate:
+        assert self._frame is not None
+        self._presence = finding.presence
+        self._status = self._status.after(
+            rises=finding.rises, holds=finding.holds, dt=dt, parameters=self._parameters
+        )
+        zooms = np.array([self._zoom, self._zoom, 1.0, 1.0, self._zoom, self._zoom])
+        outline = finding.outline
+        corners = corners_of(outline, self._zoom) if outline is not None else np.empty((0, 2))
+        box = None
+        if outline is not None:
+            left, top, right, bottom = (side * self._zoom for side in outline.box)
+            box = (left, top, right, bottom)
+        return TargetEstimate(
+            stamp=self._frame.stamp,
+            status=self._status.status,
+            image_size=self._frame.size,
+            state=in_frame_pixels(finding.state[None], self._zoom)[0],
+            covariance=finding.covariance * np.outer(zooms, zooms),
+            box=box,
+            outline=corners,
+            area=outline.area * self._zoom**2 if outline is not None else 0.0,
+            is_whole=finding.is_whole,
+            presence=finding.presence,
+            effective_sample_size=finding.effective_sample_size,
+            score=finding.score,
+            event=event,
+        )
+
+
+def corners_of(outline: Outline, zoom: float) -> FloatArray:
+    """Return the corners of the largest outer contour, from the frame's top left, shape (K, 2)."""
+    contours, _ = cv2.findContours(
+        outline.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE
+    )
+    if not contours:
+        return np.empty((0, 2))
+    largest = max(contours, key=len)[:, 0].astype(np.float64)
+    corners: FloatArray = (largest + outline.window[:2] + 0.5) * zoom
+    return corners

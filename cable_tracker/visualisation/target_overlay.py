@@ -1,0 +1,67 @@
+"""Draw what is known of a target over its frame."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.tracking.status import TrackingStatus
+from cable_tracker.visualisation.palette import status_colour, to_bgr
+
+CONTOUR = (0, 255, 255)
+"""Colour of the contour [red, green, blue]."""
+
+PARTICLE = (255, 0, 255)
+
+LEGEND_HEIGHT = 18
+"""Of the line of numbers, at a width of 480 [px]."""
+
+
+def draw_target(image: Image, estimate: TargetEstimate, particles: FloatArray | None) -> Image:
+    """Return a picture with contour, box, particles and numbers.
+
+    The box is drawn only while the target is claimed.
+
+    Parameters
+    ----------
+    image : Image
+        uint8, grey (H, W) or blue-green-red (H, W, 3).
+    estimate : TargetEstimate
+        Of this frame.
+    particles : FloatArray or None
+        Poses in pixels of the frame, shape (N, 6).
+    """
+    canvas = image.copy() if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+    height, width = canvas.shape[:2]
+    scale = max(width / 480.0, 0.5)
+    thick = max(round(scale), 1)
+    colour = to_bgr(status_colour(estimate.status.value))
+    if particles is not None:
+        for x, y in particles[:, :2]:
+            place = (round((width - 1) / 2 + float(x)), round((height - 1) / 2 - float(y)))
+            cv2.circle(canvas, place, thick, to_bgr(PARTICLE), -1)
+    claimed = estimate.status is TrackingStatus.TRACKING
+    if claimed and len(estimate.outline):
+        corners = np.round(estimate.outline).astype(np.int32)
+        cv2.polylines(canvas, [corners], True, to_bgr(CONTOUR), thick, cv2.LINE_AA)
+    if claimed and estimate.box is not None:
+        left, top, right, bottom = (round(side) for side in estimate.box)
+        cv2.rectangle(canvas, (left, top), (right, bottom), colour, thick)
+    _write_legend(canvas, estimate, scale, colour)
+    return canvas
+
+
+def _write_legend(
+    canvas: Image, estimate: TargetEstimate, scale: float, colour: tuple[int, int, int]
+) -> None:
+    strip = canvas[: round(LEGEND_HEIGHT * scale)]
+    strip //= 3
+    text = f"{estimate.status.value}  presence {estimate.presence:.2f}"
+    if estimate.status is TrackingStatus.TRACKING:
+        x, y = estimate.state[:2]
+        text += f"  x {x:.0f}  y {y:.0f} px  scale {estimate.scale:.2f}"
+    place = (round(6 * scale), round(13 * scale))
+    font, thick = cv2.FONT_HERSHEY_SIMPLEX, max(round(scale), 1)
+    cv2.putText(canvas, text, place, font, 0.42 * scale, colour, thick, cv2.LINE_AA)

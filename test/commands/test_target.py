@@ -1,0 +1,87 @@
+import csv
+
+import cv2
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from cable_tracker.cli import app
+from cable_tracker.errors import CableTrackerError
+from cable_tracker.evaluation.targets.track_target import HEADER
+from cable_tracker.simulation.targets.sequence import simulate_target
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("dive")
+    for index, frame in enumerate(simulate_target("near_surface", 2, 8)):
+        cv2.imwrite(str(path / f"{index:03}.png"), frame.image)
+    return path
+
+
+@pytest.fixture(scope="module")
+def first_box():
+    return next(simulate_target("near_surface", 2, 8)).box
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["target", *(str(argument) for argument in arguments)])
+
+
+def table(path):
+    with (path / "estimates.csv").open(newline="") as file:
+        return list(csv.reader(file))
+
+
+def test_a_marked_target_is_followed_into_a_folder(folder, first_box, tmp_path):
+    words = ",".join(str(side) for side in first_box)
+    result = run(folder, "--init", words, "--output", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert "8 frames: 8 TRACKING" in result.output
+    lines = table(tmp_path / "out")
+    assert tuple(lines[0]) == HEADER
+    assert ",".join(lines[0]) == (
+        "frame,stamp,status,x,y,scale,angle,v_x,v_y,sigma_x,sigma_y,box_x0,box_y0,box_x1,box_y1,"
+        "area,presence,n_eff,ms"
+    )
+    box = [float(cell) for cell in lines[1][11:15]]
+    assert box == pytest.approx(first_box, abs=6.0)
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "estimates.csv", "overlay.webm", "overlay.png",
+    }  # fmt: skip
+
+
+def test_a_detector_proposes_and_the_same_seed_gives_the_same_table(folder, tmp_path):
+    for name in ("one", "two"):
+        result = run(folder, "--init", "detect", "--no-timing", "--output", tmp_path / name)
+        assert result.exit_code == 0, result.output
+    assert (tmp_path / "one" / "estimates.csv").read_bytes() == (
+        tmp_path / "two" / "estimates.csv"
+    ).read_bytes()
+    assert [line[2] for line in table(tmp_path / "one")][-1] == "TRACKING"
+
+
+def test_where_nothing_is_claimed_the_state_is_empty(tmp_path):
+    (tmp_path / "water").mkdir()
+    for index in range(3):
+        picture = np.full((120, 160, 3), (90, 80, 40), np.uint8)
+        cv2.imwrite(str(tmp_path / "water" / f"{index}.png"), picture)
+    result = run(tmp_path / "water", "--output", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert all(line[3:16] == [""] * 13 for line in table(tmp_path / "out")[1:])
+
+
+@pytest.mark.parametrize("init", ["here", "1,2,3", "5,5,5,5", "1,2,nan,4"])
+def test_a_bad_start_is_refused(folder, tmp_path, init):
+    result = run(folder, "--init", init, "--output", tmp_path / "out")
+    assert isinstance(result.exception, CableTrackerError)
+    assert "init" in str(result.exception)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_parameter_file_may_name_the_preset(folder, first_box, tmp_path):
+    file = tmp_path / "params.yaml"
+    file.write_text("target_tracker:\n  ros__parameters:\n    preset: docking\n    seed: 3\n")
+    words = ",".join(str(side) for side in first_box)
+    result = run(folder, "--init", words, "--params", file, "--output", tmp_path / "out")
+    assert result.exit_code == 0, result.output

@@ -1,0 +1,131 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.contour.evolution import ContourSettings, evolve_by_means, evolve_by_ratio
+from cable_tracker.contour.levels import levels_of_mask
+from cable_tracker.errors import FrameError
+
+PLAIN = ContourSettings()
+
+
+def energy(image, mask):
+    image = image.astype(np.float64)
+    return sum(((side - side.mean()) ** 2).sum() for side in (image[mask], image[~mask]))
+
+
+def worked_example():
+    """12x12, inside 30 points of which 2 white, outside 114 of which 95 white."""
+    mask = np.zeros((12, 12), bool)
+    mask[3:8, 3:9] = True
+    image = np.ones((12, 12), np.float32)
+    image[3:10, 3:10] = 0.0
+    image[3, 4] = image[3, 6] = 1.0
+    return image, mask
+
+
+def test_the_worked_example_holds_what_it_says():
+    image, mask = worked_example()
+    assert (mask.sum(), image[mask].sum(), (~mask).sum(), image[~mask].sum()) == (30, 2, 114, 95)
+
+
+@pytest.mark.parametrize("flooding", [True, False])
+def test_the_worked_example_ends_as_in_the_thesis(flooding):
+    image, mask = worked_example()
+    contour = evolve_by_means(image, mask, ContourSettings(flooding=flooding), recorded=4)
+    assert contour.changes == pytest.approx([-0.874, -0.938, -0.705, -0.718], abs=5e-4)
+    assert contour.inside_count == 47
+    assert (contour.inside_mean, contour.outside_mean) == (0.0, 1.0)
+    assert contour.converged
+    np.testing.assert_array_equal(contour.mask, image == 0.0)
+
+
+@given(st.integers(0, 2**32 - 1), st.booleans())
+def test_the_changes_add_up_to_the_fall_of_the_energy(seed, flooding):
+    rng = np.random.default_rng(seed)
+    image = rng.random((14, 17)).astype(np.float32)
+    mask = np.zeros((14, 17), bool)
+    mask[3:9, 4:13] = True
+    contour = evolve_by_means(image, mask, ContourSettings(flooding=flooding), recorded=100_000)
+    fall = energy(image, mask) - energy(image, contour.mask)
+    assert -contour.changes.sum() == pytest.approx(fall, abs=1e-4)
+    assert (contour.changes < 0.0).all()
+    np.testing.assert_array_equal(contour.levels, levels_of_mask(contour.mask))
+    assert contour.inside_mean == pytest.approx(image[contour.mask].mean(), abs=1e-5)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_a_converged_contour_is_not_improved_by_any_single_point_beside_it(seed):
+    rng = np.random.default_rng(seed)
+    image = rng.random((10, 10)).astype(np.float32)
+    mask = np.zeros((10, 10), bool)
+    mask[2:7, 2:7] = True
+    contour = evolve_by_means(image, mask, PLAIN)
+    assert contour.converged
+    least = energy(image, contour.mask)
+    for row, column in np.argwhere(np.abs(contour.levels) == 1):
+        other = contour.mask
+        other[row, column] ^= True
+        if min(other.sum(), (~other).sum()) >= 2:
+            assert energy(image, other) >= least - 1e-5
+
+
+def test_with_ratios_what_is_connected_and_likelier_target_is_inside(draw_disc):
+    target = draw_disc(60, 80, (40, 30), 15)
+    apart = draw_disc(60, 80, (70, 50), 5)
+    start = draw_disc(60, 80, (44, 33), 4)
+    ratio = np.where(target | apart, 1.0, -1.0).astype(np.float32)
+    np.testing.assert_array_equal(evolve_by_ratio(ratio, start, PLAIN).mask, target)
+
+
+def test_a_window_keeps_what_is_beyond_it(draw_disc):
+    target = draw_disc(60, 80, (40, 30), 15)
+    start = draw_disc(60, 80, (40, 30), 8)
+    ratio = np.where(target, 1.0, -1.0).astype(np.float32)
+    contour = evolve_by_ratio(ratio, start, PLAIN, window=(0, 0, 40, 60))
+    np.testing.assert_array_equal(contour.mask[:, :40], target[:, :40])
+    np.testing.assert_array_equal(contour.mask[:, 40:], start[:, 40:])
+    np.testing.assert_array_equal(contour.levels, levels_of_mask(contour.mask))
+
+
+def test_without_flooding_an_iteration_moves_a_contour_by_a_pixel(draw_disc):
+    target, start = draw_disc(60, 80, (40, 30), 20), draw_disc(60, 80, (40, 30), 5)
+    ratio = np.where(target, 1.0, -1.0).astype(np.float32)
+    contour = evolve_by_ratio(ratio, start, ContourSettings(flooding=False, iterations=5))
+    assert contour.iterations == 5
+    assert not contour.converged
+    assert not (contour.mask & ~draw_disc(60, 80, (40, 30), 10.5)).any()
+
+
+def test_the_regulariser_shuts_out_single_points(draw_disc):
+    target = draw_disc(60, 80, (40, 30), 15)
+    noise = np.random.default_rng(3).normal(0.0, 0.8, (60, 80))
+    ratio = (np.where(target, 1.0, -1.0) + noise).astype(np.float32)
+    start = draw_disc(60, 80, (40, 30), 12)
+    settings = (ContourSettings(), ContourSettings(regulariser=0.6, balance=-1.0))
+    rough, smooth = (evolve_by_ratio(ratio, start, each).mask for each in settings)
+    assert (smooth ^ target).sum() < 0.6 * (rough ^ target).sum()
+
+
+def test_no_region_is_emptied():
+    nothing = np.full((20, 20), -1.0, np.float32)
+    start = np.zeros((20, 20), bool)
+    start[5:10, 5:10] = True
+    assert evolve_by_ratio(nothing, start, PLAIN).inside_count == 2
+    assert evolve_by_ratio(-nothing, start, PLAIN).inside_count == 398
+
+
+@pytest.mark.parametrize(
+    ("shape", "window", "words"),
+    [
+        ((10, 12), None, "cannot evolve"),
+        ((12, 12), (20, 20, 30, 30), "outside the picture"),
+        ((12, 12), (0, 0, 2, 12), "on either side"),
+    ],
+)
+def test_what_cannot_evolve_is_refused(shape, window, words):
+    image, mask = worked_example()
+    with pytest.raises(FrameError, match=words):
+        evolve_by_means(np.zeros(shape, np.float32), mask, PLAIN, window=window)
+    assert image.shape == mask.shape

@@ -1,0 +1,49 @@
+import math
+
+import pytest
+
+from cable_tracker.evaluation.targets.metrics import (
+    JudgedClaim,
+    claimed_in_view,
+    claimed_while_absent,
+    keeps_its_own,
+    overlap,
+    returns_found,
+    success,
+)
+
+HERE, BESIDE, FAR = (0, 0, 10, 10), (0, 4, 10, 14), (50, 50, 60, 60)
+
+
+def judged(*pairs, twin=None):
+    return [JudgedClaim(truth, claim, twin, 1.0) for truth, claim in pairs]
+
+
+def test_overlap_is_intersection_over_union():
+    assert overlap(HERE, HERE) == 1.0
+    assert overlap(HERE, BESIDE) == pytest.approx(60 / 140)
+    assert overlap(HERE, FAR) == overlap(HERE, None) == 0.0
+
+
+def test_success_counts_frames_in_view_only():
+    claims = judged((HERE, HERE), (HERE, BESIDE), (HERE, None), (HERE, HERE), (None, HERE))
+    assert success(claims) == 0.5
+    assert claimed_in_view(claims) == 0.75
+    assert claimed_while_absent(claims) == 1.0
+
+
+def test_what_never_happens_has_no_figure():
+    assert math.isnan(claimed_while_absent(judged((HERE, HERE))))
+    assert math.isnan(success(judged((None, None))))
+
+
+def test_a_return_is_found_within_fifteen_frames_or_not():
+    late = [(None, None)] + [(HERE, FAR)] * 16 + [(HERE, HERE)]
+    soon = [(None, None)] + [(HERE, FAR)] * 15 + [(HERE, HERE)]
+    assert returns_found(judged(*late)) == [False]
+    assert returns_found(judged(*soon)) == [True]
+
+
+def test_the_own_target_is_the_one_that_the_box_overlaps_more():
+    assert keeps_its_own(judged((HERE, BESIDE), twin=FAR)) == 1.0
+    assert keeps_its_own(judged((HERE, FAR), twin=FAR)) == 0.0

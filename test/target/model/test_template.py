@@ -1,0 +1,56 @@
+import math
+
+import numpy as np
+import pytest
+
+from cable_tracker.errors import FrameError
+from cable_tracker.target.model.template import (
+    RING,
+    SIDE,
+    UNIT,
+    centroid,
+    distances_about,
+    template_of_mask,
+)
+
+
+def distance_at(template, points):
+    columns = np.round((SIDE - 1) / 2 + points[:, 0] * UNIT).astype(int)
+    rows = np.round((SIDE - 1) / 2 - points[:, 1] * UNIT).astype(int)
+    return template.distances[rows, columns]
+
+
+def test_a_template_has_area_one_about_its_centroid(draw):
+    template = template_of_mask(draw(centre=(90, 70))[1], 60)
+    inside = template.distances < 0.0
+    assert inside.sum() / UNIT**2 == pytest.approx(1.0, rel=0.06)
+    assert centroid(inside) == pytest.approx((0.0, 0.0), abs=0.6)
+
+
+def test_its_points_lie_inside_and_in_the_ring(draw):
+    template = template_of_mask(draw()[1], 60)
+    assert template.inside.shape == template.around.shape == (60, 2)
+    assert (distance_at(template, template.inside) < 0.05).all()
+    around = distance_at(template, template.around)
+    assert ((around > RING[0] - 0.06) & (around < RING[1] + 0.06)).all()
+
+
+def test_a_turned_shape_is_turned_back(draw):
+    flat, turned = draw(tilt=0)[1], draw(tilt=30)[1]
+    size = math.sqrt(flat.sum())
+    straight = distances_about(flat, centroid(flat), size, 0.0) < 0
+    back = distances_about(turned, centroid(turned), size, math.radians(30)) < 0
+    assert (straight ^ back).sum() < 0.08 * straight.sum()
+
+
+def test_extent_is_that_of_the_shape(draw):
+    template = template_of_mask(draw(axes=(30, 10))[1], 60)
+    assert template.extent(0.0) == pytest.approx((30 / template.size, 10 / template.size), abs=0.06)
+    assert template.extent(math.pi / 2) == pytest.approx(template.extent(0.0)[::-1], abs=0.03)
+
+
+def test_specks_are_refused():
+    mask = np.zeros((20, 20), bool)
+    mask[3:6, 3:6] = True
+    with pytest.raises(FrameError, match="too small"):
+        template_of_mask(mask, 60)

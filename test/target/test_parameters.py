@@ -1,0 +1,20 @@
+import pytest
+
+from cable_tracker.errors import ParameterError
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.parameters.presets import TARGET_PRESETS, target_preset
+
+
+def test_every_preset_can_be_had_by_its_name():
+    assert set(TARGET_PRESETS) == {"default", "thesis", "docking", "diver"}
+    assert target_preset("thesis").particle_count == 50
+
+
+def test_shares_must_leave_particles_to_follow():
+    with pytest.raises(ParameterError, match="refinement_share"):
+        TargetParameters(place_share=0.6, refinement_share=0.4)
+
+
+def test_limits_of_presence_are_in_order():
+    with pytest.raises(ParameterError, match="presence_to_lose"):
+        TargetParameters(presence_to_track=0.3)

@@ -1,0 +1,205 @@
+import cv2
+import numpy as np
+import pytest
+
+from cable_tracker.errors import FrameError
+from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.tracker import TargetTracker
+
+STEP = 40_000_000
+
+
+def overlap(one, two):
+    width = min(one[2], two[2]) - max(one[0], two[0])
+    height = min(one[3], two[3]) - max(one[1], two[1])
+    if min(width, height) <= 0:
+        return 0.0
+    both = width * height
+    areas = [(box[2] - box[0]) * (box[3] - box[1]) for box in (one, two)]
+    return both / (sum(areas) - both)
+
+
+def box_of(mask):
+    rows, columns = np.nonzero(mask)
+    return columns.min(), rows.min(), columns.max() + 1, rows.max() + 1
+
+
+def started(draw, seed=1, **options):
+    tracker = TargetTracker(TargetParameters(seed=seed))
+    image, mask = draw(**options)
+    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    return tracker, tracker.process(image, STEP)
+
+
+def test_a_marked_target_is_claimed_at_once(draw):
+    _, estimate = started(draw)
+    assert estimate.status.value == "TRACKING"
+    assert overlap(estimate.box, box_of(draw()[1])) > 0.85
+    assert estimate.scale == 1.0
+    assert estimate.is_whole
+
+
+def test_the_estimate_follows_position_size_and_rates(draw):
+    tracker, _ = started(draw, centre=(80, 60))
+    for number in range(2, 30):
+        centre, axes = (80 + 4 * number, 60 + 2 * number), (22 + number // 2, 14 + number // 3)
+        image, mask = draw(centre=centre, axes=axes, seed=number)
+        estimate = tracker.process(image, number * STEP)
+        assert overlap(estimate.box, box_of(mask)) > 0.7
+    assert estimate.state[:2] == pytest.approx([centre[0] - 159.5, 119.5 - centre[1]], abs=3.0)
+    assert estimate.scale == pytest.approx(np.sqrt(36 * 23 / (22 * 14)), rel=0.15)
+    assert estimate.state[4] > 40.0
+    assert estimate.state[5] < -10.0
+
+
+def test_the_same_seed_gives_the_same_estimates(draw):
+    def last(seed):
+        tracker, _ = started(draw, seed)
+        for number in range(2, 6):
+            image, _ = draw(centre=(160 + 3 * number, 120), seed=number)
+            estimate = tracker.process(image, number * STEP)
+        return estimate
+
+    np.testing.assert_array_equal(last(7).state, last(7).state)
+    assert (last(7).state != last(8).state).any()
+
+
+def test_a_copy_goes_on_alike_and_apart(draw):
+    tracker, _ = started(draw)
+    twin = tracker.copy()
+    image, _ = draw(centre=(165, 120), seed=2)
+    ours, theirs = tracker.process(image, 2 * STEP), twin.process(image, 2 * STEP)
+    np.testing.assert_array_equal(ours.state, theirs.state)
+    tracker.process(draw(centre=(170, 120), seed=3)[0], 3 * STEP)
+    assert twin.process(image, 3 * STEP).status.value == "TRACKING"
+
+
+def test_what_is_gone_is_not_claimed_and_found_again(draw):
+    tracker, _ = started(draw)
+    for number in range(2, 12):
+        tracker.process(draw(seed=number)[0], number * STEP)
+    for number in range(12, 24):
+        estimate = tracker.process(draw(centre=None, seed=number)[0], number * STEP)
+    assert estimate.status.value == "LOST"
+    assert estimate.presence < 0.1
+    for number in range(24, 40):
+        estimate = tracker.process(draw(centre=(180, 110), seed=number)[0], number * STEP)
+    assert estimate.status.value == "TRACKING"
+    assert overlap(estimate.box, box_of(draw(centre=(180, 110))[1])) > 0.7
+
+
+def test_grey_pictures_do_as_well(draw):
+    tracker = TargetTracker(TargetParameters(seed=1))
+    _, mask = draw()
+    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    for number in range(1, 15):
+        image, mask = draw(centre=(160 + 3 * number, 120), seed=number, colour=(20, 20, 25))
+        if number == 1:
+            tracker.initialise(TargetStart.from_box(*box_of(mask)))
+        grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+        estimate = tracker.process(grey, number * STEP)
+    assert overlap(estimate.box, box_of(mask)) > 0.6
+
+
+def test_colour_that_becomes_grey_is_no_loss(draw):
+    tracker, _ = started(draw, colour=(20, 20, 30))
+    for number in range(2, 12):
+        image, mask = draw(centre=(160 + 2 * number, 120), seed=number, colour=(20, 20, 30))
+        if number > 4:
+            image = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+        estimate = tracker.process(image, number * STEP)
+    assert estimate.status.value == "TRACKING"
+    assert overlap(estimate.box, box_of(mask)) > 0.5
+
+
+def test_large_frames_are_reduced_and_told_in_their_own_pixels(draw):
+    tracker, estimate = started(draw, centre=(320, 240), axes=(44, 28), size=(640, 480))
+    mask = draw(centre=(320, 240), axes=(44, 28), size=(640, 480))[1]
+    assert overlap(estimate.box, box_of(mask)) > 0.85
+    assert np.abs(tracker.particles.states[:, :2]).max() < 20.0
+
+
+def test_turns_of_the_camera_are_followed(draw):
+    tracker, _ = started(draw, centre=(60, 120))
+    shift = np.eye(3)
+    shift[0, 2] = 150.0
+    estimate = tracker.process(draw(centre=(210, 120), seed=2)[0], 2 * STEP, CameraMotion(shift))
+    assert estimate.status.value == "TRACKING"
+    assert estimate.state[0] == pytest.approx(50.5, abs=3.0)
+
+
+def test_what_does_not_stand_out_is_said_and_not_claimed(draw):
+    tracker = TargetTracker()
+    tracker.initialise(TargetStart.from_box(100, 80, 150, 120))
+    estimate = tracker.process(draw(centre=None)[0], STEP)
+    assert estimate.status.value == "INITIALISING"
+    assert "stand out" in estimate.event
+    assert estimate.box is None
+
+
+def test_without_a_mark_nothing_is_claimed(draw):
+    estimate = TargetTracker().process(draw()[0], STEP)
+    assert estimate.status.value == "INITIALISING"
+    assert estimate.box is None
+
+
+@pytest.mark.parametrize("box", [(400, 10, 450, 60), (-90, -60, -50, -20), (-5, -5, 400, 300)])
+def test_marks_that_cannot_be_are_refused(draw, box):
+    tracker = TargetTracker()
+    tracker.initialise(TargetStart.from_box(*box))
+    with pytest.raises(FrameError, match="marked target"):
+        tracker.process(draw()[0], STEP)
+    assert tracker.process(draw()[0], STEP).status.value == "INITIALISING"
+    with pytest.raises(FrameError, match="marked target"):
+        tracker.initialise(TargetStart.from_box(*box))
+
+
+def test_frames_that_cannot_be_used_are_refused_and_change_nothing(draw):
+    tracker, before = started(draw)
+    for image in (
+        np.zeros((240, 320)),
+        np.zeros((240, 320, 4), np.uint8),
+        np.zeros((4, 4), np.uint8),
+    ):
+        with pytest.raises(FrameError):
+            tracker.process(image, 2 * STEP)
+    with pytest.raises(FrameError, match="stamp"):
+        tracker.process(draw()[0], STEP)
+    after = tracker.process(draw(seed=2)[0], 2 * STEP)
+    assert after.state[:2] == pytest.approx(before.state[:2], abs=3.0)
+
+
+def test_frames_of_another_size_begin_anew(draw):
+    tracker, _ = started(draw)
+    estimate = tracker.process(draw(size=(400, 300))[0], 2 * STEP)
+    assert estimate.status.value == "INITIALISING"
+    assert "size changed" in estimate.event
+
+
+def test_reset_forgets_and_repeats(draw):
+    tracker, first = started(draw)
+    tracker.reset()
+    assert tracker.particles is None
+    image, mask = draw()
+    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    np.testing.assert_array_equal(tracker.process(image, STEP).covariance, first.covariance)
+
+
+def test_parameters_change_on_the_way(draw):
+    tracker, _ = started(draw)
+    tracker.configure(TargetParameters(particle_count=77))
+    tracker.process(draw(seed=2)[0], 2 * STEP)
+    assert tracker.particles.count == 77
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5])
+def test_a_handful_of_particles_is_no_error(draw, count):
+    tracker = TargetTracker(TargetParameters(particle_count=count))
+    _, mask = draw()
+    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    for number in range(1, 4):
+        estimate = tracker.process(draw(seed=number)[0], number * STEP)
+    assert np.isfinite(estimate.state).all()
+    assert tracker.particles.count == count

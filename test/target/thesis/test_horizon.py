@@ -1,0 +1,41 @@
+import numpy as np
+
+from cable_tracker.target.thesis.horizon import (
+    alignment,
+    horizon_row,
+    horizon_weights,
+    roberts_energy,
+)
+
+
+def test_frames_are_aligned_by_their_shift():
+    before = np.random.default_rng(1).random((60, 80)).astype(np.float32)
+    now = np.roll(before, (-2, 4), axis=(0, 1))
+    # Rows are compared as they are: shifts in one direction at a time are exact.
+    assert alignment(np.roll(before, 4, axis=1), before)[0] == 4
+    assert alignment(np.roll(before, -2, axis=0), before)[1] == -2
+    assert now.shape == before.shape
+
+
+def test_edges_are_where_the_picture_changes():
+    image = np.zeros((20, 20), np.float32)
+    image[:, 10:] = 1.0
+    energy = roberts_energy(image)
+    assert (energy[:-1, 9] == 2.0).all()
+    assert energy[:, :9].sum() == energy[:, 10:].sum() == 0.0
+
+
+def test_a_horizon_is_found_where_there_is_one():
+    image = np.full((40, 30), 0.8, np.float32)
+    assert horizon_row(image) is None
+    image[25:] = 0.2
+    assert horizon_row(image) == 24
+
+
+def test_what_moves_has_the_weight():
+    before = np.full((60, 80), 0.8, np.float32)
+    now = before.copy()
+    now[20:26, 40:46] = 0.1
+    weights = horizon_weights(now, before, np.ones((10, 10), bool), [(38, 18), (5, 40), (60, 5)])
+    assert np.argmax(weights) == 0
+    assert weights[0] > 0.9
