@@ -14,12 +14,13 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.compilation import compiled, compiled_fast_part, compiled_part
-from cable_tracker.particle_filter.student_t import peak_density, relative_density
+from cable_tracker.particle_filter.student_t import (
+    peak_density,
+    relative_density,
+    relative_log_density,
+)
 
 DIMENSIONS = 4
-
-LEAST_DENSITY = 1e-300
-"""Stands for a density of zero where its logarithm is needed."""
 
 
 class KernelMixture(NamedTuple):
@@ -95,12 +96,15 @@ def kernels_at(point: FloatArray, mixture: KernelMixture, kernels: Image) -> Non
 @compiled
 def log_kernels(points: FloatArray, mixture: KernelMixture) -> FloatArray:
     """Return the log-density of every kernel at points (N, 4 or more), shape (N, M)."""
+    log_peak, tail = math.log(mixture.peak), mixture.degrees_of_freedom
     logs = np.empty((len(points), len(mixture.places)))
-    kernels = np.empty(len(mixture.places), np.float32)
     for row in range(len(points)):
-        kernels_at(points[row], mixture, kernels)
-        for column in range(len(kernels)):
-            logs[row, column] = math.log(max(mixture.peak * kernels[column], LEAST_DENSITY))
+        for column in range(len(mixture.places)):
+            squared = 0.0
+            for axis in range(DIMENSIONS):
+                offset = points[row, axis] - mixture.places[column, axis]
+                squared += (offset / mixture.scales[axis]) ** 2
+            logs[row, column] = log_peak + relative_log_density(squared, tail, DIMENSIONS)
     return logs
 
 

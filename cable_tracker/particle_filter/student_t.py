@@ -37,6 +37,17 @@ def standard_student_t(
 
 
 @compiled_inside
+def relative_log_density(
+    squared_distance: float, degrees_of_freedom: float, dimensions: int
+) -> float:
+    """Return the log-density over its peak at a squared Mahalanobis distance."""
+    if math.isinf(degrees_of_freedom):
+        return -0.5 * squared_distance
+    exponent = -0.5 * (degrees_of_freedom + dimensions)
+    return exponent * math.log1p(squared_distance / degrees_of_freedom)
+
+
+@compiled_inside
 def relative_density(squared_distance: float, degrees_of_freedom: float, dimensions: int) -> float:
     """Return the density over its peak at a squared Mahalanobis distance."""
     if math.isinf(degrees_of_freedom):
@@ -45,8 +56,7 @@ def relative_density(squared_distance: float, degrees_of_freedom: float, dimensi
         base = 1.0 + 0.25 * squared_distance
         square = base * base
         return 1.0 / (square * square)
-    exponent = -0.5 * (degrees_of_freedom + dimensions)
-    return math.exp(exponent * math.log1p(squared_distance / degrees_of_freedom))
+    return math.exp(relative_log_density(squared_distance, degrees_of_freedom, dimensions))
 
 
 @compiled
@@ -70,6 +80,6 @@ def log_densities(
     log_peak = math.log(peak_density(degrees_of_freedom, dimensions))
     logs = np.empty(len(squared_distances))
     for index in range(len(logs)):
-        relative = relative_density(squared_distances[index], degrees_of_freedom, dimensions)
-        logs[index] = log_peak + math.log(relative)
+        squared = squared_distances[index]
+        logs[index] = log_peak + relative_log_density(squared, degrees_of_freedom, dimensions)
     return logs
