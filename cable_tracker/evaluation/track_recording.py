@@ -14,11 +14,14 @@ from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.result_folder import ResultFolder
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.recorded import RecordedMetres
+from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_truth
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.estimates import REFUSED, EstimateRow
+from cable_tracker.sequences.estimates import REFUSED, EstimateRow, RowMetres
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.sequences.messages import (
@@ -86,7 +89,12 @@ def _true_state(source: Source, first: Frame) -> CableState:
     return CableState(truth.distance, truth.angle, truth.width, truth.skew)
 
 
-def row_of(frame: Frame, estimate: CableEstimate, ms: float | None) -> EstimateRow:
+def row_of(
+    frame: Frame,
+    estimate: CableEstimate,
+    ms: float | None,
+    metres: CrossTrack | Withheld | None = None,
+) -> EstimateRow:
     """Return the row of the table for a tracked frame."""
     claimed = estimate.status is TrackingStatus.TRACKING
     d, alpha, w, beta = (float(value) for value in estimate.standard_deviations()[:4])
@@ -101,7 +109,14 @@ def row_of(frame: Frame, estimate: CableEstimate, ms: float | None) -> EstimateR
         evidence=estimate.evidence,
         hypotheses=len(estimate.hypotheses),
         ms=ms,
+        metres=_row_metres(metres) if isinstance(metres, CrossTrack) else None,
+        no_metres=str(metres) if isinstance(metres, Withheld) else "",
     )
+
+
+def _row_metres(known: CrossTrack) -> RowMetres:
+    sigma = known.standard_deviations()
+    return RowMetres(known.offset, known.heading, float(sigma[0]), float(sigma[2]))
 
 
 def track_recording(
@@ -109,6 +124,7 @@ def track_recording(
     tracker: CableTracker,
     results: ResultFolder,
     advance: Callable[[], None] = lambda: None,
+    metres: RecordedMetres | None = None,
 ) -> RecordingError | None:
     """Track all frames of a source and collect the results.
 
@@ -122,6 +138,8 @@ def track_recording(
         Where the results go.
     advance : callable
         Called after each frame.
+    metres : RecordedMetres or None
+        The recording's instruments; None: everything stays in pixels.
 
     Returns
     -------
@@ -130,7 +148,7 @@ def track_recording(
     """
     try:
         for frame in source.frames():
-            _track_frame(frame, tracker, results)
+            _track_frame(frame, tracker, results, metres)
             advance()
     except RecordingError as error:
         return error
@@ -143,12 +161,17 @@ def start_from(tracker: CableTracker, state: CableState | None) -> None:
         tracker.initialise(StatePrior.around(state))
 
 
-def _track_frame(frame: Frame, tracker: CableTracker, results: ResultFolder) -> None:
+def _track_frame(
+    frame: Frame, tracker: CableTracker, results: ResultFolder, metres: RecordedMetres | None
+) -> None:
     output = _FrameOutput(results.bag, frame)
+    if metres is not None:
+        metres.advance(frame)
     try:
         grey = decode_grey(frame.image)
         begin = time.perf_counter()
-        estimate = tracker.process(grey, frame.stamp)
+        motion = metres.motion(frame.stamp, grey) if metres is not None else None
+        estimate = tracker.process(grey, frame.stamp, motion)
         ms = (time.perf_counter() - begin) * 1e3
     except FrameError as error:
         output.write_refusal(str(error))
@@ -157,7 +180,8 @@ def _track_frame(frame: Frame, tracker: CableTracker, results: ResultFolder) -> 
     assert tracker.particles is not None
     cloud = cloud_of(tracker.particles)
     output.write_estimate(estimate, grey, cloud, ms)
-    results.add(frame, row_of(frame, estimate, ms), cloud, estimate.hypotheses)
+    known = metres.measure(estimate) if metres is not None else None
+    results.add(frame, row_of(frame, estimate, ms, known), cloud, estimate.hypotheses)
 
 
 class _FrameOutput:

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from contextlib import closing, suppress
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
-import zstandard
-from rosbags.serde import SerdeError
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bag_limits import LARGEST_UNPACKED, unpack_zstd
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.frame_source import (
@@ -24,7 +21,7 @@ from cable_tracker.sequences.frame_source import (
 )
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.stored_message import StoredMessage
-from cable_tracker.sequences.typestores import ros1_typestore, typestore
+from cable_tracker.sequences.unpacking import deserialise
 
 if TYPE_CHECKING:
     from rosbags.typesys.stores.ros2_jazzy import (
@@ -43,8 +40,6 @@ _COMPRESSED = "sensor_msgs/msg/CompressedImage"
 _JOINT_STATE = "sensor_msgs/msg/JointState"
 _TRUTH = "ground_truth"
 _TRUTH_NAMES = ("d", "alpha", "w", "beta")
-_TAIL_LENGTHS = (4, 8)
-_ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
 
 def _listing(topics: dict[str, Topic]) -> str:
@@ -117,32 +112,6 @@ def _stamp(message: _Stamped, receive_time: int) -> int:
     return (int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)) or receive_time
 
 
-def deserialise_cdr(data: bytes, msgtype: str) -> object:
-    """Deserialise a ROS 2 message that may have a meaningless tail.
-
-    rclpy's own serialiser leaves up to eight bytes at the end, and bags that are written with it
-    hold them. rosbags passes over three.
-
-    Raises
-    ------
-    SerdeError
-        The bytes are no such message.
-    """
-    try:
-        return typestore().deserialize_cdr(data, msgtype)
-    except SerdeError:
-        for length in _TAIL_LENGTHS:
-            with suppress(SerdeError):
-                return typestore().deserialize_cdr(data[:-length], msgtype)
-        raise
-
-
-def _unpacked_size(data: bytes) -> int:
-    """Return what a zstd frame says of its size, or the most that is unpacked if it is silent."""
-    size = zstandard.frame_content_size(data)
-    return size if size >= 0 else LARGEST_UNPACKED
-
-
 class BagSource(FrameSource):
     """Images of one topic of a bag.
 
@@ -180,6 +149,13 @@ class BagSource(FrameSource):
         self._truth = self._read_truth()
         self.has_truth = bool(self._truth)
 
+    @property
+    def camera_frame(self) -> str:
+        """`frame_id` of the first image; "camera" if it names none."""
+        with closing(self._read(0)) as items:
+            first = next((item for item in items if isinstance(item, Frame)), None)
+        return first.frame_id if first is not None else "camera"
+
     def _open(self) -> BagStorage:
         try:
             return open_storage(self.path)
@@ -190,12 +166,7 @@ class BagSource(FrameSource):
             ) from error
 
     def _deserialise(self, message: StoredMessage) -> object:
-        data = message.data
-        if data.startswith(_ZSTD_MAGIC):
-            data = unpack_zstd(data, _unpacked_size(data))
-        if self._is_ros1:
-            return ros1_typestore().deserialize_ros1(data, message.msgtype)
-        return deserialise_cdr(data, message.msgtype)
+        return deserialise(message, is_ros1=self._is_ros1)
 
     def _read_truth(self) -> dict[int, CableState]:
         """Read the ground truth by stamp; what is damaged is said when the frames are read."""
@@ -271,4 +242,4 @@ class BagSource(FrameSource):
     ) -> Frame:
         stamp = _stamp(content, time)
         frame_id = content.header.frame_id or "camera"
-        return Frame(index, stamp, image, frame_id, self._truth.get(stamp))
+        return Frame(index, stamp, image, frame_id, self._truth.get(stamp), time)
