@@ -23,6 +23,7 @@ from cable_tracker.commands.loop import loop
 from cable_tracker.commands.parameters import parameters
 from cable_tracker.commands.simulate import simulate_command
 from cable_tracker.commands.soak import soak
+from cable_tracker.commands.survey import survey
 from cable_tracker.commands.terminal import console, messages
 from cable_tracker.commands.track import track
 from cable_tracker.commands.warm_up import warm_up_command
@@ -58,6 +59,7 @@ def root(
 
 app.command()(track)
 app.command()(gui)
+app.command()(survey)
 app.command()(convert)
 app.command(name="simulate")(simulate_command)
 app.command()(loop)

@@ -21,6 +21,10 @@ MAY_IMPORT = {
     "trackers": {"cable", "detection"},
     "visualisation": {"sequences", "cable"},
     "simulation": {"sequences", "cable"},
+    "campaigns": set(),
+    "survey": {
+        "campaigns", "trackers", "detection", "metric", "sequences", "cable",
+    },
     "evaluation": {
         "trackers", "simulation", "detection", "visualisation", "sequences", "metric", "cable",
     },
@@ -39,7 +43,8 @@ MAY_IMPORT = {
         "node_parameter_tables", "metric", "cable", "particle_filter", "resources",
     },
     "commands": {
-        "ros", "benchmark", "gui", "evaluation", "trackers", "simulation", "detection", "metric",
+        "ros", "benchmark", "gui", "evaluation", "survey", "campaigns", "trackers", "simulation",
+        "detection", "metric",
         "sequences",
         "node_parameter_tables", "cable", "resources",
     },

@@ -180,7 +180,10 @@ def _track_frame(
     assert tracker.particles is not None
     cloud = cloud_of(tracker.particles)
     output.write_estimate(estimate, grey, cloud, ms)
-    known = metres.measure(estimate) if metres is not None else None
+    known = None
+    if metres is not None:
+        metres.observe(estimate)
+        known = metres.measure(estimate)
     results.add(frame, row_of(frame, estimate, ms, known), cloud, estimate.hypotheses)
 
 

@@ -165,10 +165,13 @@ class RecordedMetres:
         """
         return self._aiding.motion(stamp, image) if self._aids else None
 
-    def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
-        """Return the cable of an estimate in metres, or why not, and learn from it."""
+    def observe(self, estimate: CableEstimate) -> None:
+        """Learn from an estimate how far odometry may be believed; once for each frame."""
         if self._aids:
             self._aiding.observe(estimate)
+
+    def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
+        """Return the cable of an estimate in metres, or why not."""
         return self._instruments.cross_track(estimate)
 
 
