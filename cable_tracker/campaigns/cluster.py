@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -63,7 +64,6 @@ def connected(settings: ClusterSettings) -> Iterator[Client]:
         of this package.
     """
     quiet = {
-        "distributed.logging.distributed": "error",
         "distributed.scheduler.allowed-failures": 3,
         "distributed.comm.timeouts.connect": f"{CONNECT_TIMEOUT}s",
         # Python's own start method "fork" may hang with the threads of OpenCV and Numba.
@@ -94,6 +94,7 @@ def _local(settings: ClusterSettings) -> LocalCluster:
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
+            silence_logs=logging.CRITICAL,
             memory_limit=settings.memory.replace(" ", ""),
             dashboard_address=DASHBOARD if settings.dashboard else None,
         )

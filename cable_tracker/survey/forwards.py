@@ -40,8 +40,8 @@ UNSAID_FIX_VARIANCE = 25.0
 """Of a fix that says nothing about its doubt [m²]."""
 
 METRES_EVERY = 60_000_000
-"""Metres are worked out no more often [ns]: a cable that is looked at twice in the time in which the
-vehicle moves by some centimetres is not known better."""
+"""Metres are worked out no more often [ns]: looked at again some centimetres farther on, a cable is
+not known better."""
 
 CROSSING_STRIDE = 0.5
 """Between two pictures that are searched for lines across the cable [s]."""

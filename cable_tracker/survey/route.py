@@ -55,8 +55,7 @@ class Profile:
     @property
     def along(self) -> FloatArray:
         """Middle of each place along the way, shape (B,) [m]."""
-        middles: FloatArray = self.start + PROFILE_SPACING * (np.arange(len(self.seen)) + 0.5)
-        return middles
+        return np.array(self.start + PROFILE_SPACING * (np.arange(len(self.seen)) + 0.5))
 
     @property
     def visible(self) -> BoolArray:
