@@ -145,7 +145,7 @@ def test_a_worker_of_another_version_that_comes_later_does_nothing(both, tmp_pat
 
 def test_no_scheduler_is_said(tmp_path, monkeypatch):
     monkeypatch.setattr("cable_tracker.campaigns.cluster.CONNECT_TIMEOUT", 1.0)
-    with pytest.raises(ParameterError, match="none answers at tcp://127.0.0.1:9"):
+    with pytest.raises(ParameterError, match=r"none answers at tcp://127\.0\.0\.1:9"):
         run_campaign([Square(1)], tmp_path, ClusterSettings(scheduler="tcp://127.0.0.1:9"))
 
 

@@ -28,11 +28,10 @@ def claim(frame) -> CableEstimate:
 
 def measured(bag, choice=None):
     results = []
-    with open_source(bag) as recording:
-        with recorded_vehicle(recording, choice).metres() as metres:
-            for frame in recording.frames():
-                metres.advance(frame)
-                results.append(metres.measure(claim(frame)))
+    with open_source(bag) as recording, recorded_vehicle(recording, choice).metres() as metres:
+        for frame in recording.frames():
+            metres.advance(frame)
+            results.append(metres.measure(claim(frame)))
     return results
 
 
@@ -52,10 +51,9 @@ def test_without_an_altitude_the_reason_is_said(bag):
 
 
 def test_what_is_said_shortly_after_a_frame_is_known(bag):
-    with open_source(bag) as recording:
-        with recorded_vehicle(recording).metres() as metres:
-            frame = next(recording.frames())
-            messages = metres.advance(frame)
+    with open_source(bag) as recording, recorded_vehicle(recording).metres() as metres:
+        frame = next(recording.frames())
+        messages = metres.advance(frame)
     latest = max(message.stamp for message in messages)
     assert frame.stamp < latest <= frame.received + 250_000_000
 

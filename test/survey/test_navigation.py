@@ -101,7 +101,7 @@ def fixes_of(places: np.ndarray, sigma: float, rng) -> Samples:
 
 def test_a_dive_is_turned_and_shifted_onto_the_earth():
     rng = np.random.default_rng(1)
-    true = way(3000, turn=0.8) + [100.0, 50.0, 0.0]
+    true = way(3000, turn=0.8) + np.array([100.0, 50.0, 0.0])
     poses = joined_poses(odometry(way(3000)))
     earth = georeference(poses, fixes_of(true, 0.5, rng), FRAME)
     found, variances = earth.apply(poses.places[:, :2], poses.stamps)

@@ -47,7 +47,7 @@ def test_wrong_claims_lose_their_weight():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_regions_hold_the_cable_about_as_often_as_they_say(seed):
-    looks, cable, truth = smoothed(Plan(length=80.0, noise=0.03, seed=seed))
+    _, cable, truth = smoothed(Plan(length=80.0, noise=0.03, seed=seed))
     sigma = np.sqrt(cable.covariances[:, 0, 0])
     held = np.mean(np.abs(cable.states[:, 0] - truth) < 1.96 * sigma)
     assert 0.8 < held <= 1.0
