@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
@@ -12,6 +12,7 @@ import numpy as np
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
+from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.frame_source import (
     FrameSource,
@@ -22,6 +23,13 @@ from cable_tracker.sequences.frame_source import (
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.unpacking import deserialise
+from cable_tracker.sequences.video_stream import (
+    VIDEO_TYPES,
+    DecodedPicture,
+    Packet,
+    StreamDecoder,
+    read_packet,
+)
 
 if TYPE_CHECKING:
     from rosbags.typesys.stores.ros2_jazzy import (
@@ -49,7 +57,8 @@ def _listing(topics: dict[str, Topic]) -> str:
 
 
 def _images(topics: dict[str, Topic]) -> dict[str, Topic]:
-    return {name: t for name, t in topics.items() if t.msgtype in (_IMAGE, _COMPRESSED)}
+    kinds = (_IMAGE, _COMPRESSED, *VIDEO_TYPES)
+    return {name: t for name, t in topics.items() if t.msgtype in kinds}
 
 
 def _choose_topic(path: Path, topics: dict[str, Topic], wanted: str | None) -> str:
@@ -66,7 +75,8 @@ def _choose_topic(path: Path, topics: dict[str, Topic], wanted: str | None) -> s
         )
     if not images:
         raise RecordingError(
-            f"{path}: the bag holds no images (sensor_msgs Image or CompressedImage), only"
+            f"{path}: the bag holds no images (Image, CompressedImage, CompressedVideo or"
+            " FFMPEGPacket), only"
             f" {_listing(topics)}"
         )
     recorded = {name: topic for name, topic in images.items() if topic.count} or images
@@ -140,6 +150,10 @@ class BagSource(FrameSource):
         chosen = self._storage.topics[self.topic]
         self.frame_count = chosen.count
         self.compressed = chosen.msgtype == _COMPRESSED
+        self._is_video = chosen.msgtype in VIDEO_TYPES
+        if self._is_video:
+            # Packets before the first key frame are no frames.
+            self.frame_count = None
         if chosen.count > 1 and self._storage.duration > 0.0:
             self.nominal_rate = (chosen.count - 1) / self._storage.duration
         if not chosen.count:
@@ -192,6 +206,9 @@ class BagSource(FrameSource):
         return truth
 
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
+        if self._is_video:
+            yield from self._read_video(start)
+            return
         count = 0
         try:
             with closing(self._storage.messages([self.topic])) as messages:
@@ -207,6 +224,47 @@ class BagSource(FrameSource):
                 " that its index promises are missing; all others have been read; get an undamaged"
                 " copy of the recording"
             )
+
+    def _read_video(self, start: int) -> Generator[Frame | UnreadableFrame]:
+        """Decode from the beginning; what comes before the first key frame is no frame."""
+        count, has_begun = 0, False
+        try:
+            for picture in self._pictures():
+                has_begun = has_begun or picture.picture is not None
+                if not has_begun:
+                    continue
+                if count >= start:
+                    yield self._video_frame(count, picture)
+                count += 1
+        except RecordingError as error:
+            raise damage(self.path, count, str(error)) from error
+        if not has_begun:
+            raise RecordingError(
+                f"{self.path}: not one picture of {self.topic} can be decoded; it holds no key"
+                " frame, or its coding is not known"
+            )
+
+    def _pictures(self) -> Iterator[DecodedPicture]:
+        decoder = StreamDecoder()
+        with closing(self._storage.messages([self.topic])) as messages:
+            for message in messages:
+                try:
+                    packet = read_packet(self._deserialise(message), message.time)
+                # Deserialising foreign bytes raises what the parser happens to raise.
+                except Exception as error:  # noqa: BLE001
+                    nothing = Packet(message.time, "camera", "", b"")
+                    yield DecodedPicture(nothing, None, f"damaged message: {one_line(error)}")
+                    continue
+                yield from decoder.take(packet)
+        yield from decoder.end()
+
+    def _video_frame(self, index: int, decoded: DecodedPicture) -> Frame | UnreadableFrame:
+        packet = decoded.packet
+        if decoded.picture is None:
+            return UnreadableFrame(index, packet.stamp, decoded.reason)
+        image = raw_from_array(decoded.picture, "bgr8")
+        truth = self._truth.get(packet.stamp)
+        return Frame(index, packet.stamp, image, packet.frame_id, truth, packet.stamp)
 
     def _frame(self, index: int, message: StoredMessage) -> Frame | UnreadableFrame:
         try:

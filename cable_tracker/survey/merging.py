@@ -324,7 +324,9 @@ def _one(group: Sequence[Event]) -> Event:
     along = float(np.median([each.along for each in group]))
     end = float(np.median([each.end for each in group]))
     nearest = min(group, key=lambda each: abs(each.along - along))
-    names = ", ".join(dict.fromkeys(_names(group)))
+    others = sorted(set(_names(group)) - {nearest.recording})
+    # The first is the one whose frame and picture are shown.
+    names = ", ".join([nearest.recording, *others])
     return Event(
         first.kind, along, max(end, along), nearest.place, nearest.stamp, nearest.frame,
         nearest.detail, names,

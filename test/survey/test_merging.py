@@ -71,4 +71,4 @@ def test_a_burial_that_two_dives_saw_is_one_event():
     plan = Plan(hidden=((15.0, 21.0),))
     (merged,) = merge([placed(plan, "a"), placed(replace(plan, seed=2), "b")])
     (event,) = [each for each in merged.events if each.kind is EventKind.BURIED]
-    assert event.recording == "a, b"
+    assert set(event.recording.split(", ")) == {"a", "b"}

@@ -65,7 +65,7 @@ def test_gdal_reads_the_geojson(written):
 
 
 def test_events_are_a_table_with_places_and_pictures(written):
-    rows = list(csv.DictReader((written / "events.csv").open()))
+    rows = list(csv.DictReader((written / "events.csv").read_text().splitlines()))
     (buried,) = [row for row in rows if row["kind"] == "buried or overgrown"]
     assert float(buried["length_m"]) == pytest.approx(6.0, abs=0.6)
     assert float(buried["latitude"]) == pytest.approx(54.25, abs=1e-3)
