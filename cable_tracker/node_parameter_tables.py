@@ -28,8 +28,7 @@ def flag(name: str, default: bool, meaning: str) -> ParameterSpec:
     return ParameterSpec(name, bool, default, "", meaning, None, None, ())
 
 
-TRACKER_START_PARAMETERS = (
-    word("preset", "default", "Values that the other parameters start from.", tuple(PRESETS)),
+CAMERA_START_PARAMETERS = (
     word(
         "image_transport",
         "raw",
@@ -42,13 +41,19 @@ TRACKER_START_PARAMETERS = (
         "QoS of the image subscription; `reliable` loses no frame and needs a reliable camera.",
         ("best_effort", "reliable"),
     ),
+)
+"""Of every node that tracks something in a camera's images; read at start only."""
+
+TRACKER_OWN_START_PARAMETERS = (
+    word("preset", "default", "Values that the other parameters start from.", tuple(PRESETS)),
     word(
         "instrument_reliability",
         "best_effort",
-        "The same for `camera_info`, `altitude`, `imu` and `odometry`.",
+        "The same as `image_reliability` for `camera_info`, `altitude`, `imu` and `odometry`.",
         ("best_effort", "reliable"),
     ),
 )
+TRACKER_START_PARAMETERS = (*TRACKER_OWN_START_PARAMETERS, *CAMERA_START_PARAMETERS)
 """Read at start only."""
 
 METRIC_PARAMETERS = (
@@ -99,12 +104,7 @@ METRIC_PARAMETERS = (
 )
 """For `cross_track`; see docs/metric.md."""
 
-TRACKER_RUNTIME_PARAMETERS = (
-    word(
-        "initial_state",
-        "random",
-        "Where start and reset begin: `random`, or `d,alpha,w,beta` in px and rad.",
-    ),
+CAMERA_RUNTIME_PARAMETERS = (
     number(
         "input_timeout",
         1.0,
@@ -122,6 +122,17 @@ TRACKER_RUNTIME_PARAMETERS = (
     number(
         "diagnostics_period", 1.0, "s", (0.05, 3600.0), "Time between two messages on /diagnostics."
     ),
+)
+"""Of every node that tracks something in a camera's images; may be changed at any time."""
+
+TRACKER_RUNTIME_PARAMETERS = (
+    word(
+        "initial_state",
+        "random",
+        "Where start and reset begin: `random`, `d,alpha,w,beta` in px and rad, or a detector:"
+        " `hough`, `segmentation`, `lsd`, `texture`.",
+    ),
+    *CAMERA_RUNTIME_PARAMETERS,
     *METRIC_PARAMETERS,
 )
 """May be changed at any time."""
@@ -136,7 +147,11 @@ REPLAY_START_PARAMETERS = (
     number(
         "answer_timeout", 30.0, "s", (0.1, 3600.0), "Lockstep: give up after waiting this long."
     ),
-    flag("wait_for_tracker", False, "Begin only when somebody subscribes; always so in lockstep."),
+    flag(
+        "wait_for_tracker",
+        True,
+        "Begin when a node subscribes and no tracker is warming up; always so in lockstep.",
+    ),
     flag("paused", False, "Begin paused."),
     flag("allow_outside", False, "Let a sequence file name files outside its folder."),
     flag("skip_bad_frames", False, "Send frames that cannot be decoded, instead of stopping."),
@@ -181,7 +196,8 @@ SIMULATOR_PARAMETERS = (
         60.0,
         "s",
         (1.0, 1e6),
-        "Without a new metre of cable for so long of simulated time the node ends.",
+        "Without a new metre of cable for so long of simulated time the node ends; drift does not"
+        " count.",
     ),
     number(
         "standstill",

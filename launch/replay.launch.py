@@ -1,11 +1,8 @@
-"""Replay a recording through the tracker, with its own timing.
+"""Replay a recording to the tracker, at its own pace or in lockstep.
 
 ros2 launch cable_tracker replay.launch.py source:=/data/dive image_transport:=raw
 """
 
-from pathlib import Path
-
-from ament_index_python.packages import get_package_share_directory
 from launch.actions import (
     DeclareLaunchArgument,
     EmitEvent,
@@ -15,39 +12,97 @@ from launch.actions import (
 from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
 from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import LaunchConfiguration
+from launch.substitutions import IfElseSubstitution, LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
 
 from launch import LaunchDescription
 
-LAUNCH = Path(get_package_share_directory("cable_tracker")) / "launch"
+SHARE = FindPackageShare("cable_tracker")
+PASSED_ON = (
+    "preset",
+    "params_file",
+    "namespace",
+    "image",
+    "image_transport",
+    "image_reliability",
+    "use_sim_time",
+    "log_level",
+)
+
+
+def of_type(name: str, value_type: type) -> ParameterValue:
+    """Return an argument as the value of a parameter."""
+    return ParameterValue(LaunchConfiguration(name), value_type=value_type)
 
 
 def generate_launch_description() -> LaunchDescription:
     arguments = [
         DeclareLaunchArgument("source", description="Bag, video, image folder or sequence file"),
+        DeclareLaunchArgument(
+            "topic", default_value="", description="Image topic of a bag that has several"
+        ),
         DeclareLaunchArgument("rate", default_value="1.0", description="Speed"),
         DeclareLaunchArgument("loop", default_value="false", description="Begin again at the end"),
         DeclareLaunchArgument(
             "lockstep", default_value="false", description="Wait for the tracker at every frame"
         ),
+        DeclareLaunchArgument("preset", default_value="default", description="Of the tracker"),
+        DeclareLaunchArgument(
+            "params_file",
+            default_value=[SHARE, "/config/", LaunchConfiguration("preset"), ".yaml"],
+            description="YAML file with parameters of the tracker",
+        ),
+        DeclareLaunchArgument("namespace", default_value="", description="Of both nodes"),
+        DeclareLaunchArgument("image", default_value="image", description="Topic between them"),
+        DeclareLaunchArgument(
+            "image_transport",
+            default_value="raw",
+            description="compressed for a recording of compressed images",
+            choices=["raw", "compressed"],
+        ),
+        DeclareLaunchArgument(
+            "image_reliability",
+            default_value=IfElseSubstitution(
+                LaunchConfiguration("lockstep"), if_value="reliable", else_value="best_effort"
+            ),
+            description="best_effort or reliable; in lockstep no frame may be lost",
+        ),
+        DeclareLaunchArgument(
+            "use_sim_time",
+            default_value="false",
+            description="Publish the recording's times on /clock, and let the tracker use them",
+        ),
+        DeclareLaunchArgument(
+            "log_level", default_value="info", description="debug, info, warn, error or fatal"
+        ),
     ]
     tracker = IncludeLaunchDescription(
-        PythonLaunchDescriptionSource(str(LAUNCH / "tracker.launch.py"))
+        PythonLaunchDescriptionSource(
+            PathJoinSubstitution([SHARE, "launch", "tracker.launch.py"]),
+        ),
+        launch_arguments=[(name, LaunchConfiguration(name)) for name in PASSED_ON],
     )
     replay = Node(
         package="cable_tracker",
         executable="replay",
+        namespace=LaunchConfiguration("namespace"),
         parameters=[
             {
-                "source": ParameterValue(LaunchConfiguration("source"), value_type=str),
-                "rate": ParameterValue(LaunchConfiguration("rate"), value_type=float),
-                "loop": ParameterValue(LaunchConfiguration("loop"), value_type=bool),
-                "lockstep": ParameterValue(LaunchConfiguration("lockstep"), value_type=bool),
-                "wait_for_tracker": True,
+                "source": of_type("source", str),
+                "topic": of_type("topic", str),
+                "rate": of_type("rate", float),
+                "loop": of_type("loop", bool),
+                "lockstep": of_type("lockstep", bool),
+                "publish_clock": of_type("use_sim_time", bool),
             }
         ],
+        remappings=[
+            ("image", LaunchConfiguration("image")),
+            ("image/compressed", [LaunchConfiguration("image"), "/compressed"]),
+        ],
+        ros_arguments=["--log-level", LaunchConfiguration("log_level")],
         output="screen",
     )
     end_with_replay = RegisterEventHandler(

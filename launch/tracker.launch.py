@@ -3,46 +3,73 @@
 ros2 launch cable_tracker tracker.launch.py image:=/camera/image_raw preset:=default
 """
 
-from pathlib import Path
-
-from ament_index_python.packages import get_package_share_directory
 from launch.actions import DeclareLaunchArgument
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
 
 from launch import LaunchDescription
 
-CONFIG = Path(get_package_share_directory("cable_tracker")) / "config"
+INSTRUMENTS = ("camera_info", "altitude", "imu", "odometry")
 
 
 def generate_launch_description() -> LaunchDescription:
     arguments = [
-        DeclareLaunchArgument("preset", default_value="default", description="default or thesis"),
+        DeclareLaunchArgument(
+            "preset", default_value="default", description="Values that the parameters start from"
+        ),
         DeclareLaunchArgument(
             "params_file",
-            default_value=PathJoinSubstitution(
-                [str(CONFIG), [LaunchConfiguration("preset"), ".yaml"]]
-            ),
-            description="YAML file with parameters",
+            default_value=[
+                FindPackageShare("cable_tracker"),
+                "/config/",
+                LaunchConfiguration("preset"),
+                ".yaml",
+            ],
+            description="YAML file with parameters; what it sets counts",
         ),
         DeclareLaunchArgument("namespace", default_value="", description="Namespace of the node"),
         DeclareLaunchArgument("image", default_value="image", description="Topic of the camera"),
         DeclareLaunchArgument(
-            "image_transport", default_value="raw", description="raw or compressed"
+            "image_transport",
+            default_value="raw",
+            description="Read the topic itself, or what is compressed beside it",
+            choices=["raw", "compressed"],
+        ),
+        DeclareLaunchArgument(
+            "image_reliability",
+            default_value="best_effort",
+            description="Take the newest frame, or every frame of a reliable camera",
+            choices=["best_effort", "reliable"],
+        ),
+        *(
+            DeclareLaunchArgument(name, default_value=name, description=f"Topic of {name}")
+            for name in INSTRUMENTS
+        ),
+        DeclareLaunchArgument(
+            "use_sim_time", default_value="false", description="Take the time from /clock"
+        ),
+        DeclareLaunchArgument(
+            "log_level", default_value="info", description="debug, info, warn, error or fatal"
         ),
     ]
+    words = ("preset", "image_transport", "image_reliability")
     tracker = Node(
         package="cable_tracker",
         executable="tracker",
         namespace=LaunchConfiguration("namespace"),
         parameters=[
+            {name: ParameterValue(LaunchConfiguration(name), value_type=str) for name in words},
+            {"use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)},
             LaunchConfiguration("params_file"),
-            {"image_transport": LaunchConfiguration("image_transport")},
         ],
         remappings=[
             ("image", LaunchConfiguration("image")),
             ("image/compressed", [LaunchConfiguration("image"), "/compressed"]),
+            *((name, LaunchConfiguration(name)) for name in INSTRUMENTS),
         ],
+        ros_arguments=["--log-level", LaunchConfiguration("log_level")],
         output="screen",
     )
     return LaunchDescription([*arguments, tracker])

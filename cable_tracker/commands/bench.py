@@ -122,7 +122,7 @@ def _run(plan: Plan, dds_frames: int) -> BenchmarkResult:
 
 def measure_nodes(plan: Plan, frames: int) -> tuple[NodeTiming, ...]:
     """Measure both presets from node to node."""
-    from cable_tracker.ros.node_latency import NodeTrial, measure_node  # noqa: PLC0415
+    from cable_tracker.ros.rigs.node_latency import NodeTrial, measure_node  # noqa: PLC0415
 
     trials = [
         NodeTrial(
@@ -152,7 +152,7 @@ def need_ros() -> None:
         There is none.
     """
     try:
-        import cable_tracker.ros.node_latency  # noqa: F401, PLC0415
+        import cable_tracker.ros.rigs.node_latency  # noqa: F401, PLC0415
     except ModuleNotFoundError as error:
         raise RosError(
             f"--dds needs ROS, and {error.name} is not installed; run `pip install '.[ros]'` in"

@@ -80,7 +80,7 @@ def gui(  # noqa: PLR0917
     listening = server.listen_on(host, port)
     desk = desks.TrackingDesk(None, request, parameters)
     if ros is not None:
-        desk.watch(need_ros("live_session").LiveSession(ros))
+        desk.watch(need_ros("clients.live_session").LiveSession(ros))
     elif source is not None:
         desk.open(request)
         if desk.session.note:

@@ -98,7 +98,7 @@ def loop(  # noqa: PLR0917
     methods = tuple(dict.fromkeys(method or ("default",)))
     _check_methods(methods, is_tuned=params is not None or detector is not None)
     chosen = seeds_from(seeds, seed) if seed >= 0 else (seed,)
-    ros = need_ros("loop")
+    ros = need_ros("rigs.loop")
     sand = min(5.0, length / 4) if buried is None else buried
     several = len(chosen) * len(methods) > 1
     request = ros.LoopRequest(

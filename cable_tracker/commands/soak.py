@@ -20,7 +20,7 @@ from cable_tracker.evaluation.folder import output_file
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
 if TYPE_CHECKING:
-    from cable_tracker.ros.soak_record import SoakRecord
+    from cable_tracker.ros.rigs.soak_record import SoakRecord
 
 EXIT_BROKEN_PROMISE = 1
 FRAMES = 100
@@ -92,7 +92,7 @@ def _is_report(path: Path) -> bool:
 def _ros_soak() -> ModuleType:
     """Import the ROS part only when it is asked for: everything else works without ROS."""
     try:
-        from cable_tracker.ros import soak as module  # noqa: PLC0415
+        from cable_tracker.ros.rigs import soak as module  # noqa: PLC0415
     except ModuleNotFoundError as error:
         raise RosError(
             f"ROS 2 is not installed (no module {error.name}); run"

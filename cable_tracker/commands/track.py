@@ -106,7 +106,7 @@ def track(  # noqa: PLR0917
         results = stack.enter_context(ResultFolder(folder, overwrite=force, timing=timing))
         progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
         if ros:
-            ros_module = need_ros("track_recording")
+            ros_module = need_ros("clients.track_recording")
             request = ros_module.RecordingRequest(
                 source={
                     "source": str(source.resolve()),

@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import NoReturn
 
 from cable_tracker.errors import EXIT_USER_ERROR
-from cable_tracker.ros.stop_request import stop_on_signals
+from cable_tracker.ros.process.stop_request import stop_on_signals
 
 MISSING_ROS = (
     "error: rclpy or a message package is not installed ({name}); run"
@@ -21,11 +21,11 @@ USAGE = (
     "docs/parameters.md lists the parameters. Everything must stand behind --ros-args."
 )
 NODES = {
-    "tracker": ("tracker_node", "TrackerNode"),
-    "baseline": ("baseline_node", "BaselineNode"),
-    "replay": ("replay_node", "ReplayNode"),
-    "simulator": ("simulator_node", "SimulatorNode"),
-    "controller": ("controller_node", "ControllerNode"),
+    "tracker": ("nodes.tracker_node", "TrackerNode"),
+    "baseline": ("rigs.baseline_node", "BaselineNode"),
+    "replay": ("nodes.replay_node", "ReplayNode"),
+    "simulator": ("nodes.simulator_node", "SimulatorNode"),
+    "controller": ("nodes.controller_node", "ControllerNode"),
 }
 """Module and class of each."""
 
@@ -40,7 +40,7 @@ def run(node_name: str, arguments: Sequence[str] | None) -> int:
     # Before the imports: they take a while, and a signal may come any time.
     stop = stop_on_signals()
     try:
-        from cable_tracker.ros.process import (  # noqa: PLC0415
+        from cable_tracker.ros.process.process_node import (  # noqa: PLC0415
             arguments_without_ros,
             run_node,
         )

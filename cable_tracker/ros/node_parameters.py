@@ -20,6 +20,9 @@ FOREIGN_PREFIXES = ("qos_overrides.",)
 FOREIGN_NAMES = ("use_sim_time", "start_type_description_service")
 """Overrides that rclpy itself reads."""
 
+TOGETHER = "set both together"
+"""How a refusal ends where two values do not fit."""
+
 PARAMETER_TYPES = {
     bool: Parameter.Type.BOOL,
     int: Parameter.Type.INTEGER,
@@ -136,16 +139,43 @@ def watch(
     def coerce(parameters: list[Parameter]) -> list[Parameter]:
         return [_coerced(parameter, specs) for parameter in parameters]
 
+    before: dict[str, object] = {}
+
     def check(parameters: list[Parameter]) -> SetParametersResult:
+        values = watched(parameters)
         try:
-            validate(watched(parameters))
+            validate(values)
         except ParameterError as error:
-            return SetParametersResult(successful=False, reason=str(error))
+            reason = _with_advice(str(error), len(values))
+            return SetParametersResult(successful=False, reason=reason)
+        before.clear()
+        before.update({name: node.get_parameter(name).value for name in values})
         return SetParametersResult(successful=True)
+
+    def take(parameters: list[Parameter]) -> None:
+        values = watched(parameters)
+        changes = [
+            f"{name} {before[name]} -> {value}"
+            for name, value in values.items()
+            if value != before[name]
+        ]
+        if changes:
+            node.get_logger().info(f"parameters changed: {', '.join(changes)}")
+        apply(values)
 
     node.add_pre_set_parameters_callback(coerce)
     node.add_on_set_parameters_callback(check)
-    node.add_post_set_parameters_callback(lambda parameters: apply(watched(parameters)))
+    node.add_post_set_parameters_callback(take)
+
+
+def _with_advice(reason: str, count: int) -> str:
+    """Say how two values are set together, where only one of them was given.
+
+    The service ``set_parameters`` gives them one after the other, and so does ``ros2 param``.
+    """
+    if count == 1 and reason.endswith(TOGETHER):
+        return f"{reason} with set_parameters_atomically, or the other first"
+    return reason
 
 
 def _coerced(parameter: Parameter, specs: Mapping[str, ParameterSpec]) -> Parameter:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 RELIABILITIES = {
@@ -43,7 +45,7 @@ LATEST_RESULT = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-"""`state`: whoever joins while frames pause, and asks for it, gets the last answers at once."""
+"""`state`: a subscriber that joins while frames pause gets the last answers at once if it asks."""
 
 PICTURES = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=5, reliability=ReliabilityPolicy.RELIABLE
@@ -62,3 +64,8 @@ EVERYTHING = QoSProfile(
     history=HistoryPolicy.KEEP_ALL, depth=0, reliability=ReliabilityPolicy.RELIABLE
 )
 """How a recorder reads."""
+
+
+def endpoint_name(endpoint: Any) -> str:  # noqa: ANN401
+    """Return the full name of the node of an endpoint that the graph tells of."""
+    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"

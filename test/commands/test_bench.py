@@ -93,7 +93,7 @@ def test_from_node_to_node_if_asked_for(run, tmp_path, monkeypatch):
 
 
 def test_without_ros_it_says_how_to_get_it(run, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "cable_tracker.ros.node_latency", None)
+    monkeypatch.setitem(sys.modules, "cable_tracker.ros.rigs.node_latency", None)
     refused = run("--dds")
     assert isinstance(refused.exception, RosError)
     assert "pip install '.[ros]'" in str(refused.exception)

@@ -6,8 +6,8 @@ import pytest
 
 pytest.importorskip("rclpy", reason="ROS 2 IS MISSING: no live node is watched")
 
-from cable_tracker.ros.child_process import NodeProcess
-from cable_tracker.ros.environment import local_environment
+from cable_tracker.ros.process.child_process import NodeProcess
+from cable_tracker.ros.process.environment import local_environment
 
 PICTURE = "document.querySelector('.ct-stage canvas')?.frameView?.description"
 NAMESPACE = "/boat"

@@ -1,53 +1,196 @@
-"""PyPI has no `launch`: here the files can only be checked for syntax and for what they name."""
+"""What the launch files start, as Jazzy's `ros2 launch` would."""
 
-import ast
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
+
+from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME
+from cable_tracker.node_parameter_tables import (
+    CONTROLLER_PARAMETERS,
+    REPLAY_NODE_PARAMETERS,
+    SIMULATOR_PARAMETERS,
+    TRACKER_NODE_PARAMETERS,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
-LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch.py"))
+LAUNCH = ROOT / "launch"
+SPECS: dict[str, dict[str, Any]] = {
+    "tracker": dict(PARAMETERS_BY_NAME) | {spec.name: spec for spec in TRACKER_NODE_PARAMETERS},
+    "replay": {spec.name: spec for spec in REPLAY_NODE_PARAMETERS},
+    "simulator": {spec.name: spec for spec in SIMULATOR_PARAMETERS},
+    "controller": {spec.name: spec for spec in CONTROLLER_PARAMETERS},
+}
+NEEDED = {"replay.launch.py": {"source": "/data/dive"}}
+OF_ROS = {"use_sim_time"}
+
+Play = Callable[..., Any]
 
 
-def strings_in(tree: ast.AST) -> set[str]:
-    return {
-        node.value
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    }
+@pytest.fixture
+def play(jazzy: Any) -> Play:
+    def played(file: str, **arguments: str) -> Any:
+        shares = {"cable_tracker": ROOT}
+        return jazzy.run(LAUNCH / file, shares, **(NEEDED.get(file, {}) | arguments))
+
+    return played
 
 
-def keywords_named(tree: ast.AST, name: str) -> set[str]:
-    return {
-        node.value.value
-        for node in ast.walk(tree)
-        if isinstance(node, ast.keyword) and node.arg == name
-        if isinstance(node.value, ast.Constant)
-    }
+@pytest.fixture
+def start(play: Play) -> Play:
+    """Play a launch file, and return its nodes by the names of their executables."""
+
+    def started(file: str, **arguments: str) -> dict[str, Any]:
+        return {node.executable: node for node in play(file, **arguments).started}
+
+    return started
 
 
-def test_there_are_launch_files():
-    assert [path.name for path in LAUNCH_FILES] == ["replay.launch.py", "tracker.launch.py"]
+FILES = sorted(path.name for path in LAUNCH.glob("*.launch.py"))
 
 
-@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
-def test_a_launch_file_defines_what_launch_looks_for(path):
-    tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
-    functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
-    assert "generate_launch_description" in functions
+def test_there_is_one_for_the_tracker_a_recording_and_the_loop() -> None:
+    assert {"loop.launch.py", "replay.launch.py", "tracker.launch.py"} <= set(FILES)
 
 
-@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
-def test_a_launch_file_names_our_package_and_its_executables(path):
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    assert keywords_named(tree, "package") == {"cable_tracker"}
-    assert keywords_named(tree, "executable") <= {"tracker", "replay"}
+@pytest.mark.parametrize("file", FILES)
+def test_every_node_is_an_executable_of_this_package(play: Play, file: str) -> None:
+    setup = (ROOT / "setup.py").read_text(encoding="utf-8")
+    executables = set(re.findall(r'"(\w+) = cable_tracker\.ros\.entry:\w+"', setup))
+    context = play(file)
+    assert context.started
+    for node in context.started:
+        assert node.package == "cable_tracker"
+        assert node.executable in executables
 
 
-def test_replay_includes_a_launch_file_that_exists():
-    named = {
-        text
-        for text in strings_in(ast.parse(LAUNCH_FILES[0].read_text(encoding="utf-8")))
-        if text.endswith(".launch.py")
-    }
-    assert named == {"tracker.launch.py"}
+@pytest.mark.parametrize("file", FILES)
+def test_every_value_is_one_that_the_node_takes(play: Play, file: str) -> None:
+    for node in play(file).started:
+        specs = SPECS[node.executable]
+        for name, value in node.values().items():
+            assert name in specs or name in OF_ROS
+            if name in specs:
+                specs[name].coerce(value)
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_every_argument_is_described_and_used(play: Play, file: str) -> None:
+    context = play(file)
+    text = "\n".join(path.read_text(encoding="utf-8") for path in LAUNCH.glob("*.launch.py"))
+    for argument in context.declared:
+        assert argument.description
+        assert f'LaunchConfiguration("{argument.name}")' in text or f'"{argument.name}"' in text
+
+
+class TestTracker:
+    def test_the_defaults_are_relative_names_and_the_default_preset(self, start: Play) -> None:
+        tracker = start("tracker.launch.py")["tracker"]
+        assert tracker.files() == [ROOT / "config" / "default.yaml"]
+        assert tracker.values()["preset"] == "default"
+        assert tracker.values()["use_sim_time"] is False
+        assert all(target == source for source, target in tracker.remappings.items())
+        assert tracker.namespace == ""
+
+    @pytest.mark.parametrize("name", ["image", "camera_info", "altitude", "imu", "odometry"])
+    def test_every_input_can_be_given_another_topic(self, start: Play, name: str) -> None:
+        tracker = start("tracker.launch.py", **{name: "/auv/down"})["tracker"]
+        assert tracker.remappings[name] == "/auv/down"
+
+    def test_a_camera_also_renames_its_compressed_topic(self, start: Play) -> None:
+        tracker = start("tracker.launch.py", image="/cam/raw", image_transport="compressed")
+        assert tracker["tracker"].remappings["image/compressed"] == "/cam/raw/compressed"
+        assert tracker["tracker"].values()["image_transport"] == "compressed"
+
+    def test_preset_namespace_time_and_log_level_reach_the_node(self, start: Play) -> None:
+        tracker = start(
+            "tracker.launch.py",
+            preset="thesis", namespace="auv", use_sim_time="true", log_level="debug",
+        )["tracker"]  # fmt: skip
+        assert tracker.values()["preset"] == "thesis"
+        assert tracker.files() == [ROOT / "config" / "thesis.yaml"]
+        assert tracker.namespace == "auv"
+        assert tracker.values()["use_sim_time"] is True
+        assert tracker.ros_arguments == ("--log-level", "debug")
+
+    def test_a_file_of_ones_own_takes_the_place_of_the_presets(
+        self, start: Play, tmp_path: Path
+    ) -> None:
+        own = tmp_path / "own.yaml"
+        own.write_text("/**: {ros__parameters: {particle_count: 70}}")
+        tracker = start("tracker.launch.py", params_file=str(own), preset="thesis")["tracker"]
+        assert tracker.parameters[-1] == own
+        assert tracker.values()["preset"] == "thesis"
+
+    def test_a_word_out_of_place_is_refused(self, play: Play) -> None:
+        with pytest.raises(RuntimeError, match="image_transport"):
+            play("tracker.launch.py", image_transport="jpeg")
+
+
+class TestReplay:
+    def test_a_source_must_be_given(self, jazzy: Any) -> None:
+        with pytest.raises(RuntimeError, match="'source' was not provided"):
+            jazzy.run(LAUNCH / "replay.launch.py", {"cable_tracker": ROOT})
+
+    def test_both_nodes_meet_in_the_same_namespace_on_the_same_topic(self, start: Play) -> None:
+        nodes = start("replay.launch.py", namespace="auv", image="/cam", preset="thesis")
+        assert {node.namespace for node in nodes.values()} == {"auv"}
+        for topic in ("image", "image/compressed"):
+            assert len({node.remappings[topic] for node in nodes.values()}) == 1
+        assert nodes["tracker"].values()["preset"] == "thesis"
+        assert nodes["tracker"].files() == [ROOT / "config" / "thesis.yaml"]
+
+    def test_a_number_for_a_name_stays_a_name(self, start: Play) -> None:
+        assert start("replay.launch.py", source="2024")["replay"].values()["source"] == "2024"
+
+    def test_whole_numbers_are_taken_for_the_speed(self, start: Play) -> None:
+        assert start("replay.launch.py", rate="2")["replay"].values()["rate"] == 2.0
+
+    @pytest.mark.parametrize(("lockstep", "reliability"), [("true", "reliable"), ("false", None)])
+    def test_in_lockstep_the_tracker_loses_no_frame(
+        self, start: Play, lockstep: str, reliability: str | None
+    ) -> None:
+        nodes = start("replay.launch.py", lockstep=lockstep)
+        values = nodes["tracker"].values()
+        assert values["image_reliability"] == (reliability or "best_effort")
+
+    def test_simulated_time_has_a_clock(self, start: Play) -> None:
+        nodes = start("replay.launch.py", use_sim_time="true")
+        assert nodes["replay"].values()["publish_clock"] is True
+        assert nodes["tracker"].values()["use_sim_time"] is True
+
+    def test_it_ends_with_the_recording(self, play: Play) -> None:
+        assert len(play("replay.launch.py").handlers) == 1
+
+
+class TestLoop:
+    def test_it_starts_simulator_tracker_and_controller(self, start: Play) -> None:
+        nodes = start("loop.launch.py", namespace="auv", seed="3", length="20")
+        assert set(nodes) == {"simulator", "tracker", "controller"}
+        assert {node.namespace for node in nodes.values()} == {"auv"}
+        assert nodes["simulator"].values()["seed"] == 3
+        assert nodes["simulator"].values()["length"] == 20.0
+
+    def test_all_read_the_file_that_says_how_the_camera_hangs(self, start: Play) -> None:
+        file = ROOT / "config" / "loop.yaml"
+        for node in start("loop.launch.py").values():
+            assert node.files() == [file]
+        content = yaml.safe_load(file.read_text(encoding="utf-8"))
+        for key, section in content.items():
+            specs = SPECS[key.removeprefix("/**/")]
+            for name, value in section["ros__parameters"].items():
+                specs[name].coerce(value)
+
+
+def test_a_share_folder_has_everything_that_is_named(play: Play) -> None:
+    setup = (ROOT / "setup.py").read_text(encoding="utf-8")
+    assert 'files("launch", "*.launch.py")' in setup
+    assert 'files("config", "*")' in setup
+    assert 'share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]' in setup
+    assert (ROOT / "resource" / "cable_tracker").is_file()
+    assert "install_scripts=$base/lib/cable_tracker" in (ROOT / "setup.cfg").read_text()

@@ -17,7 +17,11 @@ import pytest
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.ros.environment import PROFILE_VARIABLE, RANGE_VARIABLE, local_environment
+from cable_tracker.ros.process.environment import (
+    PROFILE_VARIABLE,
+    RANGE_VARIABLE,
+    local_environment,
+)
 from cable_tracker.sequences.convert import ImageFormat, write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
@@ -49,13 +53,14 @@ if HAS_ROS:
     from rclpy.node import Node
     from rclpy.parameter import Parameter
     from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+    from rclpy.serialization import serialize_message
     from rclpy.signals import SignalHandlerOptions
 
-    from cable_tracker.ros.baseline_node import BaselineNode
-    from cable_tracker.ros.controller_node import ControllerNode
-    from cable_tracker.ros.replay_node import ReplayNode
-    from cable_tracker.ros.simulator_node import SimulatorNode
-    from cable_tracker.ros.tracker_node import TrackerNode
+    from cable_tracker.ros.nodes.controller_node import ControllerNode
+    from cable_tracker.ros.nodes.replay_node import ReplayNode
+    from cable_tracker.ros.nodes.simulator_node import SimulatorNode
+    from cable_tracker.ros.nodes.tracker_node import TrackerNode
+    from cable_tracker.ros.rigs.baseline_node import BaselineNode
 
 
 class ModuleWithoutRos(pytest.Module):
@@ -153,7 +158,9 @@ class World:
         return node
 
     def replay(self, **parameters: Any) -> Any:
-        return self.add(ReplayNode(**self._arguments(parameters)))
+        """Make a replay that plays at once, also without a subscriber."""
+        given = {"wait_for_tracker": False, **parameters}
+        return self.add(ReplayNode(**self._arguments(given)))
 
     def simulator(self, **parameters: Any) -> Any:
         return self.add(SimulatorNode(**self._arguments(parameters)))
@@ -174,6 +181,11 @@ class World:
         )
         self.me.create_subscription(kind, topic, hear, profile)
         return heard
+
+    @staticmethod
+    def show(node: Any, message: Any) -> None:
+        """Hand an image to a node as the middleware does: serialised."""
+        node.on_image(serialize_message(message), {})
 
     def spin(self, condition: Callable[[], Any], patience: float = PATIENCE) -> None:
         """Run callbacks and the nodes' own work until a condition holds."""

@@ -29,8 +29,8 @@ from cable_tracker.cable.parameters.parameters import (
 )
 from cable_tracker.errors import ParameterError
 from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS
-from cable_tracker.ros.environment import PROFILE_VARIABLE, RANGE_VARIABLE
-from cable_tracker.ros.shared_memory import remove_dead_segments
+from cable_tracker.ros.process.environment import PROFILE_VARIABLE, RANGE_VARIABLE
+from cable_tracker.ros.process.shared_memory import remove_dead_segments
 
 SHARED_MEMORY = Path("/dev/shm")
 LOOPBACK = {"127.0.0.1", "::1"}
@@ -142,7 +142,7 @@ class TestParameters:
                 node.wait_until_warm()
                 pixels = strip()
                 pixels[0, 0] = number % 251
-                node.on_image(image_message(pixels, index=number))
+                world.show(node, image_message(pixels, index=number))
                 world.turn()
         world.spin(lambda: len(states) == 100)
         numbers = [x for state in states for x in (*state.position, *state.velocity, *state.effort)]
@@ -172,7 +172,7 @@ class TestParameters:
                 Parameter("width_maximum", value=low + 90.0).to_parameter_msg(),
             ]
             futures.append(client.call_async(client.srv_type.Request(parameters=pair)))
-            node.on_image(image_message(index=number))
+            world.show(node, image_message(index=number))
         world.spin(lambda: all(future.done() for future in futures))
         parameters = node.tracker.parameters
         assert parameters.width_maximum - parameters.width_minimum == 90.0
@@ -187,7 +187,7 @@ class TestParameters:
         for index in range(12):
             if index == 6:
                 assert node.set_parameters([Parameter(name, value=value)])[0].successful
-            node.on_image(image_message(index=index))
+            world.show(node, image_message(index=index))
             assert node.status == "TRACKING"
 
     def test_random_values_are_of_both_kinds(self) -> None:

@@ -191,6 +191,27 @@ class TestRuntime:
         assert set_together(node, width_minimum=200.0, width_maximum=300.0).successful
         assert node.tracker.parameters.width_minimum == 200.0
 
+    def test_one_of_a_pair_is_refused_with_advice_that_works(self, world: Any) -> None:
+        node = world.tracker()
+        pair = [Parameter("width_minimum", value=200.0), Parameter("width_maximum", value=300.0)]
+        # The service set_parameters gives them one after the other.
+        first, second = node.set_parameters(pair)
+        assert not first.successful and second.successful
+        assert "set both together with set_parameters_atomically, or the other first" in (
+            first.reason
+        )
+        assert set_one(node, "width_minimum", 200.0).successful
+
+    def test_a_change_leaves_a_line_in_the_log(
+        self, world: Any, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.tracker()
+        set_one(node, "width_maximum", 150)
+        assert "parameters changed: width_maximum 160.0 -> 150.0" in capfd.readouterr().err
+        set_one(node, "width_maximum", 150.0)
+        set_one(node, "width_maximum", -1.0)
+        assert "parameters changed" not in capfd.readouterr().err
+
     def test_one_bad_value_of_a_set_changes_nothing(self, world: Any) -> None:
         node = world.tracker()
         before = values_of(node)
@@ -202,7 +223,7 @@ class TestRuntime:
         assert not result.successful and "preset" in result.reason
         assert values_of(node) == before
         assert node.tracker.parameters == preset("default")
-        assert node._input_timeout == 1.0
+        assert node._watch.timeout == 1.0
 
     def test_a_bad_table_among_good_values_changes_nothing(self, world: Any) -> None:
         node = world.tracker()
@@ -220,13 +241,13 @@ class TestRuntime:
         path = tmp_path / "own.json"
         load_table("").save(path)
         node = world.tracker()
-        node.on_image(image_message())
+        world.show(node, image_message())
         assert set_one(node, "response_table", str(path)).successful
         assert node.tracker.parameters.response_table == str(path)
         path.unlink()
         assert set_one(node, "distance_variance", 5.0).successful
         node.on_reset(Trigger.Request(), Trigger.Response())
-        node.on_image(image_message(index=1))
+        world.show(node, image_message(index=1))
         assert node.statistics.tracked == 2
         assert set_one(node, "response_table", "").successful
         assert node.get_parameter("response_table").value == ""
@@ -258,7 +279,7 @@ class TestRuntime:
             if index in (3, 6):
                 assert set_together(node, **(values if index == 3 else back)).successful
                 node.wait_until_warm()
-            node.on_image(image_message(index=index))
+            world.show(node, image_message(index=index))
         world.spin(lambda: len(states) == 9)
         estimates = [read_state(state) for state in states]
         for before, after in pairwise(estimates):
@@ -309,7 +330,7 @@ class TestRuntime:
         for index in range(12):
             if index in (6, 9):
                 assert set_one(node, "particle_count", 900 if index == 6 else 200).successful
-            node.on_image(image_message(index=index))
+            world.show(node, image_message(index=index))
             counts.append(node.tracker.particles.count)
         world.spin(lambda: len(states) == 12)
         assert counts == [500] * 6 + [900] * 3 + [200] * 3
@@ -324,12 +345,12 @@ class TestRuntime:
         from std_srvs.srv import Trigger  # noqa: PLC0415
 
         node = world.tracker()
-        node.on_image(image_message())
+        world.show(node, image_message())
         assert set_one(node, "initial_state", "-60,0.1,30,0").successful
-        node.on_image(image_message(index=1))
+        world.show(node, image_message(index=1))
         assert node.tracker.particles.states[:, 0].std() > 10.0
         node.on_reset(Trigger.Request(), Trigger.Response())
-        node.on_image(image_message(index=2))
+        world.show(node, image_message(index=2))
         particles = node.tracker.particles
         mean = float(particles.weights @ particles.states[:, 0])
         assert mean == pytest.approx(-60.0, abs=1.0)

@@ -15,12 +15,13 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CompressedImage, Image, JointState
 from std_srvs.srv import SetBool
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.ros import tracker_node, tracker_outputs
+from cable_tracker.ros.nodes import tracker_node, tracker_outputs
 from cable_tracker.sequences.encodings import MAX_PIXELS
 from cable_tracker.sequences.messages import read_state
 
@@ -42,7 +43,7 @@ def values_of(diagnostics: Make, node: Any) -> dict[str, str]:
 
 
 @pytest.fixture
-def feed(strip: Make, image_message: Make) -> Make:
+def feed(world: Any, strip: Make, image_message: Make) -> Make:
     """Give a node the strip at some times [ns]; no two pictures are the same."""
     pictures: list[int] = []
 
@@ -51,7 +52,7 @@ def feed(strip: Make, image_message: Make) -> Make:
             pixels = strip()
             pixels[0, 0] = len(pictures) % 256
             pictures.append(stamp)
-            node.on_image(stamped(image_message(pixels, **image), stamp))
+            world.show(node, stamped(image_message(pixels, **image), stamp))
 
     return fed
 
@@ -168,7 +169,7 @@ class TestSilence:
         assert node.status == "TRACKING"
 
         def refused() -> bool:
-            node.on_image(image_message(encoding="mono7", index=100))
+            world.show(node, image_message(encoding="mono7", index=100))
             return bool(node.status == "STALE INPUT")
 
         world.spin(refused)
@@ -193,7 +194,7 @@ class TestSilence:
 class TestFrozenCamera:
     def frozen(self, node: Any, image_message: Make, stamps: list[int]) -> None:
         for stamp in stamps:
-            node.on_image(stamped(image_message(), stamp))
+            node.on_image(serialize_message(stamped(image_message(), stamp)), {})
 
     def test_the_same_picture_is_no_measurement_after_a_time(
         self,
@@ -245,7 +246,7 @@ class TestPictures:
         node = world.tracker(initial_state=near, frozen_timeout=0.0)
         feed(node, regular(5))
         for stamp in regular(40, START + SECOND):
-            node.on_image(stamped(image_message(np.full((240, 320), grey, np.uint8)), stamp))
+            world.show(node, stamped(image_message(np.full((240, 320), grey, np.uint8)), stamp))
         assert node.status == "LOST"
         assert node.statistics.refused == 0
         node.publish_diagnostics()
@@ -256,7 +257,7 @@ class TestPictures:
     ) -> None:
         node = world.tracker()
         side = math.isqrt(MAX_PIXELS) + 1
-        node.on_image(image_message(width=side, height=side, step=side))
+        world.show(node, image_message(width=side, height=side, step=side))
         assert "more than the" in node.statistics.last_bad_frame
 
     def test_a_picture_file_that_claims_gigabytes_is_refused(
@@ -267,7 +268,7 @@ class TestPictures:
         data = bytearray(message.data)
         data[16:24] = (60_000).to_bytes(4, "big") * 2
         message.data = bytes(data)
-        node.on_compressed_image(message)
+        world.show(node, message)
         assert "60000 x 60000 pixels, more than the" in node.statistics.last_bad_frame
 
     def test_a_change_of_encoding_keeps_the_estimate(
@@ -276,7 +277,7 @@ class TestPictures:
         node = world.tracker(initial_state=near)
         feed(node, regular(5))
         colour = np.ascontiguousarray(np.dstack([strip()] * 3))
-        node.on_image(stamped(image_message(colour, "bgr8"), START + 5 * FRAME))
+        world.show(node, stamped(image_message(colour, "bgr8"), START + 5 * FRAME))
         assert node.status == "TRACKING"
         assert node.statistics.last_event == ""
 
@@ -324,7 +325,7 @@ class TestOverDds:
         assert [state.header for state in states] == [message.header for message in messages]
         node.on_reset(None, SetBool.Response())
         for message in messages:
-            node.on_image(message)
+            world.show(node, message)
         world.spin(lambda: len(states) == 8)
         assert [list(each.position) for each in states[4:]] == [
             list(each.position) for each in states[:4]
@@ -372,7 +373,7 @@ class TestOverDds:
 
     def test_bytes_that_are_no_image_are_refused(self, world: Any) -> None:
         node = world.tracker()
-        node.on_serialised_image(b"\0\1\0\0\xff\xff", {})
+        node.on_image(b"\0\1\0\0\xff\xff", {})
         assert node.statistics.refused == 1
         assert "no sensor_msgs/Image" in node.statistics.last_bad_frame
 
@@ -499,7 +500,7 @@ class SlowWarmUp:
         self.running = True
         self.error = error
 
-    def __call__(self, parameters: Any) -> SlowWarmUp:
+    def __call__(self, variant: Any, run: Any) -> SlowWarmUp:
         return self
 
     def finish(self) -> None:

@@ -23,7 +23,7 @@ from cable_tracker.evaluation.track_recording import (
     start_from,
     track_recording,
 )
-from cable_tracker.ros.track_recording import RecordingRequest, track_recording_over_ros
+from cable_tracker.ros.clients.track_recording import RecordingRequest, track_recording_over_ros
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates

@@ -1,0 +1,376 @@
+"""A live tracker node, watched and commanded through its topics, parameters and services."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
+from rclpy.task import Future
+from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+from std_srvs.srv import SetBool, Trigger
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.model.initialisation import StatePrior, usual_sigma
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, ParameterSpec, ParameterValue
+from cable_tracker.errors import ParameterError, RosError
+from cable_tracker.gui.session import Listener, Snapshot
+from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS
+from cable_tracker.ros import qos
+from cable_tracker.ros.clients.live_frames import LiveFrames
+from cable_tracker.ros.health.diagnostics import DISABLED
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.process.environment import check_profile
+from cable_tracker.sequences.messages import (
+    UNKNOWN_VARIANCE,
+    Message,
+    make_centreline,
+    make_header,
+    read_compressed_image,
+    read_image,
+)
+
+TRACKER = "tracker"
+ANSWER_TIMEOUT = 5.0
+"""How long a service may take to answer [s]; a change may have to be compiled."""
+
+LOOK_PERIOD = 0.5
+"""How often it is looked whether the node is still there [s]."""
+
+STALL = 2.0
+"""After this time without a picture it is said what diagnostics say [s]."""
+
+SILENCE = 3.0
+"""Diagnostics older than this are no news; they come once a second [s]."""
+
+WATCHED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""Pictures for people: losing one is no harm, and a slow viewer must not slow the camera."""
+
+IMAGE_TYPES = {"sensor_msgs/msg/Image": Image, "sensor_msgs/msg/CompressedImage": CompressedImage}
+
+
+@dataclass(frozen=True, slots=True)
+class _Topics:
+    """Names on the graph, whatever they were remapped to; empty where there is none."""
+
+    image: str
+    image_type: str
+    state: str
+    particles: str
+    report: str
+    truth: str
+    initial_state: str
+
+
+class LiveSession:
+    """Watches the node `tracker` in a namespace; implements `gui.session.Session`.
+
+    The node may come later, go, and come again. Its topics are found on the graph, by what the node
+    publishes and subscribes to: remapped ones too.
+
+    Parameters
+    ----------
+    namespace : str
+        Of the node; "/" or empty for none.
+
+    Raises
+    ------
+    RosError
+        ROS does not start.
+    ResourceError
+        The Fast DDS profile that the environment names cannot be read.
+    """
+
+    table: tuple[ParameterSpec, ...] = (*PARAMETER_TABLE, *TRACKER_RUNTIME_PARAMETERS)
+
+    def __init__(self, namespace: str) -> None:
+        self._namespace = "/" + namespace.strip("/")
+        self.name = f"{self._namespace.rstrip('/')}/{TRACKER}"
+        self._lock = threading.Lock()
+        self._listeners: list[Listener] = []
+        self._latest: Snapshot | None = None
+        self._status = ""
+        self._heard = -math.inf
+        self._is_there = False
+        self._others: list[str] = []
+        self._silent_since: float | None = None
+        self._topics: _Topics | None = None
+        self._subscriptions: list[Subscription] = []
+        self._prior: Publisher | None = None
+        self._factory = RclpyMessages()
+        self._frames = LiveFrames(self._take)
+        check_profile()
+        self._context = Context()
+        try:
+            rclpy.init(
+                args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO
+            )
+            self._node = Node("cable_tracker_window", context=self._context)
+        except RuntimeError as error:
+            rclpy.try_shutdown(context=self._context)
+            reason = " ".join(str(error).split())
+            raise RosError(f"ROS does not start ({reason}); look at its environment") from error
+        self._parameters = AsyncParameterClient(self._node, self.name)
+        self._reset = self._node.create_client(Trigger, f"{self.name}/reset")
+        self._enable = self._node.create_client(SetBool, f"{self.name}/enable")
+        self._node.create_subscription(
+            DiagnosticArray, "/diagnostics", self._on_diagnostics, qos.RESULTS
+        )
+        self._node.create_timer(LOOK_PERIOD, self._look)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._thread = threading.Thread(target=self._spin, name="live session", daemon=True)
+        self._thread.start()
+
+    @property
+    def latest(self) -> Snapshot | None:
+        """The newest snapshot."""
+        return self._latest
+
+    @property
+    def trouble(self) -> str:
+        """What keeps frames from coming."""
+        if not self._is_there:
+            others = f"; there is {', '.join(self._others)}" if self._others else ""
+            return f"no node {self.name}{others}; waiting for it"
+        if self._topics is not None and not self._topics.image:
+            return f"{self.name} is there, and waits for no images yet"
+        if self._silent_since is not None and time.monotonic() - self._silent_since > STALL:
+            is_news = time.monotonic() - self._heard <= SILENCE
+            words = f"says {self._status}" if is_news and self._status else "says nothing"
+            return f"no pictures from {self.name}, which {words}"
+        return ""
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether the node takes frames, as far as is known."""
+        return self._status != DISABLED
+
+    def listen(self, listener: Listener) -> Callable[[], None]:
+        """Tell a listener of every snapshot from now on; returns the function that ends it."""
+        with self._lock:
+            self._listeners.append(listener)
+
+        def end() -> None:
+            with self._lock:
+                self._listeners.remove(listener)
+
+        return end
+
+    def parameters(self) -> dict[str, ParameterValue]:
+        """Return the values in force on the node.
+
+        Raises
+        ------
+        RosError
+            The node does not answer.
+        """
+        self._need_node()
+        names = [spec.name for spec in self.table]
+        response = self._answer(self._parameters.get_parameters(names))
+        values = (parameter_value_to_python(value) for value in response.values)
+        return {
+            name: value for name, value in zip(names, values, strict=False) if value is not None
+        }
+
+    def change(self, values: Mapping[str, object]) -> None:
+        """Change parameters on the node, all of them or none.
+
+        Raises
+        ------
+        ParameterError
+            The node refuses a value, and says why.
+        RosError
+            The node does not answer.
+        """
+        self._need_node()
+        specs = {spec.name: spec for spec in self.table}
+        unknown = sorted(values.keys() - specs.keys())
+        if unknown:
+            raise ParameterError(f"{', '.join(unknown)}: the node has no such parameter at runtime")
+        changed = [
+            Parameter(name, value=specs[name].coerce(value)) for name, value in values.items()
+        ]
+        result = self._answer(self._parameters.set_parameters_atomically(changed)).result
+        if not result.successful:
+            raise ParameterError(str(result.reason))
+
+    def initialise(self, prior: StatePrior) -> None:
+        """Publish where the user sees the cable on the node's topic `initial_state`.
+
+        The topic says nothing of width and skew; the node searches for them.
+
+        Raises
+        ------
+        RosError
+            The node is gone.
+        """
+        self._need_node()
+        if self._prior is None:
+            raise RosError(f"{self.name} takes no initial state yet; wait until it has warmed up")
+        latest = self._latest
+        header = make_header(self._factory, latest.stamp if latest is not None else 0, "")
+        width = latest.grey.shape[1] if latest is not None else 320
+        self._prior.publish(
+            make_centreline(self._factory, header, prior.state, _covariance(prior, width))
+        )
+
+    def reset(self) -> None:
+        """Call the service `~/reset`."""
+        self._need_node()
+        self._answer(self._reset.call_async(Trigger.Request()))
+
+    def enable(self, wanted: bool) -> None:
+        """Call the service `~/enable`."""
+        self._need_node()
+        self._answer(self._enable.call_async(SetBool.Request(data=wanted)))
+
+    def close(self) -> None:
+        """End the thread and the node."""
+        rclpy.try_shutdown(context=self._context)
+        self._thread.join()
+        self._node.destroy_node()
+
+    def _spin(self) -> None:
+        try:
+            while self._context.ok():
+                self._executor.spin_once(timeout_sec=0.1)
+        except ExternalShutdownException:
+            pass  # `close` has shut the context down.
+        finally:
+            self._executor.shutdown()
+
+    def _need_node(self) -> None:
+        if not self._is_there:
+            raise RosError(self.trouble or f"no node {self.name}")
+
+    def _answer(self, future: Future) -> Any:  # noqa: ANN401
+        done = threading.Event()
+        future.add_done_callback(lambda _future: done.set())
+        if not done.wait(ANSWER_TIMEOUT):
+            future.cancel()
+            raise RosError(f"{self.name} has not answered for {ANSWER_TIMEOUT:g} s; try again")
+        return future.result()
+
+    def _take(self, snapshot: Snapshot) -> None:
+        self._silent_since = time.monotonic()
+        with self._lock:
+            self._latest = snapshot
+            listeners = tuple(self._listeners)
+        for listener in listeners:
+            listener(snapshot)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            if status.hardware_id == self.name:
+                self._status = str(status.message)
+                self._heard = time.monotonic()
+
+    def _look(self) -> None:
+        """See whether the node is there, and what its topics are called now."""
+        self._frames.hand_on_what_is_due()
+        found = {
+            f"{namespace.rstrip('/')}/{name}"
+            for name, namespace in self._node.get_node_names_and_namespaces()
+            if name == TRACKER
+        }
+        self._is_there = self.name in found
+        self._others = sorted(found - {self.name})
+        if not self._is_there:
+            self._silent_since = None
+            self._connect(None)
+            return
+        if self._silent_since is None:
+            self._silent_since = time.monotonic()
+        self._connect(self._find_topics())
+
+    def _find_topics(self) -> _Topics | None:
+        try:
+            published = self._node.get_publisher_names_and_types_by_node(TRACKER, self._namespace)
+            read = self._node.get_subscriber_names_and_types_by_node(TRACKER, self._namespace)
+        except RuntimeError:
+            return None  # It has gone since it was seen.
+        image, image_type = _of_types(read, IMAGE_TYPES)
+        return _Topics(
+            image=image,
+            image_type=image_type,
+            state=_of_types(published, ["sensor_msgs/msg/JointState"])[0],
+            particles=_of_types(published, ["sensor_msgs/msg/PointCloud2"])[0],
+            report=f"{self.name}/frame_report",
+            truth=self._truth_topic(image),
+            initial_state=_of_types(read, ["geometry_msgs/msg/PoseWithCovarianceStamped"])[0],
+        )
+
+    def _truth_topic(self, image: str) -> str:
+        """Return the ground truth beside the image or the node, if anybody publishes it."""
+        beside = (f"{image.rpartition('/')[0]}/ground_truth", self._resolved("ground_truth"))
+        return next((name for name in beside if self._node.count_publishers(name)), "")
+
+    def _resolved(self, name: str) -> str:
+        return f"{self._namespace.rstrip('/')}/{name}"
+
+    def _connect(self, topics: _Topics | None) -> None:
+        if topics == self._topics:
+            return
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
+        if self._prior is not None:
+            self._node.destroy_publisher(self._prior)
+        self._subscriptions, self._prior, self._topics = [], None, topics
+        if topics is None:
+            return
+        image_type = IMAGE_TYPES.get(topics.image_type, Image)
+        on_image = self._on_image if image_type is Image else self._on_compressed_image
+        for kind, topic, callback in (
+            (image_type, topics.image, on_image),
+            (JointState, topics.truth, self._frames.take_truth),
+            (PointCloud2, topics.particles, self._frames.take_cloud),
+            (DiagnosticArray, topics.report, self._frames.take_report),
+            (JointState, topics.state, self._frames.take_state),
+        ):
+            if topic:
+                self._subscriptions.append(
+                    self._node.create_subscription(kind, topic, callback, WATCHED)
+                )
+        if topics.initial_state:
+            self._prior = self._node.create_publisher(
+                PoseWithCovarianceStamped, topics.initial_state, qos.RESULTS
+            )
+
+    def _on_image(self, message: Message) -> None:
+        self._frames.take_image(message.header, read_image(message))
+
+    def _on_compressed_image(self, message: Message) -> None:
+        self._frames.take_image(message.header, read_compressed_image(message))
+
+
+def _of_types(topics: list[tuple[str, list[str]]], types: Any) -> tuple[str, str]:  # noqa: ANN401
+    """Return the first topic of one of some types, and its type."""
+    for name, kinds in topics:
+        for kind in kinds:
+            if kind in types:
+                return name, kind
+    return "", ""
+
+
+def _covariance(prior: StatePrior, image_width: int) -> FloatArray:
+    """Return the covariance, shape (8, 8), that a prior stands for."""
+    sigma = np.where(np.isnan(prior.sigma), usual_sigma(image_width), prior.sigma)
+    covariance: FloatArray = np.diag(np.minimum(sigma**2, UNKNOWN_VARIANCE))
+    return covariance

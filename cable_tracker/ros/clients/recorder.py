@@ -1,0 +1,192 @@
+"""Collects what a tracker node publishes, frame by frame."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import JointState
+
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.errors import RosError
+from cable_tracker.ros import qos
+from cable_tracker.ros.health.diagnostics import WARMING_UP
+from cable_tracker.ros.messages.rclpy_messages import message_class
+from cable_tracker.sequences import output_topics
+from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.output_topics import OutputTopic
+
+RECORDED = (
+    output_topics.STATE,
+    output_topics.FRAME_REPORT,
+    output_topics.CENTRELINE,
+    output_topics.PARTICLES,
+    output_topics.MARKERS,
+    output_topics.OVERLAY,
+    output_topics.DIAGNOSTICS,
+)
+ACKNOWLEDGED = "recorded_state"
+"""Topic on which a lockstep replay awaits the tracker's `state`, once it is recorded."""
+
+USABLE_STATUSES = {status.value for status in TrackingStatus}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedFrame:
+    """All messages about one frame, serialised.
+
+    Attributes
+    ----------
+    messages : mapping
+        CDR bytes by topic.
+    status : str
+        The frame's status.
+    """
+
+    messages: Mapping[OutputTopic, bytes]
+    status: str
+
+    def read(self, topic: OutputTopic) -> Message:
+        """Deserialise one of the messages."""
+        return deserialize_message(self.messages[topic], message_class(topic.type_name))
+
+
+class Recorder(Node):  # type: ignore[misc]
+    """Subscribes to a tracker's outputs and puts together those of the same frame.
+
+    Every topic keeps its order, but topics overtake each other. Which of them speak of a frame
+    follows from its status.
+    """
+
+    def __init__(self, context: Context, namespace: str) -> None:
+        super().__init__("recorder", context=context, namespace=namespace)
+        self._queues: dict[OutputTopic, deque[bytes]] = {topic: deque() for topic in RECORDED}
+        for topic in RECORDED:
+            self.create_subscription(
+                message_class(topic.type_name),
+                topic.name,
+                self._keep(topic),
+                qos.EVERYTHING,
+                raw=True,
+            )
+        self._acknowledged = self.create_publisher(JointState, ACKNOWLEDGED, qos.LATEST_RESULT)
+
+    def _keep(self, topic: OutputTopic) -> Callable[[bytes], None]:
+        queue = self._queues[topic]
+
+        # A plain function: rclpy wants to see a callback's signature, and `append` has none.
+        def keep(message: bytes) -> None:
+            queue.append(message)
+
+        return keep
+
+    def is_warming(self) -> bool:
+        """Tell whether the tracker is compiling, and log it now and then."""
+        latest = self._latest_diagnostics()
+        if latest is None or all(status.message != WARMING_UP for status in latest.status):
+            return False
+        self.get_logger().info(
+            "waiting: the tracker is WARMING UP, which may take minutes on a cold cache",
+            throttle_duration_sec=5.0,
+        )
+        return True
+
+    def _latest_diagnostics(self) -> Message | None:
+        diagnostics = self._queues[output_topics.DIAGNOSTICS]
+        if not diagnostics:
+            return None
+        return deserialize_message(
+            diagnostics[-1], message_class(output_topics.DIAGNOSTICS.type_name)
+        )
+
+    def is_subscribed(self) -> bool:
+        """Tell whether the tracker is ready and has seen all our subscriptions.
+
+        Both stand in its diagnostics.
+        """
+        latest = self._latest_diagnostics()
+        if latest is None:
+            return False
+        counts = [
+            int(pair.value)
+            for status in latest.status
+            for pair in status.values
+            if pair.key.startswith("subscribers of ") and not pair.key.endswith("/overlay")
+        ]
+        warm = all(status.message != WARMING_UP for status in latest.status)
+        return warm and bool(counts) and all(counts)
+
+    def take(self) -> RecordedFrame | None:
+        """Return the next frame if all messages about it have come."""
+        reports = self._queues[output_topics.FRAME_REPORT]
+        if not reports:
+            return None
+        report = deserialize_message(
+            reports[0], message_class(output_topics.FRAME_REPORT.type_name)
+        )
+        status = str(report.status[0].message)
+        topics = list(output_topics.EVERY_FRAME)
+        if status in USABLE_STATUSES:
+            topics += output_topics.USABLE_FRAME
+        if status == TrackingStatus.TRACKING.value:
+            topics.append(output_topics.CENTRELINE)
+        if not all(self._queues[topic] for topic in topics):
+            return None
+        return RecordedFrame({topic: self._queues[topic].popleft() for topic in topics}, status)
+
+    def take_diagnostics(self) -> list[bytes]:
+        """Return the diagnostics that have come since the last call."""
+        queue = self._queues[output_topics.DIAGNOSTICS]
+        messages = list(queue)
+        queue.clear()
+        return messages
+
+    def acknowledge(self, state: Message) -> None:
+        """Let the replay go on."""
+        self._acknowledged.publish(state)
+
+
+def spin_until(
+    executor: SingleThreadedExecutor,
+    condition: Callable[[], Any],
+    timeout: float,
+    complaint: Callable[[], str],
+    may_take_longer: Callable[[], bool] = lambda: False,
+) -> None:
+    """Run callbacks until a condition holds.
+
+    Parameters
+    ----------
+    executor : SingleThreadedExecutor
+        Runs the callbacks.
+    condition : callable
+        What is waited for.
+    timeout : float
+        For how long [s].
+    complaint : callable
+        Returns what has gone wrong; empty while nothing has.
+    may_take_longer : callable
+        While it is true the time-out begins anew.
+
+    Raises
+    ------
+    RosError
+        It does not hold in time, or `complaint` has something to say before.
+    """
+    deadline = time.monotonic() + timeout
+    while not condition():
+        executor.spin_once(timeout_sec=0.05)
+        if may_take_longer():
+            deadline = time.monotonic() + timeout
+        reason = complaint()
+        if not reason and time.monotonic() > deadline:
+            reason = f"nothing came for {timeout:g} s"
+        if reason:
+            raise RosError(reason)

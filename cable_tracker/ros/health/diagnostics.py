@@ -1,0 +1,148 @@
+"""What the tracker node says of its own health."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.ros.health.latency import LatencyStatistics
+from cable_tracker.sequences.messages import Message, MessageFactory
+
+WARMING_UP = "WARMING UP"
+STALE_INPUT = "STALE INPUT"
+FROZEN_INPUT = "FROZEN INPUT"
+DISABLED = "DISABLED"
+
+WINDOW = 2.0
+"""Time over which the frame rate is averaged [s]."""
+
+
+class Level(IntEnum):
+    """Levels of diagnostic_msgs/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+
+LEVELS = {
+    TrackingStatus.TRACKING.value: Level.OK,
+    TrackingStatus.INITIALISING.value: Level.WARN,
+    TrackingStatus.LOST.value: Level.ERROR,
+    WARMING_UP: Level.WARN,
+    STALE_INPUT: Level.STALE,
+    FROZEN_INPUT: Level.STALE,
+    DISABLED: Level.WARN,
+}
+
+
+@dataclass(slots=True)
+class FrameStatistics:
+    """Counts and times of the frames that came in.
+
+    Attributes
+    ----------
+    tracked, refused, ignored, frozen : int
+        Frames used; not usable; come in while disabled or warming up; the same as for a while.
+    dropped, lost : int
+        Frames that the camera sent and the node never saw; those of them that the middleware lost
+        on the way. The others gave way to newer ones.
+    last_bad_frame : str
+        Why the last frame was refused.
+    last_event : str
+        Why the tracker last started anew.
+    """
+
+    tracked: int = 0
+    refused: int = 0
+    ignored: int = 0
+    frozen: int = 0
+    dropped: int = 0
+    lost: int = 0
+    last_bad_frame: str = ""
+    last_event: str = ""
+    arrivals: deque[float] = field(default_factory=deque)
+    latency: LatencyStatistics = field(default_factory=LatencyStatistics)
+
+    def arrived(self, now: float) -> None:
+        """Note that a frame came in at a monotonic time [s]."""
+        self.arrivals.append(now)
+        self._forget(now)
+
+    def frame_rate(self, now: float) -> float:
+        """Return the rate over the last seconds [1/s]."""
+        self._forget(now)
+        return len(self.arrivals) / WINDOW
+
+    def _forget(self, now: float) -> None:
+        while self.arrivals and self.arrivals[0] < now - WINDOW:
+            self.arrivals.popleft()
+
+
+def frame_values(statistics: FrameStatistics, now: float) -> dict[str, str]:
+    """Return the key-value pairs about the camera's frames, with units in the keys.
+
+    Parameters
+    ----------
+    statistics : FrameStatistics
+        Counts and times.
+    now : float
+        The monotonic clock [s].
+    """
+    return {
+        "frame rate [1/s]": f"{statistics.frame_rate(now):.1f}",
+        **statistics.latency.as_values(),
+        "frames tracked": str(statistics.tracked),
+        "frames refused": str(statistics.refused),
+        "frames dropped": str(statistics.dropped),
+        "frames lost on the way": str(statistics.lost),
+        "frames ignored while disabled": str(statistics.ignored),
+        "frames frozen": str(statistics.frozen),
+        "last bad frame": statistics.last_bad_frame,
+        "last restart": statistics.last_event,
+    }
+
+
+def estimate_values(estimate: CableEstimate | None) -> dict[str, str]:
+    """Return the key-value pairs about the last estimate; empty values before the first."""
+    return {
+        "N_eff": f"{estimate.effective_sample_size:.1f}" if estimate else "",
+        "evidence": f"{estimate.evidence:.2f}" if estimate else "",
+        "presence [%]": _presence(estimate),
+        "hypotheses": _hypotheses(estimate),
+    }
+
+
+def _presence(estimate: CableEstimate | None) -> str:
+    if estimate is None or estimate.presence is None:
+        return ""
+    return f"{100 * estimate.presence:.0f}"
+
+
+def _hypotheses(estimate: CableEstimate | None) -> str:
+    """Return their number and their probabilities, as in `2 (91 %, 8 %)`."""
+    if estimate is None or not estimate.hypotheses:
+        return ""
+    shares = ", ".join(f"{100 * each.probability:.0f} %" for each in estimate.hypotheses)
+    return f"{len(estimate.hypotheses)} ({shares})"
+
+
+def make_diagnostics(
+    factory: MessageFactory, header: Message, name: str, status: str, values: dict[str, str]
+) -> Message:
+    """Pack the node's status as a DiagnosticArray."""
+    entry = factory.make(
+        "diagnostic_msgs/msg/DiagnosticStatus",
+        level=factory.octet(LEVELS[status]),
+        name=f"{name}: tracking",
+        message=status,
+        hardware_id=name,
+        values=[
+            factory.make("diagnostic_msgs/msg/KeyValue", key=key, value=value)
+            for key, value in values.items()
+        ],
+    )
+    return factory.make("diagnostic_msgs/msg/DiagnosticArray", header=header, status=[entry])

@@ -1,0 +1,46 @@
+"""Hears on /diagnostics which trackers are warming up."""
+
+from __future__ import annotations
+
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+
+from cable_tracker.ros import qos
+from cable_tracker.ros.health.diagnostics import WARMING_UP
+from cable_tracker.sequences.messages import Message
+
+HOLDS = 60.0
+"""A tracker that said so counts as warming up for so long without another message [s].
+
+The compiler keeps the interpreter to itself at times, and the diagnostics with it.
+"""
+
+
+class WarmingTrackers:
+    """Remembers the trackers whose status is WARMING UP.
+
+    Parameters
+    ----------
+    node : Node
+        Subscribes to /diagnostics.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._heard: dict[str, float] = {}
+        node.create_subscription(DiagnosticArray, "/diagnostics", self.on_diagnostics, qos.RESULTS)
+
+    def on_diagnostics(self, message: Message) -> None:
+        """Take what a node says of its health."""
+        for status in message.status:
+            name = str(status.hardware_id)
+            if str(status.message) == WARMING_UP:
+                self._heard[name] = time.monotonic()
+            else:
+                self._heard.pop(name, None)
+
+    def names(self) -> list[str]:
+        """Return the full names of the nodes that are warming up."""
+        oldest = time.monotonic() - HOLDS
+        return sorted(name for name, since in self._heard.items() if since >= oldest)

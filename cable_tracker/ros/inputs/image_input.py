@@ -1,0 +1,169 @@
+"""The camera's topic: its subscription, and what the middleware tells beside the frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias
+
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.node import Node
+from sensor_msgs.msg import CompressedImage, Image
+
+from cable_tracker.ros import qos
+from cable_tracker.ros.health.diagnostics import FrameStatistics
+from cable_tracker.ros.inputs.arrivals import GapCounter, moment_of_arrival
+from cable_tracker.sequences.frame import CompressedImage as CompressedPicture
+from cable_tracker.sequences.frame import RawImage
+from cable_tracker.sequences.serialised_images import (
+    MessageHeader,
+    read_serialised_compressed_image,
+    read_serialised_image,
+)
+
+AnyImage: TypeAlias = RawImage | CompressedPicture
+
+ImageCallback: TypeAlias = Callable[[bytes, Mapping[str, Any]], None]
+"""Gets a serialised message, and what the middleware tells beside it."""
+
+ADVICE_ON_LOSS: Final = (
+    "large frames need config/fastdds_loopback.xml, image_reliability:=reliable or compressed"
+    " images"
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CameraFrame:
+    """A frame as the camera sent it.
+
+    Attributes
+    ----------
+    header : MessageHeader
+        Stamp and frame_id as the camera gave them.
+    image : RawImage or CompressedPicture
+        Not decoded yet.
+    arrival : float
+        When it came, on the clock of `time.perf_counter` [s].
+    """
+
+    header: MessageHeader
+    image: AnyImage
+    arrival: float
+
+
+class ImageInput:
+    """Subscribes to `image` or `image/compressed`, and reads the messages.
+
+    Parameters
+    ----------
+    node : Node
+        The node that listens.
+    transport : str
+        ``raw`` or ``compressed``.
+    reliability : str
+        ``best_effort`` or ``reliable``.
+    statistics : FrameStatistics
+        Counts what never came.
+    """
+
+    def __init__(
+        self, node: Node, transport: str, reliability: str, statistics: FrameStatistics
+    ) -> None:
+        self._node = node
+        self._is_compressed = transport == "compressed"
+        self._profile = qos.image_input(reliability)
+        self._statistics = statistics
+        self._gaps = GapCounter()
+        self._subscription: Any = None
+        self._cameras: list[str] = []
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it has been subscribed."""
+        return self._subscription is not None
+
+    @property
+    def topic(self) -> str:
+        """Full name of the topic; empty before the subscription."""
+        return str(self._subscription.topic_name) if self.is_open else ""
+
+    @property
+    def profile(self) -> Any:  # noqa: ANN401
+        """The `QoSProfile` of the subscription."""
+        return self._profile
+
+    def subscribe(self, on_image: ImageCallback, on_mismatch: Callable[[Any], None]) -> None:
+        """Begin to listen; `on_mismatch` is called when a camera cannot be heard."""
+        events = SubscriptionEventCallbacks(
+            message_lost=self._on_frames_lost,
+            incompatible_qos=on_mismatch,
+            use_default_callbacks=False,
+        )
+        kind, topic = (
+            (CompressedImage, "image/compressed") if self._is_compressed else (Image, "image")
+        )
+        # As bytes: a message object would cost two more copies of the pixels.
+        self._subscription = self._node.create_subscription(
+            kind, topic, on_image, self._profile, event_callbacks=events, raw=True
+        )
+
+    def read(self, message: bytes, info: Mapping[str, Any]) -> CameraFrame:
+        """Read a serialised message, and count those that are missing before it.
+
+        Parameters
+        ----------
+        message : bytes
+            As it came over the wire.
+        info : mapping
+            What rclpy passes beside the message.
+
+        Raises
+        ------
+        FrameError
+            The bytes are no such message.
+        """
+        arrival = moment_of_arrival(info)
+        self._statistics.dropped += self._gaps.missing(info, self._count_cameras)
+        read = read_serialised_compressed_image if self._is_compressed else read_serialised_image
+        header, image = read(message)
+        return CameraFrame(header, image, arrival)
+
+    def _count_cameras(self) -> int:
+        return int(self._node.count_publishers(self.topic))
+
+    def _on_frames_lost(self, event: Any) -> None:  # noqa: ANN401
+        self._statistics.lost += int(event.total_count_change)
+        self._node.get_logger().warning(
+            f"{self._statistics.lost} frames lost on the way; {ADVICE_ON_LOSS}",
+            throttle_duration_sec=5.0,
+        )
+
+    def several_cameras(self) -> str:
+        """Return the names of the cameras if there is more than one, and log them when they change.
+
+        Their frames cannot be told apart in what comes, and no tracker follows two views at once.
+        """
+        names = sorted(map(qos.endpoint_name, self._publishers()))
+        cameras = names if len(names) > 1 else []
+        if cameras and cameras != self._cameras:
+            self._node.get_logger().error(
+                f"{len(cameras)} nodes publish {self.topic}: {', '.join(cameras)}; their frames are"
+                " mixed. Remap `image` to the topic of one camera, or stop the others"
+            )
+        self._cameras = cameras
+        return ", ".join(cameras)
+
+    def _publishers(self) -> list[Any]:
+        return list(self._node.get_publishers_info_by_topic(self.topic)) if self.is_open else []
+
+    def words_on_silence(self, seconds: float) -> str:
+        """Say that nothing usable has come for some time [s], and what is known of the reason."""
+        publishers = self._publishers()
+        types = sorted({str(publisher.topic_type) for publisher in publishers})
+        kinds = f" of type {', '.join(types)}" if types else ""
+        refused = self._statistics.last_bad_frame
+        reason = f"; the last was refused: {refused}" if refused else ""
+        return (
+            f"no usable image on {self.topic} for {seconds:g} s;"
+            f" {len(publishers)} publishers there{kinds}{reason}"
+        )

@@ -1,0 +1,99 @@
+"""Watches an input that may fall silent, or show the same picture again and again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import cast
+
+from cable_tracker.arrays import Image
+from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, STALE_INPUT
+from cable_tracker.ros.inputs.frozen_input import FrozenInput
+
+
+class InputWatch:
+    """Says whether the frames can be relied on: STALE INPUT, FROZEN INPUT, or neither.
+
+    Parameters
+    ----------
+    now : float
+        Time on a monotonic clock [s]. A camera that never sends is no better than one that has
+        stopped.
+    """
+
+    def __init__(self, now: float) -> None:
+        self._timeout = 0.0
+        self._frozen_timeout = 0.0
+        self._last_usable = now
+        self._is_stale = False
+        self._is_frozen = False
+        self._frozen = FrozenInput()
+
+    def apply(self, values: Mapping[str, object]) -> None:
+        """Take what is given of the parameters `input_timeout` and `frozen_timeout` [s]."""
+        self._timeout = float(cast(float, values.get("input_timeout", self._timeout)))
+        self._frozen_timeout = float(
+            cast(float, values.get("frozen_timeout", self._frozen_timeout))
+        )
+
+    @property
+    def timeout(self) -> float:
+        """Time without a usable frame that makes the input stale [s]."""
+        return self._timeout
+
+    @property
+    def status(self) -> str:
+        """STALE INPUT or FROZEN INPUT; empty where neither holds."""
+        if self._is_stale:
+            return STALE_INPUT
+        return FROZEN_INPUT if self._is_frozen else ""
+
+    @property
+    def picture(self) -> Image | None:
+        """The last picture, shape (H, W) or (H, W, 3)."""
+        return self._frozen.picture
+
+    @property
+    def same_for(self) -> float:
+        """How long the picture has been the same, by the stamps of the frames [s]."""
+        return self._frozen.seconds
+
+    def restart(self, now: float) -> None:
+        """Let the time of silence begin now, on the monotonic clock [s]."""
+        self._last_usable = now
+
+    def note_usable(self, now: float) -> bool:
+        """Note that a usable frame came; return whether that ended a silence."""
+        was_stale, self._is_stale = self._is_stale, False
+        self._last_usable = now
+        return was_stale
+
+    def falls_silent(self, now: float) -> bool:
+        """Return whether the input has just become stale; once for each silence."""
+        if self._is_stale or now - self._last_usable <= self._timeout:
+            return False
+        self._is_stale = True
+        return True
+
+    def is_frozen(self, picture: Image, stamp: int) -> bool:
+        """Compare a picture with the one before; tell whether it has been the same for too long.
+
+        Parameters
+        ----------
+        picture : Image
+            Shape (H, W) or (H, W, 3). Kept until the next one, and never written to.
+        stamp : int
+            Time of the frame [ns].
+        """
+        seconds = self._frozen.take(picture, stamp)
+        return 0.0 < self._frozen_timeout <= seconds
+
+    def note_frozen(self, *, is_frozen: bool) -> bool:
+        """Note whether the last frame was frozen; return whether the picture has just frozen."""
+        has_just_frozen = is_frozen and not self._is_frozen
+        self._is_frozen = is_frozen
+        return has_just_frozen
+
+    def forget(self) -> None:
+        """Forget the picture; the next one is new."""
+        self._frozen.forget()
+        self._is_frozen = False

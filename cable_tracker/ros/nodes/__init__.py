@@ -1,0 +1,1 @@
+"""The nodes that users run, and what they are made of."""

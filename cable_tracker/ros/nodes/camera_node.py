@@ -1,0 +1,419 @@
+"""What every node has in common that tracks something in the frames of a camera."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, cast
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.clock import Clock, ClockType
+from rclpy.publisher import Publisher
+from std_msgs.msg import Header
+from std_srvs.srv import SetBool, Trigger
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.errors import FrameError
+from cable_tracker.node_parameter_tables import CAMERA_START_PARAMETERS
+from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.health.diagnostics import (
+    DISABLED,
+    FROZEN_INPUT,
+    WARMING_UP,
+    FrameStatistics,
+    frame_values,
+    make_diagnostics,
+)
+from cable_tracker.ros.health.mismatch_report import MismatchReport
+from cable_tracker.ros.health.warm_up import WarmUp
+from cable_tracker.ros.inputs.frame_hold import FrameHold
+from cable_tracker.ros.inputs.image_input import AnyImage, CameraFrame, ImageInput
+from cable_tracker.ros.inputs.input_watch import InputWatch
+from cable_tracker.ros.inputs.picture_remarks import remark_on
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.process.process_node import ProcessNode
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.estimates import REFUSED
+from cable_tracker.sequences.messages import Message, make_header
+from cable_tracker.sequences.serialised_images import MessageHeader
+
+SLOWEST_WATCH, FASTEST_WATCH = 0.25, 0.025
+"""Limits of the period of the watchdog [s]; it is half the shortest time-out."""
+
+WORTH_TELLING = 0.1
+"""A warm-up that took less is not reported [s]."""
+
+NO_TIME = (
+    "the frame has no stamp, and there is no time to give it: use_sim_time is set and nothing has"
+    " come on /clock"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class FrameOutcome:
+    """What became of a frame that was used.
+
+    Attributes
+    ----------
+    status : str
+        Status after the frame, as on /diagnostics.
+    event : str
+        Why tracking started anew with the frame; empty if it went on.
+    """
+
+    status: str
+    event: str
+
+
+class CameraNode(ProcessNode):
+    """Answers each frame of a camera, and reports status and figures on /diagnostics.
+
+    Holds what does not depend on what is tracked: the subscription of the camera, refused frames,
+    stale and frozen input, the warm-up, `~/enable` and `~/reset`, quality of service that does not
+    fit, diagnostics. A subclass makes its own parts after this constructor, calls `begin` when it
+    is complete, and implements the methods of the section "to be implemented".
+
+    Parameters
+    ----------
+    name : str
+        Name of the node.
+    **node_arguments
+        Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
+
+    Raises
+    ------
+    ParameterError
+        A parameter given at start is not acceptable.
+    """
+
+    def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
+        super().__init__(name, **node_arguments)
+        self._factory = RclpyMessages()
+        self._statistics = FrameStatistics()
+        self._watch = InputWatch(time.monotonic())
+        self._enabled = True
+        self._status = TrackingStatus.INITIALISING.value
+        self._frame_id = ""
+        self._warm_up: WarmUp | None = None
+        self._watchdog: Any = None
+        self._diagnostics_period = 1.0
+        self._next_diagnostics = 0.0
+        start = node_parameters.declare_all(self, CAMERA_START_PARAMETERS, read_only=True)
+        self._input = ImageInput(
+            self, str(start["image_transport"]), str(start["image_reliability"]), self._statistics
+        )
+        self._hold = FrameHold(self._answer, self._has_all_of)
+        self._mismatches = MismatchReport(self, self._input_profiles, self._output_profiles)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
+
+    # To be implemented by a subclass.
+
+    def _make_warm_up(self) -> WarmUp:
+        """Start the warm-up of the code that the present parameters choose."""
+        raise NotImplementedError
+
+    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameOutcome:
+        """Track on a frame and publish the results.
+
+        Parameters
+        ----------
+        header : Message
+            Header of the answers.
+        stamp : int
+            Time of the frame [ns].
+        picture : Image
+            What `_decode` returned.
+        arrival : float
+            When the frame came, on the clock of `time.perf_counter` [s].
+
+        Raises
+        ------
+        FrameError
+            The frame cannot be used.
+        """
+        raise NotImplementedError
+
+    def _answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
+        """Publish that there is no estimate for a frame."""
+        raise NotImplementedError
+
+    def _restart(self) -> None:
+        """Forget what was tracked; to be extended."""
+        self._watch.forget()
+
+    def _result_publishers(self) -> dict[Publisher, Any]:
+        """Return the publishers of results, with their QoS profiles."""
+        raise NotImplementedError
+
+    def _figures(self) -> dict[str, str]:
+        """Return what diagnostics say beside the camera's figures, with units in the keys."""
+        raise NotImplementedError
+
+    def _decode(self, image: AnyImage) -> Image:
+        """Return the picture that is tracked on; grey levels, shape (H, W), unless overridden."""
+        return decode_grey(image)
+
+    def _subscribe_more(self) -> None:
+        """Subscribe to what belongs to the camera's frames; called when the node is warm."""
+
+    def _input_profiles(self) -> dict[str, Any]:
+        """Return the QoS profiles of the subscriptions, by full name; to be extended."""
+        return {self._input.topic: self._input.profile} if self._input.is_open else {}
+
+    def _instrument_wait(self) -> float:
+        """Return for how long a frame may be held back for the instruments [s]."""
+        return 0.0
+
+    def _has_all_of(self, stamp: int) -> bool:
+        """Tell whether the instruments have told of a time [ns]."""
+        return True
+
+    def _on_switched_on(self) -> None:
+        """Do what follows the restart when the node is enabled again."""
+
+    def _output_profiles(self) -> dict[str, Any]:
+        return {each.topic_name: profile for each, profile in self._result_publishers().items()}
+
+    # For callers and tests.
+
+    @property
+    def status(self) -> str:
+        """What diagnostics say now."""
+        if not self._enabled:
+            return DISABLED
+        if self._warm_up is not None:
+            return WARMING_UP
+        return self._watch.status or self._status
+
+    @property
+    def statistics(self) -> FrameStatistics:
+        """Counts and times of the frames that came in."""
+        return self._statistics
+
+    def wait_until_warm(self) -> None:
+        """Wait for the end of the warm-up; for callers that feed frames without an executor."""
+        if self._warm_up is not None:
+            self._end_warm_up()
+
+    # Start and warm-up.
+
+    def begin(self) -> None:
+        """Offer the services and warm up; the camera is subscribed when that is done."""
+        self.create_service(Trigger, "~/reset", self.on_reset)
+        self.create_service(SetBool, "~/enable", self.on_enable)
+        # Simulated time may stand still while frames stay away: the watchdog needs a clock that
+        # does not.
+        self._watchdog = self.create_timer(
+            self._watchdog_period(),
+            self.on_watchdog,
+            clock=Clock(clock_type=ClockType.STEADY_TIME),
+        )
+        self._warm_up = self._make_warm_up()
+        if self._warm_up.running:
+            self.get_logger().info(
+                "warming up: compiling or loading what a frame needs; on a cold cache this takes"
+                " minutes"
+            )
+            self.publish_diagnostics()
+        else:
+            self._end_warm_up()
+
+    def _warm_up_for_change(self) -> None:
+        """Stop tracking until another variant is compiled, and say so."""
+        if not self._input.is_open:
+            return
+        warm_up = self._make_warm_up()
+        if warm_up.running:
+            self._warm_up = warm_up
+            self.get_logger().warning("warming up: the change needs other code; no frame is used")
+            self.publish_diagnostics()
+
+    def _end_warm_up(self) -> None:
+        assert self._warm_up is not None
+        self._warm_up.finish()
+        if self._warm_up.seconds > WORTH_TELLING:
+            self.get_logger().info(f"warmed up in {self._warm_up.seconds:.1f} s")
+        self._warm_up = None
+        self._watch.restart(time.monotonic())
+        if not self._input.is_open:
+            self._subscribe_more()
+            self._input.subscribe(self.on_image, self._mismatches.on_event)
+            self.get_logger().info(f"waiting for images on {self._input.topic}")
+        self.publish_diagnostics()
+
+    def _apply_camera_values(self, values: Mapping[str, object]) -> None:
+        """Take what is given of `CAMERA_RUNTIME_PARAMETERS`, by name."""
+        self._watch.apply(values)
+        self._diagnostics_period = float(
+            cast(float, values.get("diagnostics_period", self._diagnostics_period))
+        )
+        if self._watchdog is not None:
+            self._watchdog.timer_period_ns = round(self._watchdog_period() * 1e9)
+
+    def _watchdog_period(self) -> float:
+        shortest = min(self._watch.timeout, self._diagnostics_period)
+        if self._instrument_wait():
+            shortest = min(shortest, self._instrument_wait())
+        return min(max(shortest / 2, FASTEST_WATCH), SLOWEST_WATCH)
+
+    # Frames.
+
+    def on_image(self, message: bytes, info: Mapping[str, Any]) -> None:
+        """Answer a frame, at once or as soon as the instruments have told of its time.
+
+        Parameters
+        ----------
+        message : bytes
+            A sensor_msgs/Image or CompressedImage, serialised, as the middleware hands it over.
+        info : mapping
+            What rclpy passes beside the message: time of arrival, number of the message.
+        """
+        try:
+            frame = self._input.read(message, info)
+        except FrameError as error:
+            # Without a header there is nothing that an answer could refer to.
+            self._note_refusal(str(error))
+            return
+        self._statistics.arrived(time.monotonic())
+        wait = self._instrument_wait()
+        if self._enabled and wait and frame.header.stamp:
+            self._hold.take(frame, wait)
+        else:
+            self._answer(frame)
+
+    def _answer(self, frame: CameraFrame) -> None:
+        given = frame.header
+        self._frame_id = given.frame_id
+        stamp = given.stamp or int(self.get_clock().now().nanoseconds)
+        header = self._header_for_answer(given, stamp)
+        if not self._enabled or self._warm_up is not None:
+            self._statistics.ignored += 1
+            self._note_usable()
+            self._answer_without_estimate(header, self.status, "")
+            return
+        try:
+            if not stamp:
+                raise FrameError(NO_TIME)
+            picture = self._decode(frame.image)
+            if self._watch.is_frozen(picture, stamp):
+                self._answer_frozen(header)
+                return
+            outcome = self._use(header, stamp, picture, frame.arrival)
+        except FrameError as error:
+            self._note_refusal(str(error))
+            self._answer_without_estimate(header, REFUSED, str(error))
+            return
+        self._watch.note_frozen(is_frozen=False)
+        self._note_usable()
+        self._note_event(outcome.event)
+        self._change_status(outcome.status)
+
+    def _header_for_answer(self, given: MessageHeader, stamp: int) -> Message:
+        if not given.stamp:
+            return make_header(self._factory, stamp, given.frame_id)
+        # To the letter, so that the sender of the frame knows it again.
+        time_sent = Time(sec=given.sec, nanosec=given.nanosec)
+        return Header(stamp=time_sent, frame_id=given.frame_id)
+
+    def _answer_frozen(self, header: Message) -> None:
+        """Claim nothing: a picture that stands still is no measurement."""
+        self._statistics.frozen += 1
+        self._note_usable()
+        self._answer_without_estimate(header, FROZEN_INPUT, "the picture stands still")
+        if self._watch.note_frozen(is_frozen=True):
+            self.get_logger().error(
+                f"the camera has sent the same picture for {self._watch.same_for:.1f} s;"
+                " tracking goes on when it changes (parameter frozen_timeout)"
+            )
+            self.publish_diagnostics()
+
+    def _note_usable(self) -> None:
+        if self._watch.note_usable(time.monotonic()):
+            self.publish_diagnostics()
+
+    def _note_event(self, event: str) -> None:
+        if event:
+            self._statistics.last_event = event
+            self.get_logger().warning(f"tracking starts anew: {event}")
+
+    def _note_refusal(self, reason: str) -> None:
+        self._statistics.refused += 1
+        self._statistics.last_bad_frame = reason
+        self.get_logger().warning(f"frame refused: {reason}", throttle_duration_sec=1.0)
+
+    def _change_status(self, status: str) -> None:
+        if status != self._status:
+            self._status = status
+            self.get_logger().info(status)
+            self.publish_diagnostics()
+
+    def _check_frame_id(self, frame_id: str) -> None:
+        """Refuse a prior that is given in the frame of something else than the camera."""
+        if frame_id and self._frame_id and frame_id != self._frame_id:
+            raise FrameError(f"it is in {frame_id!r}, not in the image frame {self._frame_id!r}")
+
+    # Services.
+
+    def on_reset(self, request: Message, response: Message) -> Message:
+        """Forget everything and start as at the beginning."""
+        self.get_logger().info("reset: the tracker starts anew with the next frame")
+        self._restart()
+        self._change_status(TrackingStatus.INITIALISING.value)
+        response.success = True
+        response.message = "the tracker starts anew with the next frame"
+        return response
+
+    def on_enable(self, request: Message, response: Message) -> Message:
+        """Switch tracking on or off. Switching on starts anew, or from a prior given meanwhile."""
+        is_wanted = bool(request.data)
+        if is_wanted != self._enabled:
+            self.get_logger().info(
+                "enabled: the tracker starts anew with the next frame"
+                if is_wanted
+                else "disabled: frames are answered without an estimate"
+            )
+        if is_wanted and not self._enabled:
+            self._restart()
+            self._on_switched_on()
+            self._status = TrackingStatus.INITIALISING.value
+        self._enabled = is_wanted
+        self.publish_diagnostics()
+        response.success = True
+        response.message = self.status
+        return response
+
+    # Health.
+
+    def on_watchdog(self) -> None:
+        """See whether the input has stopped, and publish diagnostics when they are due."""
+        self._hold.release_if_due()
+        now = time.monotonic()
+        if self._warm_up is not None and not self._warm_up.running:
+            self._end_warm_up()
+        elif self._warm_up is None and self._watch.falls_silent(now):
+            self.get_logger().warning(self._input.words_on_silence(self._watch.timeout))
+            self.publish_diagnostics()
+        elif now >= self._next_diagnostics:
+            self.publish_diagnostics()
+
+    def publish_diagnostics(self) -> None:
+        """Publish status and figures on /diagnostics."""
+        now = time.monotonic()
+        self._next_diagnostics = now + self._diagnostics_period
+        self._mismatches.look()
+        values = frame_values(self._statistics, now) | self._figures()
+        values["picture"] = remark_on(self._watch.picture)
+        values["same picture for [s]"] = f"{self._watch.same_for:.1f}"
+        values["QoS mismatch"] = self._mismatches.words()
+        values["several cameras"] = self._input.several_cameras()
+        for publisher in self._result_publishers():
+            readers = publisher.get_subscription_count()
+            values[f"subscribers of {publisher.topic_name}"] = str(readers)
+        header = make_header(self._factory, self.get_clock().now().nanoseconds, "")
+        name = self.get_fully_qualified_name()
+        self._diagnostics.publish(
+            make_diagnostics(self._factory, header, name, self.status, values)
+        )

@@ -1,0 +1,69 @@
+"""Where a node starts to track: at random, at a given state, or where a detector sees a cable."""
+
+from __future__ import annotations
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.model.initial_state_text import parse_initial_state
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.detection.detector import CableDetector
+from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.errors import ParameterError
+
+
+class InitialSearch:
+    """Gives the prior that the parameter `initial_state` names.
+
+    Parameters
+    ----------
+    text : str
+        ``random``, ``d,alpha,w,beta`` in px and rad, or the name of a detector.
+
+    Raises
+    ------
+    ParameterError
+        The text is none of these.
+    """
+
+    def __init__(self, text: str) -> None:
+        self._detector: CableDetector | None = None
+        self._given: StatePrior | None = None
+        self._is_seeking = False
+        name = text.strip()
+        if name in DETECTORS:
+            self._detector = DETECTORS[name]()
+            return
+        try:
+            state = parse_initial_state(text)
+        except ParameterError as error:
+            raise ParameterError(f"{error}, nor a detector ({', '.join(DETECTORS)})") from error
+        self._given = StatePrior.around(state) if state is not None else None
+
+    def restart(self) -> StatePrior | None:
+        """Begin anew; return the prior of the next frame, None where none is known yet."""
+        self._is_seeking = self._detector is not None
+        return self._given
+
+    def stop(self) -> None:
+        """Seek no more: the filter has found a cable by itself, or was told where one is."""
+        self._is_seeking = False
+
+    def look(self, picture: Image) -> StatePrior | None:
+        """Return where the detector sees a cable; None where it sees none, or nothing is sought.
+
+        Parameters
+        ----------
+        picture : Image
+            Grey levels, shape (H, W).
+
+        Raises
+        ------
+        FrameError
+            The picture cannot be used.
+        """
+        if not self._is_seeking or self._detector is None:
+            return None
+        found = self._detector.detect(picture)
+        if not found:
+            return None
+        self._is_seeking = False
+        return StatePrior.around(found[0].state)

@@ -1,0 +1,355 @@
+"""The replay node: a recording in, images and ground truth out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, cast
+
+from rclpy.duration import Duration
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CompressedImage, Image, JointState
+from std_srvs.srv import SetBool, Trigger
+
+from cable_tracker.errors import ParameterError, RecordingError, RosError
+from cable_tracker.node_parameter_tables import (
+    REPLAY_RUNTIME_PARAMETERS,
+    REPLAY_START_PARAMETERS,
+)
+from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.health.warming_trackers import WarmingTrackers
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
+from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.sequences.messages import (
+    Message,
+    make_compressed_image,
+    make_header,
+    make_image,
+    make_state,
+    make_time,
+    stamp_of,
+)
+from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.stamps import NANOSECONDS
+
+PATIENCE = 3.0
+"""Discovery may take so long; only then a missing subscriber is worth a warning [s]."""
+
+WARNING_PAUSE = 5.0
+"""Time between two words on what is waited for [s]."""
+
+NO_FRAME_THERE = "no frame after that time"
+FLUSH_TIMEOUT = Duration(seconds=2)
+
+
+class ReplayNode(ProcessNode):
+    """Feeds a recording into topics, with its own timing or in lockstep with the tracker.
+
+    Parameters
+    ----------
+    **node_arguments
+        Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
+
+    Raises
+    ------
+    ParameterError
+        A parameter is not acceptable.
+    RecordingError
+        The recording cannot be opened.
+    """
+
+    def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
+        super().__init__("replay", **node_arguments)
+        self._factory = RclpyMessages()
+        self._declare_parameters()
+        if not self._text("source"):
+            raise ParameterError(
+                "source: name the recording, for instance --ros-args -p source:=/data/dive.mcap"
+            )
+        self._source = open_source(
+            Path(self._text("source")),
+            topic=self._text("topic") or None,
+            rate=float(cast(float, self._start_values["frame_rate"])),
+            truth=Path(self._text("truth")) if self._text("truth") else None,
+            skip_bad_frames=self._flag("skip_bad_frames"),
+            allow_outside=self._flag("allow_outside"),
+        )
+        self._source.__enter__()
+        if self._source.note:
+            self.get_logger().warning(self._source.note)
+        self._paused = self._flag("paused")
+        self._steps = 0
+        self._sent = 0
+        self._connected = False
+        self._started = self._waits_since = time.monotonic()
+        self._create_publishers()
+        self._warming = WarmingTrackers(self)
+        self._begin()
+
+    @property
+    def sent(self) -> int:
+        """Number of frames published so far."""
+        return self._sent
+
+    def _text(self, name: str) -> str:
+        return str(self._start_values[name])
+
+    def _flag(self, name: str) -> bool:
+        return bool(self._start_values[name])
+
+    def _declare_parameters(self) -> None:
+        self._start_values = node_parameters.declare_all(
+            self, REPLAY_START_PARAMETERS, read_only=True
+        )
+        self._values: dict[str, object] = dict(
+            node_parameters.declare_all(self, REPLAY_RUNTIME_PARAMETERS)
+        )
+        specs = {spec.name: spec for spec in REPLAY_RUNTIME_PARAMETERS}
+
+        def validate(values: Mapping[str, object]) -> None:
+            for name, value in values.items():
+                specs[name].coerce(value)
+
+        node_parameters.watch(self, specs, validate, self._values.update)
+        node_parameters.warn_of_unknown_overrides(self)
+
+    def _create_publishers(self) -> None:
+        if self._source.compressed:
+            self._image = self.create_publisher(CompressedImage, "image/compressed", qos.PICTURES)
+        else:
+            self._image = self.create_publisher(Image, "image", qos.PICTURES)
+        self._truth = self.create_publisher(JointState, "ground_truth", qos.RESULTS)
+        self._clock_publisher = None
+        if self._flag("publish_clock"):
+            self._clock_publisher = self.create_publisher(Clock, "/clock", qos.RESULTS)
+        self._state = self.create_subscription(
+            JointState, "state", self.on_state, qos.NEWEST_RESULT
+        )
+        self.create_service(SetBool, "~/pause", self.on_pause)
+        self.create_service(Trigger, "~/step", self.on_step)
+        self.create_service(Trigger, "~/restart", self.on_restart)
+
+    def _begin(self) -> None:
+        self._frames: Iterator[Frame] = self._source.frames()
+        self._first_stamp: int | None = None
+        # Kept: a change of the parameter takes effect at the next restart only.
+        self._start = self._nanoseconds("start")
+        self._found_start = False
+        self._last_stamp: int | None = None
+        self._due = time.monotonic()
+        self._awaited: int | None = None
+        self._answer_deadline = 0.0
+        self._damage: RecordingError | None = None
+        self._awaits_restart = False
+        self._next = self._read_next()
+
+    def _read_next(self) -> Frame | None:
+        try:
+            return self._next_frame_wanted()
+        except RecordingError as error:
+            # Told at the end, when the frames before the damage have arrived.
+            self._damage = error
+            return None
+
+    def _next_frame_wanted(self) -> Frame | None:
+        for frame in self._frames:
+            if self._first_stamp is None:
+                self._first_stamp = frame.stamp
+            elapsed = frame.stamp - self._first_stamp
+            # Only looked for once: where the recording's clock jumps back, no frame is left out.
+            self._found_start = self._found_start or elapsed >= self._start
+            if self._found_start:
+                duration = self._nanoseconds("duration")
+                return None if 0 < duration <= elapsed - self._start else frame
+        return None
+
+    def _nanoseconds(self, name: str) -> int:
+        return round(float(cast(float, self._values[name])) * NANOSECONDS)
+
+    def seconds_until_due(self) -> float:
+        """Return how long the executor may sleep [s]."""
+        if self._paused or not self._connected or self._awaited is not None:
+            return WAKE_UP
+        return 0.0 if self._flag("lockstep") else self._due - time.monotonic()
+
+    def work(self) -> None:
+        """Send the next frame if it is due; end, or begin again, after the last."""
+        if self._awaited is not None:
+            self._check_answer_deadline()
+            return
+        if self._next is None:
+            if not self._awaits_restart:
+                self._end_or_loop()
+            return
+        if not self._connect():
+            self._complain_of_waiting()
+            return
+        if self._paused and not self._steps:
+            return
+        if not self._flag("lockstep") and not self._steps and time.monotonic() < self._due:
+            return
+        self._send(self._next)
+
+    def _complain_of_waiting(self) -> None:
+        """Say what is waited for; in lockstep give up some time after no tracker is warming up."""
+        warming = self._warming.names()
+        if warming:
+            # The compiler takes as long as it takes: minutes on a cold cache.
+            self._waits_since = time.monotonic()
+            self.get_logger().info(
+                f"waiting: {', '.join(warming)} is WARMING UP, which may take minutes on a cold"
+                " cache",
+                throttle_duration_sec=WARNING_PAUSE,
+            )
+            return
+        waited = time.monotonic() - self._waits_since
+        if waited < min(PATIENCE, self._answer_timeout):
+            return
+        missing = f"no node subscribes to {self._image.topic_name}{self._words_on_other_topics()}"
+        if self._flag("lockstep") and waited > self._answer_timeout:
+            raise RosError(
+                f"{missing}; is the tracker running, and is its image_transport that of this"
+                " recording?"
+            )
+        self.get_logger().warning(
+            f"waiting: {missing} (wait_for_tracker:=false plays all the same)",
+            throttle_duration_sec=WARNING_PAUSE,
+        )
+
+    @property
+    def _answer_timeout(self) -> float:
+        return float(cast(float, self._start_values["answer_timeout"]))
+
+    def _words_on_other_topics(self) -> str:
+        """Name the topics on which images are awaited and none come."""
+        own = self._image.topic_name
+        kinds = {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}
+        awaited = sorted(
+            name
+            for name, types in self.get_topic_names_and_types()
+            if kinds.intersection(types)
+            and name != own
+            and self.count_subscribers(name)
+            and not self.count_publishers(name)
+        )
+        return f"; images are awaited on {', '.join(awaited)}" if awaited else ""
+
+    def _connect(self) -> bool:
+        if self._connected:
+            return True
+        lockstep = self._flag("lockstep")
+        is_heard = self._image.get_subscription_count() > 0
+        answers = self.count_publishers(self._state.topic_name) > 0
+        is_ready = is_heard and (answers or not lockstep) and not self._warming.names()
+        waits = lockstep or self._flag("wait_for_tracker")
+        self._connected = is_ready or not waits
+        self._due = time.monotonic()
+        if self._connected and not is_heard:
+            self.get_logger().warning(
+                f"no node subscribes to {self._image.topic_name}: the first frames reach none"
+            )
+        return self._connected
+
+    def _send(self, frame: Frame) -> None:
+        self._steps = max(self._steps - 1, 0)
+        header = make_header(self._factory, frame.stamp, frame.frame_id)
+        if self._clock_publisher is not None:
+            self._clock_publisher.publish(Clock(clock=make_time(self._factory, frame.stamp)))
+        if self._source.has_truth:
+            self._truth.publish(make_state(self._factory, header, frame.truth))
+        if isinstance(frame.image, RawImage):
+            message = make_image(self._factory, frame.image, header)
+        else:
+            message = make_compressed_image(self._factory, frame.image, header)
+        if self._flag("lockstep"):
+            self._awaited = frame.stamp
+            self._answer_deadline = time.monotonic() + self._answer_timeout
+        self._image.publish(message)
+        self._sent += 1
+        self._last_stamp = frame.stamp
+        self._next = self._read_next()
+        self._schedule()
+
+    def _schedule(self) -> None:
+        if self._next is None or self._last_stamp is None:
+            return
+        pause = (self._next.stamp - self._last_stamp) / NANOSECONDS
+        # A clock that jumps back in the recording is passed on, not waited for; and time lost to a
+        # slow disk is not made up for by a burst of frames.
+        self._due += max(pause, 0.0) / float(cast(float, self._values["rate"]))
+        self._due = max(self._due, time.monotonic() - WAKE_UP)
+
+    def on_state(self, message: Message) -> None:
+        """Take note of the tracker's answer (lockstep)."""
+        # Stamp 0 means "no time given": the tracker answers with the time at which it came.
+        if self._awaited in (0, stamp_of(message.header)):
+            self._awaited = None
+
+    def _check_answer_deadline(self) -> None:
+        if self._warming.names():
+            # A changed parameter may need other code; the frame is answered all the same.
+            self._answer_deadline = time.monotonic() + self._answer_timeout
+        if time.monotonic() < self._answer_deadline:
+            return
+        raise RosError(
+            f"no `state` came for frame {self._sent - 1} within"
+            f" {self._start_values['answer_timeout']:g} s; is the tracker running, is its"
+            " image_transport that of this recording, and its image_reliability `reliable`?"
+        )
+
+    def _end_or_loop(self) -> None:
+        if self._values["loop"] and self._sent and self._damage is None:
+            self._begin()
+            if self._next is not None:
+                return
+        if not self._flag("lockstep"):
+            # In lockstep the answer has come; the middleware's own acknowledgement takes longer.
+            self._image.wait_for_all_acked(FLUSH_TIMEOUT)
+        self._truth.wait_for_all_acked(FLUSH_TIMEOUT)
+        if self._damage is not None:
+            raise self._damage
+        if not self._sent:
+            raise ParameterError(f"start: {NO_FRAME_THERE} in {self._source.path}")
+        self.finished = True
+
+    def report(self) -> str:
+        """Say what was sent."""
+        seconds = time.monotonic() - self._started
+        return f"sent {self._sent} frames of {self._source.path} in {seconds:.1f} s"
+
+    def on_pause(self, request: Message, response: Message) -> Message:
+        """Pause (true) or go on (false)."""
+        self._paused = bool(request.data)
+        self._due = time.monotonic()
+        response.success = True
+        response.message = "paused" if self._paused else "playing"
+        return response
+
+    def on_step(self, request: Message, response: Message) -> Message:
+        """Send one frame while paused."""
+        if not self._paused or self._next is None:
+            response.success = False
+            response.message = "not paused" if not self._paused else "at the end"
+            return response
+        self._steps += 1
+        response.success = True
+        response.message = f"frame {self._next.index}"
+        return response
+
+    def on_restart(self, request: Message, response: Message) -> Message:
+        """Go to the time in the parameter `start`, which also makes it the way to seek."""
+        self._begin()
+        response.success = self._next is not None
+        response.message = f"at frame {self._next.index}" if self._next else NO_FRAME_THERE
+        if self._next is None:
+            # Not the end of the node: the next restart may name a better time.
+            self._awaits_restart = True
+        return response
+
+    def destroy_node(self) -> None:
+        """Say what was sent, close the recording and destroy the node."""
+        self.get_logger().info(self.report())
+        self._source.__exit__(None, None, None)
+        super().destroy_node()

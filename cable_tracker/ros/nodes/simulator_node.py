@@ -1,0 +1,257 @@
+"""The simulator node: `cmd_vel` in, a vehicle's camera and instruments out."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any, cast
+
+from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
+from nav_msgs.msg import Odometry
+from rclpy.duration import Duration
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, Range
+
+from cable_tracker.errors import RosError
+from cable_tracker.node_parameter_tables import SIMULATOR_PARAMETERS
+from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.messages.metric_messages import make_cross_track
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.messages.vehicle_messages import (
+    BASE,
+    ODOM,
+    make_camera_info,
+    make_imu,
+    make_odometry,
+    make_range,
+    make_true_odometry,
+    unknown_covariance,
+)
+from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.messages import (
+    Message,
+    make_header,
+    make_image,
+    make_state,
+    make_time,
+)
+from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.simulation.dive import FIRST_STAMP
+from cable_tracker.simulation.live_world import LiveSettings, LiveWorld, TrueCrossTrack
+from cable_tracker.simulation.vehicle import Motion, VelocityCommand
+
+TICKS = 2
+"""Readings of odometry and imu for each frame."""
+
+CAMERA = "camera"
+FLUSH_TIMEOUT = Duration(seconds=5)
+
+
+class SimulatorNode(ProcessNode):
+    """Lets a vehicle follow a cable, in real time or in lockstep with a controller.
+
+    Parameters
+    ----------
+    **node_arguments
+        Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
+
+    Raises
+    ------
+    ParameterError
+        A parameter is not acceptable.
+    """
+
+    def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
+        super().__init__("simulator", **node_arguments)
+        self._factory = RclpyMessages()
+        self._values = node_parameters.declare_all(self, SIMULATOR_PARAMETERS, read_only=True)
+        node_parameters.warn_of_unknown_overrides(self)
+        self._lockstep = bool(self._values["lockstep"])
+        self._world = LiveWorld(self._settings())
+        self._altitude = self._world.settings.altitude
+        self._command = VelocityCommand()
+        self._command_time = -math.inf
+        self._awaits_command = False
+        self._deadline = 0.0
+        self._tick = 0
+        self._begun = False
+        self._first_stamp = FIRST_STAMP
+        self._due = 0.0
+        self._farthest = (0.0, 0.0)
+        self._last_moved = 0.0
+        self._create_topics()
+        self.get_logger().info(f"waiting for a subscriber of {self._image.topic_name}")
+
+    def _number(self, name: str) -> float:
+        return float(cast(float, self._values[name]))
+
+    def _whole(self, name: str) -> int:
+        return int(cast(int, self._values[name]))
+
+    def _settings(self) -> LiveSettings:
+        return LiveSettings(
+            seed=self._whole("seed"),
+            length=self._number("length"),
+            buried=self._number("buried"),
+            altitude=self._number("altitude"),
+            current=self._number("current"),
+            image_size=(self._whole("image_width"), self._whole("image_height")),
+            rate=self._number("rate"),
+        )
+
+    def _create_topics(self) -> None:
+        self._image = self.create_publisher(Image, "image", qos.PICTURES)
+        self._info = self.create_publisher(CameraInfo, "camera_info", qos.RESULTS)
+        self._range = self.create_publisher(Range, "altitude", qos.RESULTS)
+        self._imu = self.create_publisher(Imu, "imu", qos.RESULTS)
+        self._odometry = self.create_publisher(Odometry, "odometry", qos.RESULTS)
+        self._true_state = self.create_publisher(JointState, "ground_truth", qos.RESULTS)
+        self._true_odometry = self.create_publisher(Odometry, "ground_truth/odometry", qos.RESULTS)
+        self._true_cross_track = self.create_publisher(
+            PoseWithCovarianceStamped, "ground_truth/cross_track", qos.RESULTS
+        )
+        self._clock_publisher = None
+        if self._values["publish_clock"]:
+            self._clock_publisher = self.create_publisher(Clock, "/clock", qos.RESULTS)
+        self.create_subscription(Twist, "cmd_vel", self.on_command, qos.RESULTS)
+
+    @property
+    def world(self) -> LiveWorld:
+        """The world inside."""
+        return self._world
+
+    @property
+    def frames(self) -> int:
+        """How many frames have been sent."""
+        return (self._tick + TICKS - 1) // TICKS
+
+    def on_command(self, message: Message) -> None:
+        """Take a velocity through the water; what is not finite counts as 0."""
+        numbers = (message.linear.x, message.linear.y, message.linear.z, message.angular.z)
+        self._command = VelocityCommand(
+            *(float(value) if math.isfinite(value) else 0.0 for value in numbers)
+        )
+        self._command_time = time.monotonic()
+        self._awaits_command = False
+
+    def seconds_until_due(self) -> float:
+        """Return how long the executor may sleep [s]."""
+        if not self._begun or self._awaits_command:
+            return WAKE_UP
+        return 0.0 if self._lockstep else self._due - time.monotonic()
+
+    def work(self) -> None:
+        """Let the vehicle go on when it is time, and tell what its instruments say."""
+        if not self._begun:
+            self._begin()
+            return
+        if self._awaits_command:
+            self._check_deadline()
+            return
+        if not self._lockstep and time.monotonic() < self._due:
+            return
+        self._go_on()
+
+    def _begin(self) -> None:
+        readers = (
+            (self._image, self._whole("image_readers")),
+            (self._odometry, self._whole("odometry_readers")),
+        )
+        if any(publisher.get_subscription_count() < count for publisher, count in readers):
+            return
+        self._begun = True
+        self._due = time.monotonic()
+        if not self._lockstep:
+            self._first_stamp = int(self.get_clock().now().nanoseconds)
+
+    def _check_deadline(self) -> None:
+        if time.monotonic() > self._deadline:
+            raise RosError(
+                f"no cmd_vel came for frame {self.frames - 1} within"
+                f" {self._number('answer_timeout'):g} s; are tracker and controller running?"
+            )
+
+    def _go_on(self) -> None:
+        """Move on by one tick, and publish what is due at its end."""
+        period = 1.0 / (TICKS * self._world.settings.rate)
+        passed = 0.0
+        if self._tick:
+            passed = period
+            self._world.advance(self._current_command(), self._altitude, period)
+        stamp = self._first_stamp + round(self._tick * period * NANOSECONDS)
+        motion = self._world.motion()
+        self._publish_readings(motion, stamp, passed)
+        if self._tick % TICKS == 0:
+            self._publish_frame(motion, stamp)
+        self._tick += 1
+        # A machine that is too slow makes time pass more slowly; frames do not pile up.
+        self._due = max(self._due + period, time.monotonic() - period)
+
+    def _current_command(self) -> VelocityCommand:
+        is_old = time.monotonic() - self._command_time > self._number("command_timeout")
+        return VelocityCommand() if is_old and not self._lockstep else self._command
+
+    def _publish_readings(self, motion: Motion, stamp: int, passed: float) -> None:
+        instruments = self._world.instruments
+        if self._clock_publisher is not None:
+            self._clock_publisher.publish(Clock(clock=make_time(self._factory, stamp)))
+        in_odom = make_header(self._factory, stamp, ODOM)
+        self._odometry.publish(make_odometry(in_odom, instruments.odometry(motion, passed)))
+        header = make_header(self._factory, stamp, BASE)
+        self._imu.publish(make_imu(header, instruments.imu(motion), instruments.errors))
+
+    def _publish_frame(self, motion: Motion, stamp: int) -> None:
+        header = make_header(self._factory, stamp, BASE)
+        self._altitude = self._world.instruments.altitude(motion)
+        self._range.publish(make_range(header, self._altitude))
+        camera_header = make_header(self._factory, stamp, CAMERA)
+        self._info.publish(make_camera_info(camera_header, self._world.camera))
+        truth = self._world.cross_track(motion)
+        self._publish_truth(motion, truth, stamp)
+        picture = raw_from_array(self._world.picture(motion), "mono8")
+        if self._is_at_end(truth):
+            self.finished = True
+        self._awaits_command = self._lockstep and not self.finished
+        self._deadline = time.monotonic() + self._number("answer_timeout")
+        self._image.publish(make_image(self._factory, picture, camera_header))
+        if self.finished:
+            self._flush()
+
+    def _publish_truth(self, motion: Motion, truth: TrueCrossTrack, stamp: int) -> None:
+        camera_header = make_header(self._factory, stamp, CAMERA)
+        state = self._world.true_state(motion)
+        self._true_state.publish(make_state(self._factory, camera_header, state))
+        in_odom = make_header(self._factory, stamp, ODOM)
+        self._true_odometry.publish(make_true_odometry(in_odom, motion))
+        depth = self._world.cable_height - float(motion.position[2])
+        self._true_cross_track.publish(
+            make_cross_track(
+                self._factory,
+                make_header(self._factory, stamp, BASE),
+                (0.0, truth.offset, depth),
+                truth.heading,
+                unknown_covariance(),
+            )
+        )
+
+    def _is_at_end(self, truth: TrueCrossTrack) -> bool:
+        farthest, since = self._farthest
+        # Where a current carries a vehicle that stands still, it gets on, too, but to no purpose.
+        is_driven = self._current_command() != VelocityCommand()
+        if truth.along >= farthest + 1.0 and is_driven:
+            self._farthest = (truth.along, self._world.time)
+        is_stuck = self._world.time - since > self._number("patience")
+        return truth.along >= self._world.settings.length or is_stuck or self._stands_still()
+
+    def _stands_still(self) -> bool:
+        """Tell whether all commands have been zero for long."""
+        if self._command != VelocityCommand():
+            self._last_moved = self._world.time
+        standstill = self._number("standstill")
+        return 0.0 < standstill < self._world.time - self._last_moved
+
+    def _flush(self) -> None:
+        for publisher in (self._image, self._true_odometry, self._true_cross_track):
+            publisher.wait_for_all_acked(FLUSH_TIMEOUT)
+        self.get_logger().info(f"the way is at its end after {self._world.time:.1f} s")

@@ -1,0 +1,204 @@
+"""The tracker node: an image in, `centreline` and `state` out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.publisher import Publisher
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.measure.response_table import load_table
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.parameters.parameters import (
+    PARAMETER_TABLE,
+    PARAMETERS_BY_NAME,
+    TrackerParameters,
+)
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.errors import FrameError
+from cable_tracker.node_parameter_tables import (
+    TRACKER_OWN_START_PARAMETERS,
+    TRACKER_RUNTIME_PARAMETERS,
+)
+from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.health.diagnostics import estimate_values
+from cable_tracker.ros.health.warm_up import WarmUp
+from cable_tracker.ros.nodes.camera_node import CameraNode, FrameOutcome
+from cable_tracker.ros.nodes.code_variants import few_particles, variant_of
+from cable_tracker.ros.nodes.frame_tracker import FrameTracker
+from cable_tracker.ros.nodes.initial_search import InitialSearch
+from cable_tracker.ros.nodes.metric_inputs import MetricInputs
+from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
+from cable_tracker.sequences.messages import Message, read_prior
+from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+
+
+class TrackerNode(CameraNode):
+    """Wraps a `CableTracker`.
+
+    Parameters
+    ----------
+    **node_arguments
+        Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
+
+    Raises
+    ------
+    ParameterError
+        A parameter given at start is not acceptable.
+    """
+
+    def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
+        super().__init__("tracker", **node_arguments)
+        self._metric = MetricInputs(self, self._factory)
+        self._estimate: CableEstimate | None = None
+        self._prior_while_disabled: StatePrior | None = None
+        self._prior_topic = ""
+        self._declare_parameters()
+        self._restart()
+        self._outputs = TrackerOutputs(self, self._mismatches.on_event)
+        self.begin()
+
+    @property
+    def tracker(self) -> FrameTracker:
+        """The tracker inside."""
+        return self._tracker
+
+    def _declare_parameters(self) -> None:
+        start = node_parameters.declare_all(self, TRACKER_OWN_START_PARAMETERS, read_only=True)
+        values = preset(str(start["preset"]))
+        given = {
+            spec.name: node_parameters.declare(self, spec, values.as_mapping()[spec.name])
+            for spec in PARAMETER_TABLE
+        }
+        runtime = node_parameters.declare_all(self, TRACKER_RUNTIME_PARAMETERS)
+        self._instrument_reliability = str(start["instrument_reliability"])
+        self._tracker = self._make_tracker(values.replaced(given))
+        self._apply_runtime_values(runtime)
+        specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS} | dict(PARAMETERS_BY_NAME)
+        node_parameters.watch(self, specs, self._validate_parameters, self._apply_parameters)
+        node_parameters.warn_of_unknown_overrides(self)
+
+    def _make_tracker(self, parameters: TrackerParameters) -> FrameTracker:
+        """Make what tracks; a node that compares methods puts another one here."""
+        return make_tracker(parameters)
+
+    def _validate_parameters(self, values: Mapping[str, object]) -> None:
+        own = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS}
+        for name in values.keys() & own.keys():
+            own[name].coerce(values[name])
+        if "initial_state" in values:
+            InitialSearch(str(values["initial_state"]))
+        present = self._tracker.parameters
+        changed = present.replaced({name: values[name] for name in values.keys() - own.keys()})
+        if changed.response_table != present.response_table:
+            load_table(changed.response_table)
+
+    def _apply_parameters(self, values: Mapping[str, object]) -> None:
+        filter_values = {name: values[name] for name in values.keys() & PARAMETERS_BY_NAME.keys()}
+        if filter_values:
+            changed = self._tracker.parameters.replaced(filter_values)
+            self._tracker.configure(changed, make_proposer(changed))
+            self._warm_up_for_change()
+        self._apply_runtime_values(values)
+
+    def _apply_runtime_values(self, values: Mapping[str, object]) -> None:
+        if "initial_state" in values:
+            self._search = InitialSearch(str(values["initial_state"]))
+        self._metric.apply(values)
+        self._apply_camera_values(values)
+
+    def _make_warm_up(self) -> WarmUp:
+        parameters = self._tracker.parameters
+        return WarmUp(variant_of(parameters), partial(warm_up, few_particles(parameters)))
+
+    def _subscribe_more(self) -> None:
+        self._metric.subscribe(self._instrument_reliability, self._hold.release_if_due)
+        subscription = self.create_subscription(
+            PoseWithCovarianceStamped,
+            "initial_state",
+            self.on_initial_state,
+            qos.RESULTS,
+            event_callbacks=SubscriptionEventCallbacks(
+                incompatible_qos=self._mismatches.on_event, use_default_callbacks=False
+            ),
+        )
+        self._prior_topic = str(subscription.topic_name)
+
+    def _input_profiles(self) -> dict[str, Any]:
+        profiles = super()._input_profiles()
+        return profiles | ({self._prior_topic: qos.RESULTS} if self._prior_topic else {})
+
+    def _result_publishers(self) -> dict[Publisher, Any]:
+        return self._outputs.publishers
+
+    def _instrument_wait(self) -> float:
+        return self._metric.wait
+
+    def _has_all_of(self, stamp: int) -> bool:
+        return self._metric.has_all_of(stamp)
+
+    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameOutcome:
+        begin = time.perf_counter()
+        seen = self._search.look(picture)
+        if seen is not None:
+            self._tracker.initialise(seen)
+        estimate = self._tracker.process(picture, stamp, self._metric.motion(stamp, picture))
+        milliseconds = (time.perf_counter() - begin) * 1e3
+        self._outputs.publish_centreline(header, estimate)
+        self._metric.publish(header, estimate)
+        self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
+        self._statistics.tracked += 1
+        if estimate.status is TrackingStatus.TRACKING:
+            self._search.stop()
+        self._estimate = estimate
+        self._outputs.publish_pictures(header, estimate, self._tracker.particles, picture)
+        self._outputs.publish_state(header, estimate, milliseconds)
+        return FrameOutcome(estimate.status.value, estimate.event)
+
+    def _answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
+        self._outputs.answer_without_estimate(header, status, reason)
+
+    def _restart(self) -> None:
+        super()._restart()
+        self._tracker.reset()
+        self._estimate = None
+        prior = self._search.restart()
+        if prior is not None:
+            self._tracker.initialise(prior)
+
+    def on_initial_state(self, message: Message) -> None:
+        """Start the next frame from an operator's or planner's prior."""
+        try:
+            self._check_frame_id(str(message.header.frame_id))
+            prior = read_prior(message)
+            self._tracker.initialise(prior)
+            self._search.stop()
+        except FrameError as error:
+            self.get_logger().warning(f"initial_state refused: {error}")
+            return
+        if not self._enabled:
+            self._prior_while_disabled = prior
+
+    def on_reset(self, request: Message, response: Message) -> Message:
+        """Forget everything, also a prior, and start as at the beginning."""
+        self._prior_while_disabled = None
+        return super().on_reset(request, response)
+
+    def _on_switched_on(self) -> None:
+        prior, self._prior_while_disabled = self._prior_while_disabled, None
+        if prior is not None:
+            self._tracker.initialise(prior)
+            self._search.stop()
+
+    def _figures(self) -> dict[str, str]:
+        readers = {
+            f"readers of {publisher.topic_name}": str(publisher.get_subscription_count())
+            for publisher in self._metric.publishers
+        }
+        return estimate_values(self._estimate) | self._metric.diagnostics() | readers

@@ -1,0 +1,147 @@
+"""What the tracker node publishes about frames. Pictures are built only for subscribers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+from visualization_msgs.msg import MarkerArray
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import Image as Picture
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.ros import qos
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.jpeg import encode_jpeg
+from cable_tracker.sequences.messages import (
+    Message,
+    cloud_of,
+    make_centreline,
+    make_compressed_image,
+    make_image,
+    make_markers,
+    make_particles,
+    make_report,
+    make_state,
+    report_values,
+)
+from cable_tracker.visualisation.overlay import draw_overlay
+
+
+def claimed_state(estimate: CableEstimate) -> CableState | None:
+    """Return the state that is claimed to a controller; None while none is."""
+    return estimate.state if estimate.status is TrackingStatus.TRACKING else None
+
+
+class TrackerOutputs:
+    """The node's publishers, but for its diagnostics.
+
+    Parameters
+    ----------
+    node : Node
+        The node that publishes.
+    on_mismatch : callable
+        Called when a subscription is found that cannot hear us.
+    """
+
+    def __init__(self, node: Node, on_mismatch: Callable[[Any], None]) -> None:
+        self._factory = RclpyMessages()
+
+        def create(kind: type[Any], topic: str, profile: Any) -> Publisher:  # noqa: ANN401
+            # Without the defaults: the executor looks at each event in every turn.
+            events = PublisherEventCallbacks(
+                incompatible_qos=on_mismatch, use_default_callbacks=False
+            )
+            return node.create_publisher(kind, topic, profile, event_callbacks=events)
+
+        self._state = create(JointState, "state", qos.LATEST_RESULT)
+        self._centreline = create(PoseWithCovarianceStamped, "centreline", qos.RESULTS)
+        self._particles = create(PointCloud2, "particles", qos.PICTURES)
+        self._markers = create(MarkerArray, "markers", qos.PICTURES)
+        self._overlay = create(Image, "~/overlay", qos.PICTURES)
+        self._overlay_compressed = create(CompressedImage, "~/overlay/compressed", qos.PICTURES)
+        self._report = create(DiagnosticArray, "~/frame_report", qos.RESULTS)
+
+    @property
+    def publishers(self) -> dict[Publisher, Any]:
+        """All publishers, with their profiles."""
+        return {
+            self._state: qos.LATEST_RESULT,
+            self._centreline: qos.RESULTS,
+            self._particles: qos.PICTURES,
+            self._markers: qos.PICTURES,
+            self._overlay: qos.PICTURES,
+            self._overlay_compressed: qos.PICTURES,
+            self._report: qos.RESULTS,
+        }
+
+    def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
+        """Publish that there is no estimate for this frame; every frame gets an answer."""
+        if self._report.get_subscription_count():
+            self._report.publish(make_report(self._factory, header, status, {"event": reason}))
+        self._state.publish(make_state(self._factory, header, None))
+
+    def publish_centreline(self, header: Message, estimate: CableEstimate) -> None:
+        """Publish where the cable runs, if one is claimed."""
+        claimed = claimed_state(estimate)
+        if claimed is not None and self._centreline.get_subscription_count():
+            self._centreline.publish(
+                make_centreline(self._factory, header, claimed, estimate.covariance)
+            )
+
+    def publish_pictures(
+        self, header: Message, estimate: CableEstimate, particles: Particles | None, grey: Picture
+    ) -> None:
+        """Publish what people look at."""
+        if particles is not None and self._particles.get_subscription_count():
+            self._particles.publish(make_particles(self._factory, header, cloud_of(particles)))
+        if self._markers.get_subscription_count():
+            self._markers.publish(
+                make_markers(self._factory, header, claimed_state(estimate), estimate.image_size)
+            )
+        if (
+            self._overlay.get_subscription_count()
+            or self._overlay_compressed.get_subscription_count()
+        ):
+            self._publish_overlay(header, estimate, particles, grey)
+
+    def publish_state(self, header: Message, estimate: CableEstimate, milliseconds: float) -> None:
+        """Publish report and state.
+
+        The state goes last, because a lockstep replay sends the next frame upon it, and always,
+        because a subscriber that joins later may ask for it.
+        """
+        if self._report.get_subscription_count():
+            values = report_values(estimate, milliseconds)
+            self._report.publish(make_report(self._factory, header, estimate.status.value, values))
+        sigma = estimate.standard_deviations()[:4]
+        self._state.publish(make_state(self._factory, header, claimed_state(estimate), sigma))
+
+    def _publish_overlay(
+        self, header: Message, estimate: CableEstimate, particles: Particles | None, grey: Picture
+    ) -> None:
+        sigma: FloatArray = estimate.standard_deviations()[:4]
+        picture = draw_overlay(
+            grey,
+            state=claimed_state(estimate),
+            status=estimate.status.value,
+            sigma=sigma,
+            cloud=cloud_of(particles) if particles is not None else None,
+            hypotheses=estimate.hypotheses,
+            presence=estimate.presence,
+        )
+        if self._overlay.get_subscription_count():
+            raw = raw_from_array(picture, "bgr8")
+            self._overlay.publish(make_image(self._factory, raw, header))
+        if self._overlay_compressed.get_subscription_count():
+            jpeg = make_compressed_image(self._factory, encode_jpeg(picture), header)
+            self._overlay_compressed.publish(jpeg)

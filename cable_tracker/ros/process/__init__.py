@@ -1,0 +1,1 @@
+"""The process that a node runs in: start, environment, signals, end."""

@@ -1,0 +1,96 @@
+"""A node in a process of its own, started and stopped by ours."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from types import TracebackType
+from typing import Self
+
+START_TIMEOUT = 120.0
+"""Within so long nodes have found each other; the compiling at first use is included [s]."""
+
+GRACE = 10.0
+"""Time that a node gets to end by itself after SIGINT [s]."""
+
+
+class NodeProcess:
+    """Runs one of our nodes; to be used as a context manager, which stops it.
+
+    Parameters
+    ----------
+    node : str
+        Its name among `cable_tracker.ros.entry.NODES`.
+    arguments : sequence of str
+        What follows ``--ros-args``.
+    environment : mapping
+        Environment of the process.
+    module : str
+        What is run, with the node's name as its first argument.
+    """
+
+    def __init__(
+        self,
+        node: str,
+        arguments: Sequence[str],
+        environment: Mapping[str, str],
+        module: str = "cable_tracker.ros.entry",
+    ) -> None:
+        self._command = [sys.executable, "-m", module, node, "--ros-args", *arguments]
+        self._environment = dict(environment)
+
+    def __enter__(self) -> Self:
+        # A file, not a pipe: none is read while frames run, and a full pipe would stop the node.
+        self._log = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")
+        self._process = subprocess.Popen(
+            self._command,
+            env=self._environment,
+            stdin=subprocess.DEVNULL,
+            stdout=self._log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.stop()
+        self._log.close()
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return self._process.pid
+
+    @property
+    def running(self) -> bool:
+        """Whether the process is alive."""
+        return self._process.poll() is None
+
+    def wait(self, timeout: float) -> int | None:
+        """Wait for the process to end by itself; return its exit code, or None if it has not."""
+        try:
+            return self._process.wait(timeout)
+        except subprocess.TimeoutExpired:
+            return None
+
+    def stop(self) -> int:
+        """Ask the process to end, kill it if it does not, and return its exit code."""
+        if self.running:
+            self._process.send_signal(signal.SIGINT)
+        if self.wait(GRACE) is None:
+            self._process.kill()
+        return self._process.wait()
+
+    def last_line(self) -> str:
+        """Return the last line that the process printed."""
+        self._log.seek(0)
+        lines = [line.strip() for line in self._log if line.strip()]
+        return lines[-1] if lines else "it printed nothing"

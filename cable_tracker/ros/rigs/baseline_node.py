@@ -1,0 +1,90 @@
+"""A node that stands in for the tracker with one of the baselines inside, for comparison only.
+
+It is a node of its own, and no parameter of the tracker node: a vehicle should not be set up with a
+method that the project knows to be worse, and a user of the tracker should not have to read about
+it in the tracker's table of parameters. Everything around the method is the tracker node's own
+code, so that a comparison in the closed loop shows what the methods are worth and nothing else:
+name and topics, how frames wait for their instruments, metres with their covariance, diagnostics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.hypotheses.proposer import CableProposer
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.evaluation.methods import BASELINES, METHODS, Method
+from cable_tracker.node_parameter_tables import word
+from cable_tracker.ros import node_parameters
+from cable_tracker.ros.nodes.frame_tracker import FrameTracker
+from cable_tracker.ros.nodes.tracker_node import TrackerNode
+
+METHOD_PARAMETER: Final = word("method", BASELINES[0], "Baseline to track with.", BASELINES)
+"""Read at start only."""
+
+
+class MethodTracker:
+    """A method of the evaluation in the place of a `CableTracker`.
+
+    Parameters
+    ----------
+    make : callable
+        Makes a fresh method from a seed.
+    parameters : TrackerParameters
+        Those of the node. Only the seed has a meaning for a baseline.
+    """
+
+    def __init__(self, make: Callable[[int], Method], parameters: TrackerParameters) -> None:
+        self._make = make
+        self._parameters = parameters
+        self._method = make(parameters.seed)
+
+    @property
+    def parameters(self) -> TrackerParameters:
+        """The parameters of the node."""
+        return self._parameters
+
+    @property
+    def particles(self) -> None:
+        """There are none."""
+        return
+
+    def configure(
+        self, parameters: TrackerParameters, proposer: CableProposer | None = None
+    ) -> None:
+        """Take note of other parameters; a changed seed waits for the next reset."""
+        self._parameters = parameters
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._method = self._make(self._parameters.seed)
+
+    def initialise(self, prior: StatePrior) -> None:
+        """Start the next frame from the middle of a belief."""
+        self._method.initialise(prior.state)
+
+    def process(self, image: Image, stamp: int, motion: MotionAid | None = None) -> CableEstimate:
+        """Take one frame into account; baselines know nothing of odometry.
+
+        Raises
+        ------
+        FrameError
+            The frame cannot be used.
+        """
+        return self._method.process(image, stamp)
+
+
+class BaselineNode(TrackerNode):
+    """The tracker node with a baseline inside; the parameter `method` names it.
+
+    The parameters of the filter are there and have no effect.
+    """
+
+    def _make_tracker(self, parameters: TrackerParameters) -> FrameTracker:
+        name = str(node_parameters.declare(self, METHOD_PARAMETER, BASELINES[0], read_only=True))
+        return MethodTracker(METHODS[name].make, parameters)

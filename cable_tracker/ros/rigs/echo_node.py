@@ -1,0 +1,52 @@
+"""A node that answers every image at once with what the tracker would publish, and tracks nothing.
+
+Its latency is that of DDS and rclpy alone; `cable-tracker bench --dds` subtracts it.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from sensor_msgs.msg import Image, JointState
+
+from cable_tracker.cable.model.state import STATE_SIZE, CableState
+from cable_tracker.ros import qos
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.process.process_node import ProcessNode, run_node
+from cable_tracker.ros.process.stop_request import stop_on_signals
+from cable_tracker.sequences.messages import Message, make_centreline, make_state
+
+ANSWER = CableState(0.0, 0.0, 40.0)
+
+
+class EchoNode(ProcessNode):
+    """Publishes `centreline` and `state` for each `image`, with its header.
+
+    Parameters
+    ----------
+    **node_arguments
+        Passed on to `rclpy.node.Node`.
+    """
+
+    def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
+        super().__init__("echo", **node_arguments)
+        self._factory = RclpyMessages()
+        self._covariance = np.eye(STATE_SIZE)
+        self._state = self.create_publisher(JointState, "state", qos.LATEST_RESULT)
+        self._centreline = self.create_publisher(
+            PoseWithCovarianceStamped, "centreline", qos.RESULTS
+        )
+        self.create_subscription(Image, "image", self.on_image, qos.image_input("best_effort"))
+
+    def on_image(self, message: Message) -> None:
+        """Answer."""
+        header = message.header
+        self._centreline.publish(make_centreline(self._factory, header, ANSWER, self._covariance))
+        self._state.publish(make_state(self._factory, header, ANSWER, np.ones(4)))
+
+
+if __name__ == "__main__":
+    sys.exit(run_node(lambda context: EchoNode(context=context), sys.argv[1:], stop_on_signals()))

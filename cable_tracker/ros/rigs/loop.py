@@ -1,0 +1,351 @@
+"""Close the loop: simulator, tracker and controller in processes of their own, over DDS."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cv2
+import numpy as np
+import rclpy
+import yaml
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.parameters.parameters import ParameterValue
+from cable_tracker.errors import RosError
+from cable_tracker.evaluation.closed_loop import (
+    SUMMARY,
+    TABLE,
+    Burial,
+    LoopSummary,
+    summarise_loop,
+    write_rows,
+    write_summary,
+)
+from cable_tracker.evaluation.closed_loop_figures import MapPanel, plot_errors, plot_way
+from cable_tracker.evaluation.folder import output_folder
+from cable_tracker.evaluation.methods import BASELINES
+from cable_tracker.ros.clients.recorder import spin_until
+from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.environment import local_environment, use_local_environment
+from cable_tracker.ros.rigs.loop_recorder import LoopRecorder, SeenFrame
+from cable_tracker.simulation.dive import CABLE_RADIUS
+from cable_tracker.simulation.live_world import MOUNTING, LiveSettings, cable_course
+from cable_tracker.simulation.tube import SETTLED
+from cable_tracker.visualisation.overlay import draw_overlay
+from cable_tracker.visualisation.video import VideoWriter
+
+WAY, ERRORS, VIDEO = "way.png", "cross_track.png", "loop.webm"
+
+WARM_UP_TIMEOUT = 900.0
+"""Compiling at first use may take minutes on a busy machine; no frame is sent before [s]."""
+
+SILENCE_TIMEOUT = 90.0
+"""Nothing new for so long, and something is wrong [s]."""
+
+SETTLE_TIMEOUT = 3.0
+"""Free-running, frames that the tracker left out are not waited for any longer [s]."""
+
+INSTRUMENT_WAIT = 30.0
+"""In lockstep a frame waits for its instruments as long as need be [s]."""
+
+SETTLE_TIME = 1.0
+"""In lockstep the controller waits so long for a `cross_track` that may be withheld [s]."""
+
+CAMERA_WIDTH = 480
+"""Of the camera's picture in the video [px]."""
+
+
+@dataclass(frozen=True, slots=True)
+class LoopRequest:
+    """What to run.
+
+    Attributes
+    ----------
+    world : LiveSettings
+        The world.
+    method : str
+        One of `evaluation.methods.METHODS`.
+    tracker : dict
+        Parameters of the tracker node.
+    controller : dict
+        Parameters of the controller node.
+    speed : float
+        Of the vehicle [m/s].
+    realtime : bool
+        Run freely in real time; else in lockstep.
+    patience : float
+        End the run without a new metre for so long [s].
+    standstill : float
+        End it when the controller wants to stand still for so long [s]; 0: never for that.
+    with_video : bool
+        Draw every frame.
+    """
+
+    world: LiveSettings
+    method: str = "default"
+    tracker: dict[str, ParameterValue] = field(default_factory=dict)
+    controller: dict[str, ParameterValue] = field(default_factory=dict)
+    speed: float = 0.5
+    realtime: bool = False
+    patience: float = 60.0
+    standstill: float = 15.0
+    with_video: bool = True
+
+    @property
+    def tracker_node(self) -> str:
+        """Which node tracks, a name of `entry.NODES`."""
+        return "baseline" if self.method in BASELINES else "tracker"
+
+    @property
+    def burial(self) -> Burial | None:
+        """Where the cable is under sand."""
+        world = self.world
+        if not world.buried:
+            return None
+        return Burial(world.buried_from, world.buried_from + world.buried)
+
+
+def file_names(request: LoopRequest) -> tuple[str, ...]:
+    """Return the names of the files that a run writes."""
+    return (TABLE, SUMMARY, WAY, ERRORS, *((VIDEO,) if request.with_video else ()))
+
+
+def run_loop(
+    request: LoopRequest,
+    path: Path,
+    *,
+    overwrite: bool = False,
+    advance: Callable[[float], None] = lambda _: None,
+) -> LoopSummary:
+    """Let the vehicle follow the cable, and write table, plots and video into a folder.
+
+    Parameters
+    ----------
+    request : LoopRequest
+        What to run. In lockstep the same request writes the same files.
+    path : Path
+        The folder.
+    overwrite : bool
+        Replace an earlier one.
+    advance : callable
+        Called with how far along the vehicle is, after each frame [m].
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written.
+    RosError
+        The processes do not find each other, or one of them has died.
+    """
+    use_local_environment()
+    namespace = f"/cable_tracker_loop_{os.getpid()}"
+    with output_folder(path, TABLE, overwrite=overwrite) as folder, ExitStack() as stack:
+        parameters = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        recorder, executor = stack.enter_context(_recorder(namespace, request.with_video))
+        video = stack.enter_context(VideoWriter(folder / VIDEO)) if request.with_video else None
+        starter = _Starter(namespace, parameters)
+        run = _Run(request, recorder, executor, video, advance)
+        for name, values in (
+            (request.tracker_node, _tracker_parameters(request)),
+            ("controller", _controller_parameters(request)),
+        ):
+            run.nodes.append(stack.enter_context(starter.start(name, values)))
+        run.wait_until_connected()
+        run.simulator = stack.enter_context(
+            starter.start("simulator", _simulator_parameters(request))
+        )
+        run.follow()
+        return run.write(folder)
+
+
+@contextmanager
+def _recorder(
+    namespace: str, with_images: bool
+) -> Iterator[tuple[LoopRecorder, SingleThreadedExecutor]]:
+    context = Context()
+    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    executor = SingleThreadedExecutor(context=context)
+    recorder = LoopRecorder(context, namespace, with_images=with_images)
+    executor.add_node(recorder)
+    try:
+        yield recorder, executor
+    finally:
+        executor.shutdown()
+        recorder.destroy_node()
+        rclpy.try_shutdown(context=context)
+
+
+def _tracker_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
+    values: dict[str, ParameterValue] = {
+        "camera_pitch": 90.0 - float(np.degrees(MOUNTING)),
+        "cable_height": SETTLED * CABLE_RADIUS,
+        "altitude_is_vertical": True,
+        "diagnostics_period": 0.1,
+        "method" if request.method in BASELINES else "preset": request.method,
+        **request.tracker,
+    }
+    if not request.realtime:
+        values |= {
+            "image_reliability": "reliable",
+            "instrument_reliability": "reliable",
+            "instrument_wait": INSTRUMENT_WAIT,
+            "input_timeout": 3600.0,
+        }
+    return values
+
+
+def _controller_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
+    values: dict[str, ParameterValue] = {"speed": request.speed, **request.controller}
+    if not request.realtime:
+        values |= {"lockstep": True, "settle_time": SETTLE_TIME}
+    return values
+
+
+def _simulator_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
+    world = request.world
+    return {
+        "seed": world.seed,
+        "length": world.length,
+        "buried": world.buried,
+        "altitude": world.altitude,
+        "current": world.current,
+        "image_width": world.image_size[0],
+        "image_height": world.image_size[1],
+        "rate": world.rate,
+        "lockstep": not request.realtime,
+        "publish_clock": True,
+        "image_readers": 2 if request.with_video else 1,
+        "odometry_readers": 2,
+        "patience": request.patience,
+        "standstill": request.standstill,
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class _Starter:
+    """Starts our nodes; their parameters go into files in a folder."""
+
+    namespace: str
+    folder: Path
+
+    def start(self, name: str, parameters: dict[str, ParameterValue]) -> NodeProcess:
+        """Return a node's process, which begins when its context is entered."""
+        file = self.folder / f"{name}.yaml"
+        file.write_text(yaml.safe_dump({"/**": {"ros__parameters": parameters}}), encoding="utf-8")
+        return NodeProcess(
+            name,
+            [
+                "--params-file", str(file),
+                "-r", f"__ns:={self.namespace}",
+                "-r", "/diagnostics:=diagnostics",
+                "-r", "/clock:=clock",
+            ],
+            local_environment(),
+        )  # fmt: skip
+
+
+class _Run:
+    """One run on its way."""
+
+    def __init__(
+        self,
+        request: LoopRequest,
+        recorder: LoopRecorder,
+        executor: SingleThreadedExecutor,
+        video: VideoWriter | None,
+        advance: Callable[[float], None],
+    ) -> None:
+        self._request = request
+        self._recorder = recorder
+        self._executor = executor
+        self._video = video
+        self._advance = advance
+        along = np.arange(-5.0, request.world.length + 5.0, 0.25)
+        self._course = cable_course(request.world.seed, along)
+        self._map = MapPanel(self._course, request.burial)
+        self._first_stamp: int | None = None
+        self.nodes: list[NodeProcess] = []
+        self.simulator: NodeProcess | None = None
+
+    def wait_until_connected(self) -> None:
+        """Wait until what the tracker publishes reaches all nodes, and it is ready for frames."""
+        spin_until(self._executor, self._recorder.is_connected, START_TIMEOUT, self._what_died)
+        spin_until(self._executor, self._recorder.is_warm, WARM_UP_TIMEOUT, self._what_died)
+
+    def follow(self) -> None:
+        """Draw frame after frame until the simulator has ended, and all of them have come."""
+        assert self.simulator is not None
+        heard = time.monotonic()
+        ended: float | None = None
+        while ended is None or not self._has_settled(ended):
+            self._executor.spin_once(timeout_sec=0.02)
+            frames = self._recorder.take()
+            for frame in frames:
+                self._draw(frame)
+                self._advance(frame.place[0])
+            now = time.monotonic()
+            heard = now if frames else heard
+            if ended is None and not self.simulator.running:
+                ended = now
+            complaint = self._what_died()
+            if not complaint and now - heard > SILENCE_TIMEOUT:
+                complaint = f"nothing came for {SILENCE_TIMEOUT:g} s"
+            if complaint:
+                raise RosError(complaint)
+
+    def _has_settled(self, ended: float) -> bool:
+        is_late = time.monotonic() - ended > SETTLE_TIMEOUT
+        is_done = self._recorder.is_settled() and time.monotonic() - ended > 0.5
+        return is_done or (is_late and self._request.realtime)
+
+    def _what_died(self) -> str:
+        for node, name in zip(self.nodes, ("tracker", "controller"), strict=False):
+            if not node.running:
+                return f"the {name} node has died: {node.last_line()}"
+        if self.simulator is None or self.simulator.running or self.simulator.wait(0.0) == 0:
+            return ""
+        return f"the simulator node has died: {self.simulator.last_line()}"
+
+    def _draw(self, frame: SeenFrame) -> None:
+        if self._video is None or frame.image is None:
+            return
+        if self._first_stamp is None:
+            self._first_stamp = frame.stamp
+        picture = draw_overlay(
+            frame.image, state=frame.state, status=frame.status, minimum_width=CAMERA_WIDTH
+        )
+        seconds = (frame.stamp - self._first_stamp) / 1e9
+        words = (
+            f"{seconds:6.1f} s  {frame.place[0]:6.1f} m",
+            f"cable {abs(frame.error):.2f} m to the {'left' if frame.error > 0 else 'right'}",
+        )
+        panel = self._map.draw(frame.place, frame.yaw, words)
+        self._video.add(_side_by_side(picture, panel), frame.stamp)
+
+    def write(self, folder: Path) -> LoopSummary:
+        """Write everything but the video."""
+        rows = self._recorder.rows()
+        if not rows:
+            raise RosError("the simulator has sent no frames")
+        world, burial = self._request.world, self._request.burial
+        summary = summarise_loop(rows, world.seed, world.length, burial)
+        write_rows(folder / TABLE, rows)
+        write_summary(folder / SUMMARY, summary)
+        plot_way(folder / WAY, rows, self._course, burial)
+        plot_errors(folder / ERRORS, rows, burial)
+        return summary
+
+
+def _side_by_side(left: Image, right: Image) -> Image:
+    height = left.shape[0]
+    width = round(right.shape[1] * height / right.shape[0])
+    return np.hstack((left, cv2.resize(right, (width, height), interpolation=cv2.INTER_AREA)))

@@ -1,0 +1,225 @@
+"""Listens to a closed loop and puts together what belongs to the same frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from nav_msgs.msg import Odometry
+from rclpy.context import Context
+from rclpy.node import Node
+from sensor_msgs.msg import Image, JointState
+
+from cable_tracker.arrays import Image as Picture
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.evaluation.closed_loop import LoopRow
+from cable_tracker.ros import qos
+from cable_tracker.ros.health.diagnostics import WARMING_UP
+from cable_tracker.ros.messages.metric_messages import Y
+from cable_tracker.ros.messages.vehicle_messages import yaw_of
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.messages import Message, read_image, read_state, stamp_of
+from cable_tracker.sequences.stamps import NANOSECONDS
+
+
+@dataclass(slots=True)
+class _Frame:
+    """Messages about one frame, as far as they have come."""
+
+    image: Message | None = None
+    state: Message | None = None
+    report: Message | None = None
+    odometry: Message | None = None
+    truth: Message | None = None
+    cable: Message | None = None
+
+    def is_seen(self, *, with_image: bool) -> bool:
+        """Tell whether all has come that a picture of the frame needs."""
+        needed = [self.state, self.report, self.odometry, self.truth]
+        if with_image:
+            needed.append(self.image)
+        return all(each is not None for each in needed)
+
+    def is_sent(self) -> bool:
+        """Tell whether the simulator has sent it, or begun to."""
+        return self.truth is not None or self.image is not None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenFrame:
+    """What a picture of a frame shows.
+
+    Attributes
+    ----------
+    stamp : int
+        [ns].
+    image : Picture or None
+        Grey, uint8, shape (H, W); None without pictures.
+    state : CableState or None
+        The estimate.
+    status : str
+        Of the tracker.
+    place : (float, float)
+        x, y of the vehicle in the world [m].
+    yaw : float
+        Of the vehicle [rad].
+    error : float
+        True distance to the cable [m].
+    """
+
+    stamp: int
+    image: Picture | None
+    state: CableState | None
+    status: str
+    place: tuple[float, float]
+    yaw: float
+    error: float
+
+
+@dataclass(slots=True)
+class _Modes:
+    """When the controller changed its mode, by stamp [ns]."""
+
+    changes: dict[int, str] = field(default_factory=dict)
+
+    def at(self, stamp: int) -> str:
+        """Return the mode at a time."""
+        known = [time for time in self.changes if time <= stamp]
+        return self.changes[max(known)] if known else "WAITING"
+
+
+class LoopRecorder(Node):  # type: ignore[misc]
+    """Subscribes to all that a closed loop publishes.
+
+    Parameters
+    ----------
+    context : Context
+        Of this process.
+    namespace : str
+        Of the loop's nodes.
+    with_images : bool
+        Listen to the camera as well.
+    """
+
+    def __init__(self, context: Context, namespace: str, *, with_images: bool = True) -> None:
+        super().__init__("loop_recorder", context=context, namespace=namespace)
+        self._frames: dict[int, _Frame] = {}
+        self._undrawn: dict[int, _Frame] = {}
+        self._modes = _Modes()
+        self._readers: dict[str, int] = {}
+        self._with_images = with_images
+        self._is_warm = False
+        self._drawn = -1
+        for kind, topic, name in (
+            *([(Image, "image", "image")] if with_images else []),
+            (JointState, "state", "state"),
+            (DiagnosticArray, "tracker/frame_report", "report"),
+            (Odometry, "ground_truth/odometry", "odometry"),
+            (PoseWithCovarianceStamped, "ground_truth/cross_track", "truth"),
+            (PoseWithCovarianceStamped, "cross_track", "cable"),
+        ):
+            self.create_subscription(kind, topic, self._keep(name), qos.EVERYTHING)
+        self.create_subscription(
+            DiagnosticArray, "diagnostics", self._on_diagnostics, qos.EVERYTHING
+        )
+
+    def _keep(self, name: str) -> Callable[[Any], None]:
+        # A plain function: rclpy wants to see a callback's signature.
+        def keep(message: Any) -> None:  # noqa: ANN401
+            stamp = stamp_of(message.header)
+            if stamp not in self._frames:
+                self._frames[stamp] = self._undrawn[stamp] = _Frame()
+            setattr(self._frames[stamp], name, message)
+
+        return keep
+
+    def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
+        for status in message.status:
+            if status.name.endswith(": guidance"):
+                self._modes.changes[stamp_of(message.header)] = str(status.message)
+                continue
+            self._is_warm = status.message != WARMING_UP
+            for pair in status.values:
+                if pair.key.startswith(("subscribers of ", "readers of ")):
+                    self._readers[pair.key.rpartition("/")[2]] = int(pair.value)
+
+    def is_connected(self) -> bool:
+        """Tell whether the tracker knows both the controller and us; it says so in diagnostics."""
+        return all(self._readers.get(name, 0) >= 2 for name in ("state", "cross_track")) and bool(
+            self._readers.get("frame_report")
+        )
+
+    def is_warm(self) -> bool:
+        """Tell whether the tracker has said that it is done with compiling."""
+        return self._is_warm
+
+    def take(self) -> list[SeenFrame]:
+        """Return the frames that have become complete, in order, each once.
+
+        A frame that the tracker has left out is passed over when a later one is complete.
+        """
+        complete = sorted(stamp for stamp, frame in self._undrawn.items() if self._sees(frame))
+        seen = [_seen(stamp, self._undrawn[stamp]) for stamp in complete if stamp > self._drawn]
+        self._drawn = max([self._drawn, *complete])
+        for stamp in [stamp for stamp in self._undrawn if stamp <= self._drawn]:
+            self._undrawn.pop(stamp).image = None
+        return seen
+
+    def _sees(self, frame: _Frame) -> bool:
+        return frame.is_seen(with_image=self._with_images)
+
+    def is_settled(self) -> bool:
+        """Tell whether all that is to come about the frames sent so far has come."""
+        return not any(frame.is_sent() for frame in self._undrawn.values())
+
+    def rows(self) -> list[LoopRow]:
+        """Return the table of the run; its frames are those that the simulator sent."""
+        stamps = sorted(s for s, f in self._frames.items() if f.truth is not None and f.odometry)
+        return [self._row(stamp, stamps[0]) for stamp in stamps]
+
+    def _row(self, stamp: int, first: int) -> LoopRow:
+        frame = self._frames[stamp]
+        assert frame.odometry is not None and frame.truth is not None
+        pose, twist = frame.odometry.pose.pose, frame.odometry.twist.twist.linear
+        true = frame.truth.pose.pose
+        heading = yaw_of(true.orientation)
+        offset, measured_heading, sigma = math.nan, math.nan, math.nan
+        if frame.cable is not None:
+            measured = frame.cable.pose
+            offset = float(measured.pose.position.y)
+            measured_heading = yaw_of(measured.pose.orientation)
+            sigma = math.sqrt(max(float(measured.covariance[7 * Y]), 0.0))
+        return LoopRow(
+            time=(stamp - first) / NANOSECONDS,
+            x=float(pose.position.x),
+            y=float(pose.position.y),
+            altitude=float(pose.position.z),
+            yaw=yaw_of(pose.orientation),
+            speed=math.hypot(twist.x, twist.y),
+            status=str(frame.report.status[0].message) if frame.report else "",
+            mode=self._modes.at(stamp),
+            error=float(true.position.y) * math.cos(heading),
+            heading=heading,
+            offset=float(true.position.y),
+            measured_offset=offset,
+            measured_heading=measured_heading,
+            sigma_offset=sigma,
+        )
+
+
+def _seen(stamp: int, frame: _Frame) -> SeenFrame:
+    assert frame.odometry is not None and frame.truth is not None and frame.report is not None
+    pose, true = frame.odometry.pose.pose, frame.truth.pose.pose
+    return SeenFrame(
+        stamp=stamp,
+        image=decode_grey(read_image(frame.image)) if frame.image is not None else None,
+        state=read_state(frame.state),
+        status=str(frame.report.status[0].message),
+        place=(float(pose.position.x), float(pose.position.y)),
+        yaw=yaw_of(pose.orientation),
+        error=float(true.position.y) * math.cos(yaw_of(true.orientation)),
+    )

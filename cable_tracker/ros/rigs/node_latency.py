@@ -1,0 +1,375 @@
+"""How long an image takes through a node in another process, over DDS on this machine."""
+
+from __future__ import annotations
+
+import math
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import rclpy
+import yaml
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import Image, JointState
+from std_srvs.srv import Trigger
+
+from cable_tracker.arrays import Image as Picture
+from cable_tracker.benchmark.frames import FIRST_STAMP, FRAME_STEP, Footage
+from cable_tracker.benchmark.node_timing import NodeTiming
+from cable_tracker.benchmark.statistics import Percentiles
+from cable_tracker.cable.model.initial_state_text import format_initial_state
+from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
+from cable_tracker.errors import RosError
+from cable_tracker.evaluation.methods import ConfiguredFilter
+from cable_tracker.ros import qos
+from cable_tracker.ros.clients.recorder import spin_until
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.environment import local_environment, use_local_environment
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.messages import Message, make_header, make_image, stamp_of
+
+BLOCK = 30
+"""Frames that one of the competitors gets before it is the next one's turn."""
+
+WARM_UP = 10
+"""Frames of the first block of each that do not count."""
+
+ANSWER_TIMEOUT, STRAGGLERS = 2.0, 0.1
+"""How long the last answer of a block is waited for at most, and what else may come [s]."""
+
+SETTLING = 0.3
+"""A node is left alone so long after it is reset [s]."""
+
+DOMAIN_VARIABLE = "ROS_DOMAIN_ID"
+DOMAIN = 87
+"""Ours, unless the environment names one."""
+
+CAMERA = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=5, reliability=ReliabilityPolicy.BEST_EFFORT
+)
+"""How a camera driver publishes."""
+
+
+@dataclass(frozen=True, slots=True)
+class NodeTrial:
+    """What to measure: one preset on one size of frames.
+
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    parameters : TrackerParameters
+        Of the node.
+    shown : Footage
+        The frames.
+    frames : int
+        How many of them count.
+    rate : float
+        Frames per second.
+    """
+
+    name: str
+    parameters: TrackerParameters
+    shown: Footage
+    frames: int
+    rate: float = 30.0
+
+
+@dataclass(slots=True)
+class _Target:
+    """A node that is sent images, and the times of its answers [s]."""
+
+    process: NodeProcess
+    images: rclpy.publisher.Publisher
+    sent: dict[int, float] = field(default_factory=dict)
+    states: dict[int, float] = field(default_factory=dict)
+    centrelines: dict[int, float] = field(default_factory=dict)
+    cpu: float = 0.0
+    answers: int = 0
+    listening: bool = True
+
+    def latencies(self, arrivals: dict[int, float], counted: set[int]) -> Percentiles | None:
+        values = [
+            1e3 * (arrivals[stamp] - self.sent[stamp]) for stamp in arrivals if stamp in counted
+        ]
+        return Percentiles.of(values) if values else None
+
+    def share(self, rate: float) -> float:
+        """Return the share of one processor that the process needs at a rate [1/s]."""
+        return rate * self.cpu / self.answers if self.answers else math.inf
+
+    def noting(self, arrivals: dict[int, float]) -> Callable[[Message], None]:
+        """Return a callback that notes when a message comes, while it is this node's turn."""
+
+        def note(message: Message) -> None:
+            if self.listening:
+                arrivals[stamp_of(message.header)] = time.perf_counter()
+
+        return note
+
+
+def cpu_seconds(pid: int) -> float:
+    """Return the time of the processor that a process has used so far [s]."""
+    # The name of the program may hold anything; the numbers begin behind its bracket.
+    fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def measure_node(
+    trial: NodeTrial, advance: Callable[[int], None] = lambda count: None
+) -> NodeTiming:
+    """Send frames to a tracker, to a node that only answers, and to a tracker in this process.
+
+    The three take turns in blocks. `advance` is told of every frame of each.
+
+    Raises
+    ------
+    RosError
+        The processes do not find each other, or one of them has died.
+    """
+    use_local_environment()
+    os.environ.setdefault(DOMAIN_VARIABLE, str(DOMAIN))
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        node, executor = stack.enter_context(_probe())
+        bench = _Bench(trial, node, executor, advance)
+        bench.echo = bench.start(stack, "echo", [], "cable_tracker.ros.rigs.echo_node")
+        bench.tracker = bench.start(
+            stack, "tracker", ["--params-file", str(_parameter_file(trial, folder))]
+        )
+        return bench.run()
+
+
+@contextmanager
+def _probe() -> Iterator[tuple[Node, SingleThreadedExecutor]]:
+    context = Context()
+    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    executor = SingleThreadedExecutor(context=context)
+    node = Node("latency_probe", namespace=f"/bench_{os.getpid()}", context=context)
+    executor.add_node(node)
+    try:
+        yield node, executor
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)
+
+
+def _parameter_file(trial: NodeTrial, folder: Path) -> Path:
+    parameters: dict[str, ParameterValue] = {
+        **trial.parameters.as_mapping(),
+        "initial_state": format_initial_state(trial.shown.truths[0]),
+        # It waits while it is the others' turn.
+        "input_timeout": 3600.0,
+    }
+    file = folder / "tracker.yaml"
+    file.write_text(yaml.safe_dump({"/**": {"ros__parameters": parameters}}), encoding="utf-8")
+    return file
+
+
+class _Bench:
+    """A trial while it runs."""
+
+    tracker: _Target
+    echo: _Target
+
+    def __init__(
+        self,
+        trial: NodeTrial,
+        node: Node,
+        executor: SingleThreadedExecutor,
+        advance: Callable[[int], None],
+    ) -> None:
+        self._trial = trial
+        self._node = node
+        self._executor = executor
+        self._advance = advance
+        self._factory = RclpyMessages()
+        self._messages = [self._packed(image) for image in trial.shown.images]
+        self._method = ConfiguredFilter(trial.name, trial.parameters).make(trial.parameters.seed)
+        self._number = 0
+        self._processes: list[NodeProcess] = []
+
+    def _packed(self, image: Picture) -> Message:
+        header = make_header(self._factory, FIRST_STAMP, "camera")
+        return make_image(self._factory, raw_from_array(image, "mono8"), header)
+
+    def start(
+        self,
+        stack: ExitStack,
+        name: str,
+        arguments: list[str],
+        module: str = "cable_tracker.ros.entry",
+    ) -> _Target:
+        """Start a node and listen to it."""
+        namespace = f"{self._node.get_namespace()}/{name}"
+        process = stack.enter_context(
+            NodeProcess(
+                name,
+                ["-r", f"__ns:={namespace}", "-r", "/diagnostics:=diagnostics", *arguments],
+                local_environment(),
+                module,
+            )
+        )
+        self._processes.append(process)
+        publisher = self._node.create_publisher(Image, f"{namespace}/image", CAMERA)
+        target = _Target(process, publisher)
+        for kind, topic, arrivals in (
+            (JointState, "state", target.states),
+            (PoseWithCovarianceStamped, "centreline", target.centrelines),
+        ):
+            self._node.create_subscription(
+                kind, f"{namespace}/{topic}", target.noting(arrivals), qos.RESULTS
+            )
+        return target
+
+    def run(self) -> NodeTiming:
+        """Let all three take turns."""
+        self._wait_for_nodes()
+        for target in (self.echo, self.tracker):
+            self._show(target, WARM_UP)
+        self._show_in_process(WARM_UP)
+        # Compiling at the first frames takes a while, and then the answers come late.
+        self.tracker.listening = True
+        self._settle(self.tracker)
+        begin = self._stamp(self._number)
+        for target in (self.echo, self.tracker):
+            target.cpu, target.answers = 0.0, 0
+        times: list[float] = []
+        left = self._trial.frames
+        while left > 0:
+            count = min(left, BLOCK)
+            self._show(self.echo, count)
+            self._reset_tracker()
+            self._show(self.tracker, count)
+            times += self._show_in_process(count)
+            left -= count
+        return self._timing(begin, times)
+
+    def _timing(self, begin: int, times: list[float]) -> NodeTiming:
+        tracker, echo, trial = self.tracker, self.echo, self._trial
+        counted = {stamp for target in (tracker, echo) for stamp in target.sent if stamp >= begin}
+        round_trip = echo.latencies(echo.states, counted)
+        if round_trip is None:
+            raise RosError(f"the echo node answered no frame: {echo.process.last_line()}")
+        asked = {stamp for stamp in tracker.sent if stamp >= begin}
+        return NodeTiming(
+            name=trial.name,
+            size=trial.shown.size,
+            particles=trial.parameters.particle_count,
+            rate=trial.rate,
+            state=tracker.latencies(tracker.states, counted),
+            centreline=tracker.latencies(tracker.centrelines, counted),
+            echo=round_trip,
+            in_process=Percentiles.of([1e3 * each for each in times]),
+            unanswered=len(asked - tracker.states.keys()),
+            cpu_share=tracker.share(trial.rate),
+            echo_cpu_share=echo.share(trial.rate),
+        )
+
+    def _wait_for_nodes(self) -> None:
+        def connected() -> bool:
+            return all(
+                target.images.get_subscription_count() for target in (self.tracker, self.echo)
+            )
+
+        spin_until(self._executor, connected, START_TIMEOUT, self._what_has_died)
+        for target in (self.echo, self.tracker):
+
+            def answered(target: _Target = target) -> bool:
+                self._send(target, 0)
+                self._spin_for(1 / self._trial.rate)
+                return bool(target.states)
+
+            spin_until(self._executor, answered, START_TIMEOUT, self._what_has_died)
+            self._settle(target)
+
+    def _what_has_died(self) -> str:
+        for process in self._processes:
+            if not process.running:
+                return f"a node has died: {process.last_line()}"
+        return ""
+
+    def _stamp(self, number: int) -> int:
+        return FIRST_STAMP + number * FRAME_STEP
+
+    def _send(self, target: _Target, index: int) -> None:
+        stamp = self._stamp(self._number)
+        self._number += 1
+        message = self._messages[self._trial.shown.index_at(index)]
+        message.header = make_header(self._factory, stamp, "camera")
+        target.sent[stamp] = time.perf_counter()
+        target.images.publish(message)
+
+    def _show(self, target: _Target, count: int) -> None:
+        """Send a block of frames at the wanted rate and wait for the answers."""
+        process, begin = target.process.pid, time.perf_counter()
+        used, answered = cpu_seconds(process), len(target.states)
+        target.listening = True
+        for index in range(count):
+            self._send(target, index)
+            self._spin_until_time(begin + (index + 1) / self._trial.rate)
+            self._advance(1)
+        self._settle(target)
+        target.cpu += cpu_seconds(process) - used
+        target.answers += len(target.states) - answered
+        # What comes during the others' turns would be noted too late: it counts as unanswered.
+        target.listening = False
+
+    def _settle(self, target: _Target) -> None:
+        """Wait for the answer to the last frame, but not for ever: frames may be dropped."""
+        last, end = max(target.sent), time.perf_counter() + ANSWER_TIMEOUT
+        while last not in target.states and time.perf_counter() < end:
+            self._executor.spin_once(timeout_sec=0.01)
+        # What else has come must not wait until it is this node's turn again.
+        self._spin_for(STRAGGLERS)
+        reason = self._what_has_died()
+        if reason:
+            raise RosError(reason)
+
+    def _reset_tracker(self) -> None:
+        """Let the tracker begin where the cable is again, as the frames do."""
+        name = f"{self._node.get_namespace()}/tracker/tracker/reset"
+        client = self._node.create_client(Trigger, name)
+        spin_until(self._executor, client.service_is_ready, START_TIMEOUT, self._what_has_died)
+        future = client.call_async(Trigger.Request())
+        spin_until(self._executor, future.done, START_TIMEOUT, self._what_has_died)
+        self._node.destroy_client(client)
+        self._spin_for(SETTLING)
+
+    def _show_in_process(self, count: int) -> list[float]:
+        """Track a block of frames in this process at the same pace; return the times [s].
+
+        A tracker that is too slow for the pace sees fewer frames, as in a node.
+        """
+        times: list[float] = []
+        self._method.initialise(self._trial.shown.truths[0])
+        begin = time.perf_counter()
+        for index in range(count):
+            image = self._trial.shown.images[self._trial.shown.index_at(index)]
+            start = time.perf_counter()
+            self._method.process(image, self._stamp(self._number))
+            times.append(time.perf_counter() - start)
+            self._number += 1
+            time.sleep(max(begin + (index + 1) / self._trial.rate - time.perf_counter(), 0.0))
+            if time.perf_counter() > begin + count / self._trial.rate:
+                break
+        self._advance(count)
+        return times
+
+    def _spin_for(self, seconds: float) -> None:
+        self._spin_until_time(time.perf_counter() + seconds)
+
+    def _spin_until_time(self, end: float) -> None:
+        while (left := end - time.perf_counter()) > 0.0:
+            self._executor.spin_once(timeout_sec=left)

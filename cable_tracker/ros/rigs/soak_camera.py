@@ -1,0 +1,197 @@
+"""The camera of a soak test: sends frames, hears the answers, and looks at every number in them."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+from visualization_msgs.msg import MarkerArray
+
+from cable_tracker.ros import qos
+from cable_tracker.ros.rigs.soak_record import SoakRecord
+from cable_tracker.sequences.messages import Message, read_cloud, stamp_of
+
+BEST_EFFORT = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT
+)
+TURN = 0.02
+"""Longest time that the executor sleeps [s]."""
+
+
+def _finite(values: Iterable[float]) -> bool:
+    return all(math.isfinite(value) for value in values)
+
+
+def _finite_text(text: str) -> bool:
+    """Tell whether no word of a text is a number that is not finite."""
+    return not {"nan", "inf", "-inf"} & set(text.lower().split())
+
+
+def state_is_finite(message: Message) -> bool:
+    """Look at the numbers of a `state`."""
+    return _finite((*message.position, *message.velocity, *message.effort))
+
+
+def centreline_is_finite(message: Message) -> bool:
+    """Look at the numbers of a `centreline`."""
+    pose = message.pose.pose
+    place, turn = pose.position, pose.orientation
+    numbers = (place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w)
+    return _finite(numbers) and bool(np.isfinite(message.pose.covariance).all())
+
+
+def cloud_is_finite(message: Message) -> bool:
+    """Look at the numbers of `particles`."""
+    return bool(np.isfinite(read_cloud(message)).all())
+
+
+def markers_are_finite(message: Message) -> bool:
+    """Look at the numbers of `markers`."""
+    points = (point for marker in message.markers for point in marker.points)
+    return all(_finite((point.x, point.y, point.z)) for point in points)
+
+
+def report_is_finite(message: Message) -> bool:
+    """Look at the values of `/diagnostics` or of a frame's report."""
+    return all(_finite_text(pair.value) for status in message.status for pair in status.values)
+
+
+def picture_is_whole(message: Message) -> bool:
+    """See that an overlay holds something."""
+    return len(message.data) > 0
+
+
+class SoakCamera(Node):  # type: ignore[misc]
+    """Sends frames to a tracker in its namespace and checks what comes back.
+
+    Parameters
+    ----------
+    context : Context
+        Of rclpy.
+    namespace : str
+        That of the tracker.
+    record : SoakRecord
+        Where to note what is seen.
+
+    Attributes
+    ----------
+    answers : int
+        `state` messages so far.
+    last_stamp : int or None
+        Stamp of the last of them [ns].
+    last_claims : bool
+        Whether it held a cable.
+    status : str
+        The latest on /diagnostics.
+    """
+
+    def __init__(self, context: Context, namespace: str, record: SoakRecord) -> None:
+        super().__init__("soak", context=context, namespace=namespace)
+        self._record = record
+        self._executor = SingleThreadedExecutor(context=context)
+        self._executor.add_node(self)
+        self.answers = 0
+        self.last_stamp: int | None = None
+        self.last_claims = False
+        self.status = ""
+        self._raw = self.create_publisher(Image, "image", qos.PICTURES)
+        self._compressed = self.create_publisher(CompressedImage, "image/compressed", qos.PICTURES)
+        self.prior = self.create_publisher(PoseWithCovarianceStamped, "initial_state", qos.RESULTS)
+        self._viewers: list[Any] = []
+        self.create_subscription(JointState, "state", self._on_state, qos.RESULTS)
+        self._listen(PoseWithCovarianceStamped, "centreline", centreline_is_finite)
+        self._listen(PointCloud2, "particles", cloud_is_finite)
+        self._listen(DiagnosticArray, "tracker/frame_report", report_is_finite)
+        self.create_subscription(DiagnosticArray, "diagnostics", self._on_diagnostics, qos.RESULTS)
+
+    def _listen(self, kind: type, topic: str, check: Callable[[Message], bool]) -> Any:  # noqa: ANN401
+        def hear(message: Message) -> None:
+            self._check(topic, check(message))
+
+        return self.create_subscription(kind, topic, hear, qos.PICTURES)
+
+    def _check(self, topic: str, holds: bool) -> None:
+        self._record.messages[topic] += 1
+        if not holds:
+            self._record.broken(f"a number on {topic} is not finite, or a picture is empty")
+
+    def _on_state(self, message: Message) -> None:
+        self._check("state", state_is_finite(message))
+        self.answers += 1
+        self._record.answered += 1
+        self.last_stamp = stamp_of(message.header)
+        self.last_claims = len(message.position) > 0
+
+    def _on_diagnostics(self, message: Message) -> None:
+        self._check("diagnostics", report_is_finite(message))
+        self.status = message.status[0].message if message.status else self.status
+
+    def watch_pictures(self) -> None:
+        """Subscribe to everything that is built for viewers only."""
+        self._viewers = [
+            self._listen(MarkerArray, "markers", markers_are_finite),
+            self._listen(Image, "tracker/overlay", picture_is_whole),
+            self._listen(CompressedImage, "tracker/overlay/compressed", picture_is_whole),
+        ]
+
+    def leave_pictures(self) -> None:
+        """Unsubscribe again."""
+        for viewer in self._viewers:
+            self.destroy_subscription(viewer)
+        self._viewers = []
+
+    def send(self, message: Message) -> None:
+        """Publish a frame, compressed or not."""
+        publisher = self._raw if isinstance(message, Image) else self._compressed
+        publisher.publish(message)
+        self._record.sent += 1
+
+    def send_with_other_qos(self, messages: Iterable[Message]) -> None:
+        """Publish frames like a camera that is less reliable than the tracker asks for."""
+        messages = list(messages)
+        topic = "image" if isinstance(messages[0], Image) else "image/compressed"
+        publisher = self.create_publisher(type(messages[0]), topic, BEST_EFFORT)
+        for message in messages:
+            publisher.publish(message)
+            self.pass_time(TURN)
+        self.destroy_publisher(publisher)
+
+    def spin_until(self, condition: Callable[[], bool], patience: float) -> bool:
+        """Run callbacks until a condition holds; tell whether it came to hold in time."""
+        deadline = time.monotonic() + patience
+        while not condition():
+            if time.monotonic() > deadline:
+                return False
+            self._executor.spin_once(timeout_sec=TURN)
+        return True
+
+    def pass_time(self, seconds: float) -> None:
+        """Run callbacks for some time."""
+        self.spin_until(lambda: False, seconds)
+
+    def call(self, kind: type, service: str, request: Message, patience: float) -> Message | None:
+        """Call a service of the tracker; None if no answer comes in time."""
+        client = self.create_client(kind, service)
+        try:
+            if not self.spin_until(client.service_is_ready, patience):
+                return None
+            future = client.call_async(request)
+            self.spin_until(future.done, patience)
+            return future.result() if future.done() else None
+        finally:
+            self.destroy_client(client)
+
+    def close(self) -> None:
+        """Destroy the node."""
+        self._executor.shutdown()
+        self.destroy_node()

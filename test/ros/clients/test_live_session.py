@@ -1,0 +1,199 @@
+import math
+import threading
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from sensor_msgs.msg import Image
+
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import ParameterError, RosError
+from cable_tracker.ros.clients.live_session import LiveSession
+
+
+@pytest.fixture
+def session(ros_environment, namespace):
+    session = LiveSession(namespace)
+    yield session
+    session.close()
+
+
+class Asked:
+    """Asks from another thread, as the page does, while the nodes are spun in this one."""
+
+    def __init__(self, world, question):
+        self.error = self.answer = None
+        thread = threading.Thread(target=self._ask, args=(question,))
+        thread.start()
+        world.spin(lambda: not thread.is_alive())
+
+    def _ask(self, question):
+        try:
+            self.answer = question()
+        except (ParameterError, RosError) as error:
+            self.error = error
+
+
+@pytest.fixture
+def found(world, session, near):
+    """A tracker that the session has found."""
+    tracker = world.tracker(particle_count=50, initial_state=near)
+    world.spin(lambda: not session.trouble.startswith("no node"))
+    return tracker
+
+
+@pytest.fixture
+def camera(world, found, image_message):
+    """Return a function that sends frames until a condition holds."""
+    publisher = world.me.create_publisher(Image, "image", 10)
+    sent = iter(range(100_000))
+
+    def film(condition):
+        def frame_and_look():
+            if condition():
+                return True
+            publisher.publish(image_message(index=next(sent)))
+            for _ in range(10):
+                world.turn()
+            return False
+
+        world.spin(frame_and_look)
+
+    return film
+
+
+def test_a_node_that_is_not_there_is_named(session, namespace):
+    assert f"no node {namespace}/tracker" in session.trouble
+    with pytest.raises(RosError, match="no node"):
+        session.parameters()
+    with pytest.raises(RosError, match="no node"):
+        session.reset()
+
+
+def test_a_tracker_elsewhere_is_mentioned(world, session, ros_environment):
+    world.tracker()
+    other = LiveSession("/nowhere")
+    try:
+        world.spin(lambda: world.namespace in other.trouble)
+    finally:
+        other.close()
+
+
+def test_pictures_come_with_all_that_belongs_to_them(session, camera, truth):
+    camera(lambda: session.latest is not None and session.latest.status == "TRACKING")
+    seen = session.latest
+    assert seen.grey.shape == (240, 320)
+    assert seen.cloud.shape == (50, 9)
+    assert math.isclose(seen.cloud[:, 8].sum(), 1.0, rel_tol=1e-4)
+    assert abs(seen.state.distance - truth.distance) < 3.0
+    assert seen.sigma.shape == (4,)
+    assert 0.0 <= seen.presence <= 1.0
+    assert seen.n_eff > 0.0
+    assert seen.ms > 0.0
+
+
+def test_listeners_hear_of_each_picture_once_and_in_order(session, camera):
+    heard = []
+    end = session.listen(lambda snapshot: heard.append(snapshot.number))
+    camera(lambda: len(heard) >= 5)
+    end()
+    assert heard == sorted(set(heard))
+    count = len(heard)
+    camera(lambda: session.latest.number > heard[-1])
+    assert len(heard) == count
+
+
+def test_remapped_topics_are_found(world, session, image_message, near):
+    from rclpy.parameter import Parameter  # noqa: PLC0415
+
+    from cable_tracker.ros.nodes.tracker_node import TrackerNode  # noqa: PLC0415
+
+    tracker = world.add(
+        TrackerNode(
+            context=world.context,
+            namespace=world.namespace,
+            parameter_overrides=[Parameter("initial_state", value=near)],
+            cli_args=["--ros-args", "-r", "image:=eye/picture", "-r", "state:=elsewhere/state"],
+        )
+    )
+    tracker.wait_until_warm()
+    publisher = world.me.create_publisher(Image, "eye/picture", 10)
+    sent = iter(range(100_000))
+
+    def filmed():
+        publisher.publish(image_message(index=next(sent)))
+        for _ in range(10):
+            world.turn()
+        return session.latest is not None
+
+    world.spin(filmed)
+
+
+def test_parameters_are_read_and_changed(world, session, found):
+    values = Asked(world, session.parameters).answer
+    assert values["particle_count"] == 50
+    assert values.keys() == {spec.name for spec in session.table}
+    assert Asked(world, lambda: session.change({"particle_count": 77})).error is None
+    assert found.tracker.parameters.particle_count == 77
+
+
+def test_a_refusal_says_why_and_changes_nothing(world, session, found):
+    asked = Asked(world, lambda: session.change({"width_minimum": 150.0, "width_maximum": 100.0}))
+    assert isinstance(asked.error, ParameterError)
+    assert "width_minimum" in str(asked.error)
+    assert found.tracker.parameters.width_maximum == 160.0
+    asked = Asked(world, lambda: session.change({"preset": "thesis"}))
+    assert "no such parameter at runtime" in str(asked.error)
+
+
+def test_reset_and_enable_reach_the_node(world, session, found, camera):
+    camera(lambda: session.latest is not None and session.latest.status == "TRACKING")
+    assert Asked(world, lambda: session.enable(False)).error is None
+    camera(lambda: session.latest.status == "DISABLED")
+    world.spin(lambda: not session.is_enabled)
+    assert Asked(world, lambda: session.enable(True)).error is None
+    assert Asked(world, session.reset).error is None
+    camera(lambda: session.latest.status == "TRACKING")
+
+
+def test_the_users_guess_reaches_the_node_as_an_initial_state(world, session, found):
+    heard = world.listen(PoseWithCovarianceStamped, "initial_state")
+    world.spin(lambda: world.me.count_publishers(f"{world.namespace}/initial_state"))
+    prior = StatePrior.around(CableState(20.0, 0.3, 40.0))
+
+    def guessed():
+        if not heard:
+            session.initialise(prior)
+            world.pass_time(0.1)
+        return heard
+
+    world.spin(guessed)
+    place = heard[0].pose.pose.position
+    assert (place.x, place.y) == pytest.approx((20.0 * math.cos(0.3), 20.0 * math.sin(0.3)))
+    assert np.isfinite(heard[0].pose.covariance).all()
+
+
+def test_a_node_that_goes_and_comes_again_is_found_again(world, session, found, camera):
+    camera(lambda: session.latest is not None)
+    before = session.latest.number
+    world.executor.remove_node(found)
+    world.nodes.remove(found)
+    found.destroy_node()
+    world.spin(lambda: "no node" in session.trouble)
+    world.tracker(particle_count=30)
+    camera(lambda: session.latest.number > before and session.latest.cloud is not None)
+    assert len(session.latest.cloud) == 30
+    assert not session.trouble
+
+
+def test_silence_is_told_with_what_the_node_says(world, session, found, camera):
+    camera(lambda: session.latest is not None)
+    world.spin(lambda: "STALE INPUT" in session.trouble)
+
+
+def test_what_a_dead_node_said_last_is_no_news(world, session, found, camera):
+    camera(lambda: session.latest is not None)
+    # It is still on the graph, and neither spun nor heard: as after a SIGKILL.
+    world.executor.remove_node(found)
+    world.spin(lambda: "says nothing" in session.trouble)

@@ -1,0 +1,72 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rclpy.serialization import serialize_message
+
+from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, TrackingStatus
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.evaluation.track_recording import row_of
+from cable_tracker.ros.clients.recorder import RecordedFrame
+from cable_tracker.ros.clients.track_recording import _row
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences import output_topics
+from cable_tracker.sequences.estimates import REFUSED, EstimateRow
+from cable_tracker.sequences.frame import CompressedImage, Frame
+from cable_tracker.sequences.messages import make_header, make_report, make_state, report_values
+
+FRAME = Frame(3, 1_700_000_000_040_000_000, CompressedImage("jpeg", memoryview(b"")))
+STATE = CableState(12.5, -0.3, 40.25, 0.01, -3.0, 0.2, 1.5, -0.01)
+MILLISECONDS = 1.25
+
+
+def estimate_of(
+    status: TrackingStatus, presence: float | None, hypotheses: tuple[Hypothesis, ...]
+) -> CableEstimate:
+    return CableEstimate(
+        stamp=FRAME.stamp,
+        status=status,
+        state=STATE,
+        covariance=np.diag(np.arange(1.0, 9.0) / 3),
+        effective_sample_size=100 / 3,
+        evidence=2 / 3,
+        image_size=(320, 240),
+        presence=presence,
+        hypotheses=hypotheses,
+    )
+
+
+def row_over_ros(estimate: CableEstimate | None) -> EstimateRow:
+    """Return the row that is made of the node's messages; without an estimate, of a refusal."""
+    factory = RclpyMessages()
+    header = make_header(factory, FRAME.stamp, "camera")
+    if estimate is None:
+        status, state = REFUSED, make_state(factory, header, None)
+        report = make_report(factory, header, REFUSED, {"event": "too small"})
+    else:
+        status = estimate.status.value
+        claimed = estimate.state if estimate.status is TrackingStatus.TRACKING else None
+        state = make_state(factory, header, claimed, estimate.standard_deviations()[:4])
+        report = make_report(factory, header, status, report_values(estimate, MILLISECONDS))
+    messages = {output_topics.FRAME_REPORT: serialize_message(report)}
+    return _row(FRAME, RecordedFrame(messages, status), state)
+
+
+@pytest.mark.parametrize("status", list(TrackingStatus))
+@pytest.mark.parametrize(
+    ("presence", "hypotheses"),
+    [
+        (None, ()),
+        (0.0, (Hypothesis(1.0, STATE),)),
+        (1 / 3, (Hypothesis(0.9, STATE), Hypothesis(0.1, STATE))),
+    ],
+)
+def test_the_row_is_the_one_made_without_ros(
+    status: TrackingStatus, presence: float | None, hypotheses: tuple[Hypothesis, ...]
+) -> None:
+    estimate = estimate_of(status, presence, hypotheses)
+    assert row_over_ros(estimate) == row_of(FRAME, estimate, MILLISECONDS)
+
+
+def test_a_refused_frame_has_no_numbers() -> None:
+    assert row_over_ros(None) == EstimateRow(FRAME.index, FRAME.stamp, REFUSED)

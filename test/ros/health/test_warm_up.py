@@ -1,0 +1,40 @@
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from cable_tracker.ros.health import warm_up
+from cable_tracker.ros.health.warm_up import WarmUp
+
+
+@pytest.fixture(autouse=True)
+def cold(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(warm_up, "_WARM", set())
+
+
+def test_it_runs_beside_the_caller_and_once_for_each_variant() -> None:
+    go_on, runs = threading.Event(), []
+
+    def wait(name: str) -> None:
+        runs.append(name)
+        assert go_on.wait(10.0)
+
+    first = WarmUp("a", lambda: wait("a"))
+    assert first.running
+    go_on.set()
+    first.finish()
+    assert not first.running
+    assert not WarmUp("a", lambda: wait("a")).running
+    assert runs == ["a"]
+    WarmUp("b", lambda: wait("b")).finish()
+    assert runs == ["a", "b"]
+
+
+def test_an_error_is_raised_where_the_end_is_waited_for() -> None:
+    def fail() -> None:
+        raise ZeroDivisionError("no code")
+
+    failing = WarmUp("a", fail)
+    with pytest.raises(ZeroDivisionError, match="no code"):
+        failing.finish()

@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import Quaternion
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import CameraInfo, Imu, Range
+from std_msgs.msg import Header
+
+from cable_tracker.metric.altitude import MOST_ALTITUDE
+from cable_tracker.metric.calibration import Calibration
+from cable_tracker.ros.messages.metric_messages import (
+    make_cross_track,
+    read_attitude,
+    read_camera_info,
+    read_range,
+    read_twist,
+)
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences.messages import UNKNOWN_VARIANCE
+
+K = [560.0, 0.0, 321.0, 0.0, 550.0, 238.0, 0.0, 0.0, 1.0]
+P = [500.0, 0.0, 320.0, 0.0, 0.0, 501.0, 239.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+
+
+def camera_info(**fields: Any) -> CameraInfo:
+    given = {"width": 640, "height": 480, "distortion_model": "plumb_bob", "k": K, "p": P}
+    return CameraInfo(**{**given, "d": [0.1, -0.2, 0.0, 0.0, 0.05], **fields})
+
+
+def test_a_raw_image_has_the_camera_matrix_and_the_lens() -> None:
+    assert read_camera_info(camera_info(), is_rectified=False) == Calibration(
+        (640, 480), "plumb_bob", (560.0, 550.0), (321.0, 238.0), (0.1, -0.2, 0.0, 0.0, 0.05)
+    )
+
+
+def test_a_rectified_image_has_the_projection_matrix_and_no_lens() -> None:
+    assert read_camera_info(camera_info(), is_rectified=True) == Calibration(
+        (640, 480), "plumb_bob", (500.0, 501.0), (320.0, 239.0)
+    )
+
+
+def test_region_and_binning_are_those_of_the_image() -> None:
+    info = camera_info(binning_x=2, binning_y=2)
+    info.roi.x_offset, info.roi.y_offset, info.roi.width, info.roi.height = 20, 40, 400, 300
+    calibration = read_camera_info(info, is_rectified=False)
+    assert calibration.image_size == (200, 150)
+    assert calibration.focal == (280.0, 275.0)
+    assert calibration.centre == (301.5 / 2 - 0.5, 198.5 / 2 - 0.5)
+
+
+def test_a_camera_that_was_never_calibrated_can_be_read() -> None:
+    assert read_camera_info(CameraInfo(), is_rectified=False).focal == (0.0, 0.0)
+
+
+def test_a_range_has_its_limits() -> None:
+    message = Range(range=1.5, min_range=0.25, max_range=30.0)
+    assert read_range(message) == (1.5, (0.25, 30.0))
+    assert read_range(Range(range=1.5)) == (1.5, (0.0, MOST_ALTITUDE))
+
+
+def imu(roll: float, **fields: Any) -> Imu:
+    return Imu(orientation=Quaternion(x=math.sin(roll / 2), w=math.cos(roll / 2)), **fields)
+
+
+def test_roll_comes_with_its_doubt() -> None:
+    attitude = read_attitude(imu(0.2, orientation_covariance=[0.04, *[0.0] * 8]), 0.01)
+    assert (attitude.roll, attitude.pitch) == pytest.approx((0.2, 0.0))
+    assert attitude.sigma == pytest.approx(0.2)
+    assert read_attitude(imu(0.2), 0.01).sigma == 0.01
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        imu(0.2, orientation_covariance=[-1.0, *[0.0] * 8]),
+        Imu(orientation=Quaternion(x=0.0, y=0.0, z=0.0, w=0.0)),
+        Imu(orientation=Quaternion(x=math.nan, w=1.0)),
+        imu(0.2, orientation_covariance=[math.nan, *[0.0] * 8]),
+    ],
+    ids=["not estimated", "no quaternion", "no number", "no covariance"],
+)
+def test_an_imu_without_orientation_has_no_attitude(message: Imu) -> None:
+    assert not read_attitude(message, 0.01).is_finite()
+
+
+def test_offset_and_heading_stand_where_a_pose_has_them() -> None:
+    covariance = np.array([[0.04, 0.001], [0.001, 0.01]])
+    message = make_cross_track(
+        RclpyMessages(), Header(frame_id="base_link"), (1.0, 0.3, -1.4), -0.2, covariance
+    )
+    assert message.header.frame_id == "base_link"
+    position, orientation = message.pose.pose.position, message.pose.pose.orientation
+    assert (position.x, position.y, position.z) == (1.0, 0.3, -1.4)
+    assert 2 * math.atan2(orientation.z, orientation.w) == pytest.approx(-0.2)
+    stated = np.array(message.pose.covariance).reshape(6, 6)
+    np.testing.assert_array_equal(stated[np.ix_([1, 5], [1, 5])], covariance)
+    assert (np.diag(stated)[[0, 2, 3, 4]] == UNKNOWN_VARIANCE).all()
+
+
+def test_a_twist_comes_with_its_covariance() -> None:
+    message = Odometry()
+    message.twist.twist.linear.x, message.twist.twist.angular.z = 0.4, -0.2
+    covariance = np.diag([0.04, 0.04, 0.0, 0.01, 0.01, 1e-9])
+    covariance[0, 1] = covariance[1, 0] = 0.01
+    covariance[1, 5] = covariance[5, 1] = 1e-6
+    message.twist.covariance = covariance.ravel().tolist()
+    twist, stated = read_twist(message, (0.1, 0.05))
+    np.testing.assert_array_equal(twist, [0.4, 0.0, 0.0, 0.0, 0.0, -0.2])
+    # What is not given, or smaller than anybody would believe, is raised.
+    np.testing.assert_allclose(np.diag(stated), [0.04, 0.04, 0.01, 0.01, 0.01, 0.0025])
+    assert stated[0, 1] == stated[1, 0] == 0.01
+    assert stated[1, 5] == stated[5, 1] == 0.0
+    assert (np.linalg.eigvalsh(stated) > 0.0).all()

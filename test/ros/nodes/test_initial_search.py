@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.errors import ParameterError
+from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS
+from cable_tracker.ros.nodes.initial_search import InitialSearch
+
+BLANK = np.full((240, 320), 90, np.uint8)
+
+
+def test_the_parameter_names_every_detector() -> None:
+    specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS}
+    assert all(f"`{name}`" in specs["initial_state"].meaning for name in DETECTORS)
+
+
+def test_a_state_is_the_prior_of_every_start() -> None:
+    search = InitialSearch("9.0,0.08,36.0,0.0")
+    for _ in range(2):
+        prior = search.restart()
+        assert prior is not None
+        assert prior.state == CableState(9.0, 0.08, 36.0, 0.0)
+    assert search.look(BLANK) is None
+
+
+def test_random_gives_none(strip: Callable[..., Any]) -> None:
+    search = InitialSearch("random")
+    assert search.restart() is None
+    assert search.look(strip()) is None
+
+
+def test_other_words_are_refused_with_what_there_is() -> None:
+    with pytest.raises(ParameterError, match=r"'huff' is neither .* nor a detector .*hough"):
+        InitialSearch("huff")
+
+
+@pytest.mark.parametrize("name", DETECTORS)
+def test_a_detector_is_asked_until_it_sees_a_cable(
+    name: str, strip: Callable[..., Any], truth: CableState
+) -> None:
+    search = InitialSearch(name)
+    assert search.restart() is None
+    assert search.look(BLANK) is None
+    prior = search.look(strip())
+    assert prior is not None
+    assert prior.state.distance == pytest.approx(truth.distance, abs=6.0)
+    assert prior.state.angle == pytest.approx(truth.angle, abs=0.1)
+    # Once is enough, until the next start.
+    assert search.look(strip()) is None
+    search.restart()
+    assert search.look(strip()) is not None
+
+
+def test_what_was_found_otherwise_is_not_sought_any_more(strip: Callable[..., Any]) -> None:
+    search = InitialSearch("hough")
+    search.restart()
+    search.stop()
+    assert search.look(strip()) is None
+
+
+def test_a_node_starts_where_the_detector_sees_the_cable(
+    world: Any, truth: CableState, image_message: Callable[..., Any]
+) -> None:
+    node = world.tracker(initial_state="hough", filter="bootstrap")
+    world.show(node, image_message(BLANK))
+    assert node.tracker.particles.states[:, 0].std() > 20.0
+    world.show(node, image_message(index=1))
+    states = node.tracker.particles.states
+    assert states[:, 0].mean() == pytest.approx(truth.distance, abs=6.0)
+    assert states[:, 0].std() < 10.0

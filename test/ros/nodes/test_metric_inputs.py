@@ -1,0 +1,308 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from geometry_msgs.msg import PoseWithCovarianceStamped, Quaternion
+from nav_msgs.msg import Odometry
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import CameraInfo, Imu, JointState, Range
+
+from cable_tracker.cable.model.state import CableState
+
+ALTITUDE, FOCAL = 1.4, 280.0
+K = [FOCAL, 0.0, 159.5, 0.0, FOCAL, 119.5, 0.0, 0.0, 1.0]
+
+
+class Vehicle:
+    """Publishes what its instruments measure, and shows frames to a tracker."""
+
+    def __init__(self, world: Any, node: Any, image_message: Callable[..., Any]) -> None:
+        self._world, self._node, self._image = world, node, image_message
+        self._publishers = {
+            topic: world.me.create_publisher(kind, topic, 10)
+            for kind, topic in (
+                (CameraInfo, "camera_info"),
+                (Range, "altitude"),
+                (Imu, "imu"),
+                (Odometry, "odometry"),
+            )
+        }
+        self._index = 0
+        self._states = world.listen(JointState, "state")
+        self.foot = world.listen(PoseWithCovarianceStamped, "cross_track")
+        self.ahead = world.listen(PoseWithCovarianceStamped, "cross_track_ahead")
+        world.spin(lambda: all(each.get_subscription_count() for each in self._publishers.values()))
+
+    def sends(self, topic: str, message: Any) -> None:
+        message.header = self._image(index=self._index).header
+        self._publishers[topic].publish(message)
+        self._world.pass_time(0.1)
+
+    def is_calibrated(self, **fields: Any) -> None:
+        given = {"width": 320, "height": 240, "distortion_model": "plumb_bob", "k": K}
+        self.sends("camera_info", CameraInfo(**{**given, **fields}))
+
+    def measures(self, altitude: float) -> None:
+        self.sends("altitude", Range(range=altitude, min_range=0.1, max_range=30.0))
+
+    def rolls(self, roll: float) -> None:
+        orientation = Quaternion(x=math.sin(roll / 2), w=math.cos(roll / 2))
+        self.sends("imu", Imu(orientation=orientation))
+
+    def sways(self, velocity: float) -> None:
+        message = Odometry()
+        message.twist.twist.linear.y = velocity
+        self.sends("odometry", message)
+
+    def sees(self, count: int = 1) -> None:
+        """Show frames of the strip, and wait for the answers."""
+        wanted = len(self._states) + count
+        for _ in range(count):
+            self._world.show(self._node, self._image(index=self._index))
+            self._index += 1
+        self._world.spin(lambda: len(self._states) >= wanted)
+        self._world.pass_time(0.1)
+
+
+@pytest.fixture
+def start(world: Any, near: str, image_message: Callable[..., Any]) -> Callable[..., Any]:
+    def make(**parameters: Any) -> tuple[Any, Vehicle]:
+        node = world.tracker(initial_state=near, **parameters)
+        return node, Vehicle(world, node, image_message)
+
+    return make
+
+
+def yaw_of(message: PoseWithCovarianceStamped) -> float:
+    orientation = message.pose.pose.orientation
+    return 2 * math.atan2(orientation.z, orientation.w)
+
+
+def test_a_calibrated_camera_and_an_altitude_give_metres(
+    start: Callable[..., Any], truth: CableState
+) -> None:
+    _, vehicle = start(look_ahead=2.0)
+    vehicle.is_calibrated()
+    vehicle.measures(ALTITUDE)
+    vehicle.sees(3)
+    foot, ahead = vehicle.foot[-1], vehicle.ahead[-1]
+    offset = -truth.distance / math.cos(truth.angle) * ALTITUDE / FOCAL
+    assert foot.header.frame_id == "base_link"
+    assert foot.pose.pose.position.y == pytest.approx(offset, abs=0.01)
+    assert yaw_of(foot) == pytest.approx(truth.angle, abs=0.03)
+    assert (foot.pose.pose.position.x, ahead.pose.pose.position.x) == (0.0, 2.0)
+    assert ahead.pose.pose.position.y == pytest.approx(
+        foot.pose.pose.position.y + 2.0 * math.tan(yaw_of(foot)), abs=0.01
+    )
+    assert 0.0 < foot.pose.covariance[7] < ahead.pose.covariance[7] < 1.0
+
+
+def test_without_calibration_there_are_no_metres_and_diagnostics_say_why(
+    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
+) -> None:
+    node, vehicle = start(diagnostics_period=0.05)
+    vehicle.measures(ALTITUDE)
+    vehicle.sees(3)
+    assert vehicle.foot == [] == vehicle.ahead
+    node.publish_diagnostics()
+    world.spin(
+        lambda: any(
+            "no camera calibration" in values["no metres"] for _, values in diagnostics(node)
+        )
+    )
+
+
+@pytest.mark.parametrize(
+    ("altitude", "info", "parameters", "words"),
+    [
+        *((bad, {}, {}, "unusable altitude") for bad in (0.0, math.nan, math.inf, 40.0)),
+        (ALTITUDE, {"width": 640, "height": 360}, {}, "calibration of another image size"),
+        (ALTITUDE, {"k": [0.0] * 9}, {}, "unusable camera calibration"),
+        (ALTITUDE, {}, {"camera_pitch": -90.0}, "camera does not look down"),
+        (ALTITUDE, {}, {"camera_pitch": 0.0}, "camera does not look down"),
+        (ALTITUDE, {}, {"camera_z": -2.0}, "camera not above the cable"),
+    ],
+)
+def test_what_is_wrong_gives_no_metres_and_is_named(
+    start: Callable[..., Any],
+    diagnostics: Callable[..., Any],
+    world: Any,
+    altitude: float,
+    info: dict[str, Any],
+    parameters: dict[str, Any],
+    words: str,
+) -> None:
+    node, vehicle = start(**parameters)
+    vehicle.is_calibrated(**info)
+    vehicle.measures(altitude)
+    vehicle.sees(3)
+    assert vehicle.foot == [] == vehicle.ahead
+    assert said(node, diagnostics, world, "no metres").startswith(words)
+
+
+def test_the_roll_of_the_imu_is_corrected(start: Callable[..., Any]) -> None:
+    _, vehicle = start(fixed_altitude=ALTITUDE)
+    vehicle.is_calibrated()
+    vehicle.sees(3)
+    level = vehicle.foot[-1].pose.pose.position.y
+    vehicle.rolls(0.1)
+    vehicle.sees()
+    rolled = vehicle.foot[-1].pose.pose.position.y
+    assert rolled - level == pytest.approx(ALTITUDE * math.tan(0.1), rel=0.1)
+
+
+def test_the_mounting_can_be_set_while_it_runs(start: Callable[..., Any]) -> None:
+    node, vehicle = start(fixed_altitude=ALTITUDE)
+    vehicle.is_calibrated()
+    vehicle.sees(3)
+    before = vehicle.foot[-1].pose.pose.position.y
+    results = node.set_parameters(
+        [Parameter("camera_y", value=0.5), Parameter("base_frame", value="rov")]
+    )
+    assert all(result.successful for result in results)
+    vehicle.sees()
+    assert vehicle.foot[-1].pose.pose.position.y - before == pytest.approx(0.5, abs=0.01)
+    assert vehicle.foot[-1].header.frame_id == "rov"
+
+
+def test_a_mounting_out_of_range_is_refused(start: Callable[..., Any]) -> None:
+    node, _ = start()
+    result = node.set_parameters([Parameter("camera_pitch", value=400.0)])[0]
+    assert not result.successful
+
+
+def said(node: Any, diagnostics: Callable[..., Any], world: Any, key: str) -> str:
+    """What diagnostics say now."""
+    before = len(diagnostics(node))
+    node.publish_diagnostics()
+    world.spin(lambda: len(diagnostics(node)) > before)
+    return str(diagnostics(node)[-1][1][key])
+
+
+def unaided(node: Any, diagnostics: Callable[..., Any], world: Any) -> str:
+    """Why the last frame was not aided, as diagnostics say it."""
+    return said(node, diagnostics, world, "no motion aid")
+
+
+def test_odometry_reaches_the_filter(
+    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
+) -> None:
+    node, vehicle = start(fixed_altitude=ALTITUDE)
+    vehicle.is_calibrated()
+    vehicle.sees(2)
+    assert unaided(node, diagnostics, world) == "no odometry has come"
+    for index in range(30):
+        vehicle.sways(1e-4 * (-1) ** index)
+        vehicle.sees()
+    assert unaided(node, diagnostics, world) == ""
+
+
+def test_odometry_that_disagrees_is_told(
+    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
+) -> None:
+    node, vehicle = start(fixed_altitude=ALTITUDE)
+    vehicle.is_calibrated()
+    for index in range(12):
+        vehicle.sways(1.5 + 0.001 * index)
+        vehicle.sees()
+    assert "disagrees" in unaided(node, diagnostics, world)
+
+
+def test_the_aid_can_be_switched_off(
+    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
+) -> None:
+    node, vehicle = start(fixed_altitude=ALTITUDE, motion_aid=False)
+    vehicle.sees()
+    assert unaided(node, diagnostics, world) == "the parameter motion_aid is false"
+
+
+class Instruments:
+    """Speaks for the time of one frame."""
+
+    def __init__(self, world: Any, node: Any, image_message: Callable[..., Any]) -> None:
+        self._world, self._node, self._image = world, node, image_message
+        self.states = world.listen(JointState, "state")
+
+    def show(self, index: int) -> None:
+        self._world.show(self._node, self._image(index=index))
+
+    def speak(self, index: int) -> None:
+        header = self._image(index=index).header
+        self._node._metric.on_camera_info(
+            CameraInfo(header=header, width=320, height=240, distortion_model="plumb_bob", k=K)
+        )
+        self._node._metric.on_imu(Imu(header=header, orientation=Quaternion(w=1.0)))
+        self._node._metric.on_odometry(Odometry(header=header))
+        self._node._metric.on_altitude(Range(header=header, range=1.4, max_range=30.0))
+
+    def has_answers(self, count: int) -> None:
+        self._world.spin(lambda: len(self.states) >= count)
+
+    def has_no_more_than(self, count: int) -> None:
+        self._world.pass_time(0.4)
+        assert len(self.states) == count
+
+
+@pytest.fixture
+def instruments(world: Any, near: str, image_message: Callable[..., Any]) -> Callable[..., Any]:
+    def make(**parameters: Any) -> Instruments:
+        node = world.tracker(initial_state=near, **parameters)
+        made = Instruments(world, node, image_message)
+        world.spin(node._outputs._state.get_subscription_count)
+        return made
+
+    return make
+
+
+def test_a_frame_waits_for_the_instruments_of_its_time(instruments: Callable[..., Any]) -> None:
+    vehicle = instruments(instrument_wait=30.0)
+    vehicle.speak(0)
+    vehicle.show(1)
+    vehicle.has_no_more_than(0)
+    vehicle.speak(1)
+    vehicle.has_answers(1)
+    vehicle.show(2)
+    vehicle.has_no_more_than(1)
+
+
+def test_a_frame_whose_instruments_have_spoken_does_not_wait(
+    instruments: Callable[..., Any],
+) -> None:
+    vehicle = instruments(instrument_wait=30.0)
+    vehicle.speak(3)
+    vehicle.show(2)
+    vehicle.has_answers(1)
+
+
+def test_a_frame_does_not_wait_for_ever(instruments: Callable[..., Any]) -> None:
+    vehicle = instruments(instrument_wait=0.2)
+    vehicle.show(0)
+    vehicle.has_answers(1)
+
+
+def test_the_next_frame_does_not_overtake_the_one_that_waits(
+    instruments: Callable[..., Any],
+) -> None:
+    vehicle = instruments(instrument_wait=30.0)
+    vehicle.show(0)
+    vehicle.show(1)
+    vehicle.has_answers(1)
+    vehicle.speak(1)
+    vehicle.has_answers(2)
+    stamps = [state.header.stamp.nanosec for state in vehicle.states]
+    assert stamps == sorted(stamps)
+
+
+def test_instruments_can_be_read_reliably(world: Any) -> None:
+    for reliability, count in (("best_effort", 0), ("reliable", 4)):
+        node = world.tracker(instrument_reliability=reliability)
+        subscriptions = [
+            each
+            for each in node.subscriptions
+            if each.topic_name.rpartition("/")[2] in {"camera_info", "altitude", "imu", "odometry"}
+        ]
+        policies = [each.qos_profile.reliability.name for each in subscriptions]
+        assert policies.count("RELIABLE") == count

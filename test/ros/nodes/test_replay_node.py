@@ -1,0 +1,534 @@
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.parameter import Parameter
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CompressedImage, Image, JointState
+from std_srvs.srv import SetBool, Trigger
+
+from cable_tracker.errors import ParameterError, RecordingError, RosError
+from cable_tracker.node_parameter_tables import REPLAY_START_PARAMETERS
+from cable_tracker.ros import qos
+from cable_tracker.ros.health.diagnostics import WARMING_UP
+from cable_tracker.ros.nodes import replay_node
+from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.sequences.messages import (
+    make_header,
+    make_image,
+    read_compressed_image,
+    read_image,
+    read_state,
+    stamp_of,
+)
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.source import open_source
+
+Dive = Callable[..., Path]
+MILLISECOND = 1_000_000
+
+
+def play_to_the_end(world: Any, node: Any, heard: list[Any]) -> None:
+    world.spin(lambda: node.finished)
+    world.spin(lambda: len(heard) == node.sent)
+
+
+def stamps_of(messages: list[Any]) -> list[int]:
+    return [stamp_of(message.header) for message in messages]
+
+
+def indices_of(messages: list[Any]) -> list[int]:
+    """Numbers of the frames of a dive, which has 25 frames per second from 1 s on."""
+    return [round((stamp - 1_000_000_000) / (40 * MILLISECOND)) for stamp in stamps_of(messages)]
+
+
+@pytest.fixture
+def sources(
+    tmp_path: Path, make_dive: Dive, dive_frames: Callable[..., Iterator[Frame]]
+) -> Callable[[str], Path]:
+    """Write a dive of five frames as a recording of some kind."""
+
+    def write(kind: str) -> Path:
+        if kind in ("mcap", "sqlite3"):
+            return make_dive(5, storage=kind)
+        if kind == "jpeg":
+            return make_dive(5, jpeg=True)
+        write_sequence(tmp_path / "pictures", dive_frames(5))
+        if kind == "sequence":
+            return tmp_path / "pictures" / "sequence.txt"
+        return tmp_path / "pictures"
+
+    return write
+
+
+class TestSources:
+    @pytest.mark.parametrize("kind", ["mcap", "sqlite3", "folder", "sequence", "jpeg"])
+    def test_every_frame_is_sent_as_it_was_recorded(
+        self, world: Any, sources: Callable[[str], Path], kind: str
+    ) -> None:
+        path = sources(kind)
+        recorded = list(open_source(path).frames())
+        compressed = kind == "jpeg"
+        topic = (CompressedImage, "image/compressed") if compressed else (Image, "image")
+        heard, truths = world.listen(*topic), world.listen(JointState, "ground_truth")
+        node = world.replay(source=str(path), rate=10)
+        play_to_the_end(world, node, heard)
+        assert node.sent == len(heard) == 5
+        for message, frame in zip(heard, recorded, strict=True):
+            image = read_compressed_image(message) if compressed else read_image(message)
+            assert (decode_grey(image) == decode_grey(frame.image)).all()
+            assert stamp_of(message.header) == frame.stamp
+            assert message.header.frame_id == frame.frame_id == "camera"
+        if kind == "folder":
+            assert not truths
+            return
+        world.spin(lambda: len(truths) == 5)
+        assert [read_state(truth) for truth in truths] == [frame.truth for frame in recorded]
+        assert stamps_of(truths) == stamps_of(heard)
+
+    def test_labels_can_be_given_to_a_recording_without(
+        self, world: Any, sources: Callable[[str], Path]
+    ) -> None:
+        folder = sources("folder")
+        truths = world.listen(JointState, "ground_truth")
+        world.replay(source=str(folder), truth=str(folder / "sequence.txt"), rate=10)
+        world.spin(lambda: len(truths) == 5)
+        assert all(read_state(truth) for truth in truths)
+
+    def test_at_the_end_it_says_what_it_sent(
+        self, world: Any, make_dive: Dive, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        path = make_dive(3)
+        node = world.replay(source=str(path), rate=100)
+        world.spin(lambda: node.finished)
+        assert node.report().startswith(f"sent 3 frames of {path} in ")
+        world.nodes.remove(node)
+        node.destroy_node()
+        assert f"sent 3 frames of {path}" in capfd.readouterr().err
+
+
+class TestBadSources:
+    def test_a_source_must_be_named(self, world: Any) -> None:
+        with pytest.raises(ParameterError, match="source: name the recording"):
+            world.replay()
+
+    @pytest.mark.parametrize("name", ["", "dive.mcap", "dive.mp4", "folder"])
+    def test_a_missing_recording_is_told(self, world: Any, tmp_path: Path, name: str) -> None:
+        with pytest.raises(RecordingError, match=r"there is no such file|holds no pictures"):
+            world.replay(source=str(tmp_path / name) if name else str(tmp_path))
+
+    def test_an_unknown_topic_is_told(self, world: Any, make_dive: Dive) -> None:
+        with pytest.raises(RecordingError, match="/other"):
+            world.replay(source=str(make_dive(1)), topic="/other")
+
+    def test_frames_before_the_damage_are_sent(self, world: Any, make_dive: Dive) -> None:
+        path = make_dive(12)
+        storage = next(path.glob("*.mcap"))
+        content = bytearray(storage.read_bytes())
+        middle = len(content) // 2
+        content[middle : middle + 40_000] = b"\x55" * 40_000
+        storage.write_bytes(bytes(content))
+        readable = []
+        with pytest.raises(RecordingError):
+            for frame in open_source(path).frames():
+                readable.append(frame.stamp)
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(path), rate=100)
+        with pytest.raises(RecordingError, match=str(path)):
+            world.spin(lambda: node.finished)
+        world.nodes.remove(node)
+        world.spin(lambda: len(heard) == len(readable))
+        assert 0 < len(readable) < 12
+        assert stamps_of(heard) == readable
+        node.destroy_node()
+
+    @pytest.mark.parametrize("skip", [False, True])
+    def test_a_frame_that_cannot_be_decoded_is_sent_only_on_request(
+        self,
+        world: Any,
+        tmp_path: Path,
+        dive_frames: Callable[..., Iterator[Frame]],
+        skip: bool,
+    ) -> None:
+        factory = RosbagsMessages()
+        with BagWriter(tmp_path / "bad") as bag:
+            for frame in dive_frames(4):
+                message = make_image(
+                    factory, frame.image, make_header(factory, frame.stamp, "camera")
+                )
+                if frame.index == 2:
+                    message.step = 1
+                bag.write("/image", "sensor_msgs/msg/Image", message, frame.stamp)
+        heard = world.listen(Image, "image")
+        source = str(tmp_path / "bad")
+        node = world.replay(source=source, rate=100, skip_bad_frames=skip)
+        if skip:
+            play_to_the_end(world, node, heard)
+            assert indices_of(heard) == [0, 1, 2, 3]
+            return
+        with pytest.raises(RecordingError, match="frame 2 cannot be decoded"):
+            world.spin(lambda: node.finished)
+        assert node.sent == 2
+        world.nodes.remove(node)
+        node.destroy_node()
+
+
+class TestTiming:
+    @pytest.mark.parametrize(("rate", "seconds"), [(1.0, 0.4), (4.0, 0.1)])
+    def test_frames_keep_their_times_scaled_by_the_rate(
+        self, world: Any, make_dive: Dive, rate: float, seconds: float
+    ) -> None:
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(make_dive(11)), rate=rate)
+        begin = time.monotonic()
+        play_to_the_end(world, node, heard)
+        elapsed = time.monotonic() - begin
+        assert indices_of(heard) == list(range(11))
+        assert seconds - 0.03 <= elapsed <= seconds + 1.0
+
+    @pytest.mark.parametrize(
+        ("start", "duration", "expected"),
+        [
+            (0.0, 0.0, range(10)),
+            (0.2, 0.0, range(5, 10)),
+            (0.0, 0.12, range(3)),
+            (0.08, 0.08, range(2, 4)),
+            (0.36, 0.0, range(9, 10)),
+        ],
+    )
+    def test_start_and_duration_choose_a_part(
+        self, world: Any, make_dive: Dive, start: float, duration: float, expected: range
+    ) -> None:
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(make_dive(10)), rate=100, start=start, duration=duration)
+        play_to_the_end(world, node, heard)
+        assert indices_of(heard) == list(expected)
+
+    def test_a_loop_begins_again_at_its_start(self, world: Any, make_dive: Dive) -> None:
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(make_dive(4)), rate=100, start=0.08, loop=True)
+        world.spin(lambda: len(heard) >= 6)
+        assert indices_of(heard)[:6] == [2, 3] * 3
+        assert not node.finished
+        node.set_parameters([Parameter("loop", value=False)])
+        play_to_the_end(world, node, heard)
+        assert len(heard) % 2 == 0
+
+    def test_a_loop_over_nothing_ends(self, world: Any, make_dive: Dive) -> None:
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(make_dive(3)), rate=100, loop=True)
+        world.spin(lambda: heard)
+        node.set_parameters([Parameter("start", value=9.0)])
+        world.spin(lambda: node.finished)
+
+    def test_a_new_start_waits_for_the_next_restart(self, world: Any, make_dive: Dive) -> None:
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(make_dive(8)), paused=True)
+        step(world, heard)
+        node.set_parameters([Parameter("start", value=0.2)])
+        step(world, heard)
+        step(world, heard)
+        assert indices_of(heard) == [0, 1, 2]
+        assert world.call(Trigger, "replay/restart").message == "at frame 5"
+        step(world, heard)
+        assert indices_of(heard) == [0, 1, 2, 5]
+
+    def test_frames_are_sent_also_where_the_recorded_clock_jumps_back(
+        self, world: Any, tmp_path: Path, dive_frames: Callable[..., Iterator[Frame]]
+    ) -> None:
+        times = [2_000, 2_040, 500, 540, 2_080]
+        frames = [
+            Frame(frame.index, milliseconds * MILLISECOND, frame.image)
+            for frame, milliseconds in zip(dive_frames(5), times, strict=True)
+        ]
+        for frame in frames:
+            write_bag(tmp_path / f"part{frame.index}", [frame])
+        factory = RosbagsMessages()
+        with BagWriter(tmp_path / "jump") as bag:
+            for frame in frames:
+                header = make_header(factory, frame.stamp, "camera")
+                message = make_image(factory, frame.image, header)
+                # The recorder's clock goes on; that of the camera does not.
+                bag.write("/image", "sensor_msgs/msg/Image", message, 10**9 + frame.index)
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(tmp_path / "jump"), rate=100)
+        play_to_the_end(world, node, heard)
+        assert stamps_of(heard) == [milliseconds * MILLISECOND for milliseconds in times]
+
+    def test_the_clock_shows_the_time_of_the_frames(self, world: Any, make_dive: Dive) -> None:
+        heard, clock = world.listen(Image, "image"), world.listen(Clock, "/clock")
+        node = world.replay(source=str(make_dive(4)), rate=100, publish_clock=True)
+        play_to_the_end(world, node, heard)
+        world.spin(lambda: len(clock) >= 4)
+        times = [message.clock.sec * 10**9 + message.clock.nanosec for message in clock]
+        # The topic is absolute: another run of these tests may use it too.
+        assert [time for time in times if time in stamps_of(heard)][:4] == stamps_of(heard)
+
+    def test_it_waits_for_a_subscriber_unless_told_otherwise(
+        self, world: Any, make_dive: Dive
+    ) -> None:
+        specs = {spec.name: spec for spec in REPLAY_START_PARAMETERS}
+        assert specs["wait_for_tracker"].default is True
+        node = world.replay(source=str(make_dive(3)), rate=100, wait_for_tracker=True)
+        world.pass_time(0.2)
+        assert node.sent == 0
+        heard = world.listen(Image, "image")
+        play_to_the_end(world, node, heard)
+        assert len(heard) == 3
+
+    def test_a_subscriber_elsewhere_is_named(
+        self,
+        world: Any,
+        make_dive: Dive,
+        monkeypatch: pytest.MonkeyPatch,
+        capfd: pytest.CaptureFixture[str],
+    ) -> None:
+        monkeypatch.setattr(replay_node, "PATIENCE", 0.1)
+        world.me.create_subscription(Image, "elsewhere", lambda _: None, 1)
+        node = world.replay(source=str(make_dive(2)), wait_for_tracker=True)
+        said: list[str] = []
+
+        def is_named() -> bool:
+            said.append(capfd.readouterr().err)
+            return f"images are awaited on {world.namespace}/elsewhere" in "".join(said)
+
+        world.spin(is_named)
+        assert f"no node subscribes to {world.namespace}/image" in "".join(said)
+        assert node.sent == 0
+
+    def test_played_to_no_subscriber_it_says_so(
+        self, world: Any, make_dive: Dive, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.replay(source=str(make_dive(2)), rate=100, wait_for_tracker=False)
+        world.spin(lambda: node.sent == 2)
+        assert "the first frames reach none" in capfd.readouterr().err
+
+    @pytest.mark.parametrize("lockstep", [True, False])
+    def test_it_waits_while_a_tracker_is_warming_up(
+        self,
+        world: Any,
+        make_dive: Dive,
+        lockstep: bool,
+        capfd: pytest.CaptureFixture[str],
+    ) -> None:
+        tracker = Talker(world)
+        heard = world.listen(Image, "image")
+        world.me.create_publisher(JointState, "state", qos.LATEST_RESULT)
+        node = world.replay(
+            source=str(make_dive(2)), rate=100, wait_for_tracker=True,
+            lockstep=lockstep, answer_timeout=0.3, paused=True,
+        )  # fmt: skip
+        world.spin(tracker.is_heard)
+        tracker.says(WARMING_UP)
+        world.spin(node._warming.names)
+        node._paused = False
+        # Longer than answer_timeout, after which it gives up where no tracker is to be seen.
+        world.pass_time(0.6)
+        assert node.sent == 0 and not heard
+        assert "/auv/tracker is WARMING UP" in capfd.readouterr().err
+        tracker.says("INITIALISING")
+        world.spin(lambda: heard)
+
+    def test_the_rate_can_be_changed_but_not_the_source(self, world: Any, make_dive: Dive) -> None:
+        node = world.replay(source=str(make_dive(3)), paused=True)
+        assert node.set_parameters([Parameter("rate", value=2)])[0].successful
+        assert node.get_parameter("rate").value == 2.0
+        for name, value in (("rate", 0.0), ("start", -1.0), ("source", "/else"), ("topic", "/x")):
+            result = node.set_parameters([Parameter(name, value=value)])[0]
+            assert not result.successful and name in result.reason
+
+
+class Talker:
+    """Says on /diagnostics what a tracker says."""
+
+    def __init__(self, world: Any) -> None:
+        self._publisher = world.me.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
+
+    def is_heard(self) -> int:
+        return int(self._publisher.get_subscription_count())
+
+    def says(self, status: str) -> None:
+        entry = DiagnosticStatus(message=status, hardware_id="/auv/tracker")
+        self._publisher.publish(DiagnosticArray(status=[entry]))
+
+
+def step(world: Any, heard: list[Any]) -> None:
+    count = len(heard)
+    assert world.call(Trigger, "replay/step").success
+    world.spin(lambda: len(heard) == count + 1)
+
+
+class TestServices:
+    def test_pause_step_and_go_on(self, world: Any, make_dive: Dive) -> None:
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(make_dive(6)), rate=10, paused=True)
+        world.pass_time(0.1)
+        assert not heard
+        step(world, heard)
+        step(world, heard)
+        world.pass_time(0.1)
+        assert indices_of(heard) == [0, 1]
+        response = world.call(SetBool, "replay/pause", data=False)
+        assert response.success and response.message == "playing"
+        play_to_the_end(world, node, heard)
+        assert indices_of(heard) == list(range(6))
+
+    def test_pausing_stops_the_frames(self, world: Any, make_dive: Dive) -> None:
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(make_dive(30)), rate=1)
+        world.spin(lambda: len(heard) >= 2)
+        assert world.call(SetBool, "replay/pause", data=True).message == "paused"
+        world.spin(lambda: len(heard) == node.sent)
+        sent = node.sent
+        world.pass_time(0.15)
+        assert node.sent == sent < 30
+
+    def test_stepping_while_playing_is_refused(self, world: Any, make_dive: Dive) -> None:
+        world.replay(source=str(make_dive(30)), rate=0.1)
+        response = world.call(Trigger, "replay/step")
+        assert not response.success and response.message == "not paused"
+
+    def test_restart_goes_to_the_start_parameter(self, world: Any, make_dive: Dive) -> None:
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(make_dive(8)), paused=True)
+        step(world, heard)
+        assert world.call(Trigger, "replay/restart").message == "at frame 0"
+        step(world, heard)
+        node.set_parameters([Parameter("start", value=0.2)])
+        response = world.call(Trigger, "replay/restart")
+        assert response.success and response.message == "at frame 5"
+        step(world, heard)
+        assert indices_of(heard) == [0, 0, 5]
+
+    def test_a_restart_after_the_end_of_the_recording_is_refused(
+        self, world: Any, make_dive: Dive
+    ) -> None:
+        heard = world.listen(Image, "image")
+        node = world.replay(source=str(make_dive(4)), paused=True)
+        step(world, heard)
+        node.set_parameters([Parameter("start", value=60.0)])
+        response = world.call(Trigger, "replay/restart")
+        assert not response.success and response.message == "no frame after that time"
+        node.set_parameters([Parameter("start", value=0.0)])
+        assert world.call(Trigger, "replay/restart").success
+
+    def test_a_refused_restart_does_not_end_a_replay_that_runs(
+        self, world: Any, make_dive: Dive
+    ) -> None:
+        node = world.replay(source=str(make_dive(4)), loop=True, rate=100.0)
+        node.set_parameters([Parameter("start", value=60.0)])
+        assert not world.call(Trigger, "replay/restart").success
+        node.work()
+        assert not node.finished
+
+    def test_a_start_after_the_end_is_an_error(self, world: Any, make_dive: Dive) -> None:
+        node = world.replay(source=str(make_dive(4)), start=60.0)
+        with pytest.raises(ParameterError, match="no frame after that time"):
+            world.spin(lambda: node.finished)
+        world.nodes.remove(node)
+        node.destroy_node()
+
+
+class TestLockstep:
+    def track(self, world: Any, source: Path, **tracker: Any) -> list[Any]:
+        states = world.listen(JointState, "state")
+        world.tracker(image_reliability="reliable", **tracker)
+        node = world.replay(source=str(source), lockstep=True)
+        play_to_the_end(world, node, states)
+        return states
+
+    @pytest.mark.parametrize("jpeg", [False, True])
+    def test_every_frame_is_answered(self, world: Any, make_dive: Dive, jpeg: bool) -> None:
+        transport = "compressed" if jpeg else "raw"
+        states = self.track(world, make_dive(12, jpeg=jpeg), image_transport=transport)
+        assert indices_of(states) == list(range(12))
+
+    def test_twice_the_same_recording_gives_the_same_estimates(
+        self, world: Any, make_dive: Dive
+    ) -> None:
+        states = world.listen(JointState, "state")
+        tracker = world.tracker(
+            image_reliability="reliable",
+            presence_to_track=0.0,
+            presence_to_lose=0.0,
+            evidence_to_track=-10.0,
+            evidence_to_lose=-10.0,
+            confirmation_time=0.0,
+        )
+        path = str(make_dive(20))
+        for count in (20, 40):
+            node = world.replay(source=path, lockstep=True)
+            world.spin(lambda node=node: node.finished)
+            world.spin(lambda count=count: len(states) == count)
+            world.nodes.remove(node)
+            node.destroy_node()
+            tracker.on_reset(Trigger.Request(), Trigger.Response())
+        assert any(state.position for state in states)
+        assert states[:20] == states[20:]
+
+    def test_refused_frames_are_answered_too(
+        self, world: Any, make_dive: Dive, tmp_path: Path
+    ) -> None:
+        tiny = make_dive(3, size=(32, 32), name="tiny")
+        states = self.track(world, tiny)
+        assert len(states) == 3
+
+    def test_it_waits_for_the_tracker_to_start(self, world: Any, make_dive: Dive) -> None:
+        node = world.replay(source=str(make_dive(3)), lockstep=True)
+        world.pass_time(0.2)
+        assert node.sent == 0
+        states = world.listen(JointState, "state")
+        world.tracker(image_reliability="reliable")
+        play_to_the_end(world, node, states)
+
+    def test_a_loop_in_lockstep_goes_on(self, world: Any, make_dive: Dive) -> None:
+        states = world.listen(JointState, "state")
+        world.tracker(image_reliability="reliable")
+        world.replay(source=str(make_dive(3)), lockstep=True, loop=True)
+        world.spin(lambda: len(states) >= 9)
+        assert indices_of(states)[:9] == [0, 1, 2] * 3
+
+    def test_an_answer_that_does_not_come_is_an_error(self, world: Any, make_dive: Dive) -> None:
+        world.listen(Image, "image")
+        world.me.create_publisher(JointState, "state", 10)
+        node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=0.2)
+        with pytest.raises(RosError, match=r"no `state` came for frame 0 within 0\.2 s"):
+            world.spin(lambda: node.finished)
+        world.nodes.remove(node)
+        node.destroy_node()
+
+    def test_a_lockstep_without_a_tracker_ends_with_an_error(
+        self, world: Any, make_dive: Dive
+    ) -> None:
+        node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=0.2)
+        with pytest.raises(RosError, match=r"no node subscribes to .*/image"):
+            world.spin(lambda: node.finished)
+        world.nodes.remove(node)
+        node.destroy_node()
+
+
+def test_no_attribute_hides_one_of_rclpy(world: Any, make_dive: Dive) -> None:
+    plain = set(vars(world.me))
+    for node in (world.tracker(), world.replay(source=str(make_dive(1)), paused=True)):
+        assert isinstance(node, type(world.me))
+        for name in plain:
+            assert type(vars(node)[name]) is type(vars(world.me)[name]), name
+
+
+def test_a_lockstep_replay_ends_with_the_last_answer(world: Any, make_dive: Dive) -> None:
+    states = world.listen(JointState, "state")
+    world.tracker(image_reliability="reliable")
+    node = world.replay(source=str(make_dive(3)), lockstep=True)
+    world.spin(lambda: len(states) == 3)
+    begin = time.monotonic()
+    world.spin(lambda: node.finished)
+    assert time.monotonic() - begin < 1.0

@@ -1,0 +1,645 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.node import Node
+from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+from std_srvs.srv import SetBool, Trigger
+from visualization_msgs.msg import MarkerArray
+
+from cable_tracker.cable.model.initial_state_text import parse_initial_state
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.evaluation.track_recording import start_from
+from cable_tracker.ros.nodes import tracker_outputs
+from cable_tracker.sequences.messages import UNKNOWN_VARIANCE, read_cloud, read_state
+from cable_tracker.trackers import make_tracker
+
+FRAMES = 6
+
+
+def stacked(*planes: Any) -> np.ndarray:
+    return np.ascontiguousarray(np.dstack(planes))
+
+
+def in_encoding(grey: np.ndarray, encoding: str) -> np.ndarray:
+    """Write a grey picture in the numbers of an encoding."""
+    full, neutral = np.full_like(grey, 255), np.full_like(grey, 128)
+    if encoding == "32FC1":
+        return grey.astype(np.float32) / np.float32(255.0)
+    if encoding in ("mono8", "8UC1") or (encoding.startswith("bayer") and encoding.endswith("8")):
+        return grey
+    if encoding in ("mono16", "16UC1") or encoding.startswith("bayer"):
+        return grey.astype(np.uint16) * np.uint16(257)
+    if encoding in ("yuv422", "uyvy"):
+        return stacked(neutral, grey)
+    if encoding in ("yuyv", "yuv422_yuy2"):
+        return stacked(grey, neutral)
+    if encoding in ("bgra8", "rgba8"):
+        return stacked(grey, grey, grey, full)
+    return stacked(grey, grey, grey)
+
+
+ENCODINGS = [
+    *(("mono8", False), ("8UC1", False), ("bgr8", False), ("rgb8", False), ("8UC3", False)),
+    *(("bgra8", False), ("rgba8", False), ("yuv422", False), ("uyvy", False), ("yuyv", False)),
+    *((f"bayer_{pattern}8", False) for pattern in ("rggb", "bggr", "gbrg", "grbg")),
+    *((name, big) for name in ("mono16", "16UC1", "32FC1") for big in (False, True)),
+    *(("bayer_rggb16", big) for big in (False, True)),
+]
+
+
+@pytest.fixture
+def track_strip(
+    world: Any, near: str, image_message: Callable[..., Any]
+) -> Callable[..., list[Any]]:
+    """Let a node track frames of the strip, and return the states that it published."""
+
+    def track(node: Any, frames: int = FRAMES, first: int = 0, **image: Any) -> list[Any]:
+        states = world.listen(JointState, "state")
+        for index in range(first, first + frames):
+            world.show(node, image_message(index=index, **image))
+        world.spin(lambda: len(states) == frames)
+        return states
+
+    return track
+
+
+def assert_same_line(state: CableState | None, other: CableState | None, tolerance: float) -> None:
+    assert state is not None and other is not None
+    assert state.distance == pytest.approx(other.distance, abs=tolerance)
+    assert state.width == pytest.approx(other.width, abs=2 * tolerance)
+    assert math.degrees(state.angle - other.angle) == pytest.approx(0.0, abs=tolerance)
+
+
+@pytest.fixture
+def reference(
+    near: str, strip: Callable[..., np.ndarray], stamp_of_index: Callable[[int], int]
+) -> CableState:
+    """The estimate of the strip by the tracker without a node."""
+    tracker = make_tracker(TrackerParameters())
+    start_from(tracker, parse_initial_state(near))
+    for index in range(FRAMES):
+        estimate = tracker.process(strip(), stamp_of_index(index))
+    return estimate.state
+
+
+class TestEncodings:
+    @pytest.mark.parametrize(
+        ("encoding", "bigendian", "padding"),
+        [
+            *((encoding, bigendian, 12) for encoding, bigendian in ENCODINGS),
+            *(("mono8", False, 0), ("bgr8", False, 0), ("mono16", True, 0), ("uyvy", False, 0)),
+        ],
+    )
+    def test_every_encoding_gives_the_estimate_of_mono8(
+        self,
+        world: Any,
+        near: str,
+        truth: CableState,
+        reference: CableState,
+        strip: Callable[..., np.ndarray],
+        track_strip: Callable[..., list[Any]],
+        encoding: str,
+        bigendian: bool,
+        padding: int,
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        pixels = in_encoding(strip(), encoding)
+        image = {"encoding": encoding, "bigendian": bigendian, "padding": padding}
+        state = read_state(track_strip(node, pixels=pixels, **image)[-1])
+        assert_same_line(state, truth, 2.0)
+        # A Bayer pattern is interpolated, which smoothes the noise.
+        assert_same_line(state, reference, 1.0 if "bayer" in encoding else 1e-3)
+
+    @pytest.mark.parametrize("suffix", ["jpeg", "png"])
+    def test_compressed_images_are_tracked(
+        self,
+        world: Any,
+        near: str,
+        truth: CableState,
+        compressed_message: Callable[..., Any],
+        suffix: str,
+    ) -> None:
+        node = world.tracker(initial_state=near, image_transport="compressed")
+        states = world.listen(JointState, "state")
+        for index in range(FRAMES):
+            world.show(node, compressed_message(suffix, index=index))
+        world.spin(lambda: len(states) == FRAMES)
+        assert_same_line(read_state(states[-1]), truth, 2.0)
+
+    @pytest.mark.parametrize(
+        ("transport", "topic", "kind"),
+        [("raw", "image", Image), ("compressed", "image/compressed", CompressedImage)],
+    )
+    def test_the_transport_decides_which_topic_is_read(
+        self,
+        world: Any,
+        image_message: Callable[..., Any],
+        compressed_message: Callable[..., Any],
+        transport: str,
+        topic: str,
+        kind: Any,
+    ) -> None:
+        node = world.tracker(image_transport=transport, image_reliability="reliable")
+        publisher = world.me.create_publisher(kind, topic, 10)
+        world.spin(publisher.get_subscription_count)
+        message = image_message() if transport == "raw" else compressed_message()
+        publisher.publish(message)
+        world.spin(lambda: node.statistics.tracked == 1)
+
+
+BAD_IMAGES = {
+    "unknown encoding": ({"encoding": "mono7"}, "unknown encoding 'mono7'"),
+    "empty encoding": ({"encoding": ""}, "unknown encoding"),
+    "short data": ({"data": b"\x00" * 100}, "too short"),
+    "no data": ({"data": b""}, "too short"),
+    "long data": ({"data": b"\x00" * (320 * 240 + 1)}, "too long"),
+    "small step": ({"step": 319}, "step 319 is too small"),
+    "zero step": ({"step": 0}, "step 0 is too small"),
+    "zero width": ({"width": 0}, "no pixels"),
+    "zero height": ({"height": 0}, "no pixels"),
+    "huge": ({"width": 2**32 - 1, "height": 2**32 - 1}, "pixels"),
+    "tiny": ({"width": 1, "height": 1, "step": 1, "data": b"\x00"}, "too small"),
+    "not a number": (
+        {"encoding": "32FC1", "step": 1280, "data": b"\xff" * (1280 * 240)},
+        "finite",
+    ),
+}
+
+
+class TestBadFrames:
+    @pytest.mark.parametrize("bad", BAD_IMAGES)
+    def test_a_bad_image_is_refused_with_the_reason(
+        self,
+        world: Any,
+        near: str,
+        image_message: Callable[..., Any],
+        diagnostics: Callable[..., list[Any]],
+        track_strip: Callable[..., list[Any]],
+        bad: str,
+    ) -> None:
+        changes, reason = BAD_IMAGES[bad]
+        node = world.tracker(initial_state=near)
+        states = track_strip(node, 3)
+        before = node.tracker.particles
+        world.show(node, image_message(index=3, **changes))
+        world.spin(lambda: len(states) == 4)
+        assert list(states[-1].name) == ["d", "alpha", "w", "beta"]
+        assert not states[-1].position and not states[-1].velocity and not states[-1].effort
+        assert states[-1].header == image_message(index=3).header
+        assert node.statistics.refused == 1
+        assert node.tracker.particles is before
+        node.publish_diagnostics()
+        world.spin(lambda: reason in last_values(diagnostics, node)["last bad frame"])
+        assert last_values(diagnostics, node)["frames refused"] == "1"
+        world.show(node, image_message(index=4))
+        world.spin(lambda: len(states) == 5)
+        assert read_state(states[-1]) is not None
+
+    @pytest.mark.parametrize("length", [0, 10, 1000, -1000])
+    def test_a_truncated_jpeg_is_refused(
+        self, world: Any, compressed_message: Callable[..., Any], length: int
+    ) -> None:
+        node = world.tracker(image_transport="compressed")
+        states = world.listen(JointState, "state")
+        world.show(node, compressed_message(length=length))
+        world.spin(lambda: states)
+        assert node.statistics.refused == 1
+        assert not states[0].position
+        world.show(node, compressed_message(index=1))
+        assert node.statistics.tracked == 1
+
+    def test_a_second_frame_of_the_same_time_is_refused(
+        self, world: Any, image_message: Callable[..., Any]
+    ) -> None:
+        node = world.tracker()
+        world.show(node, image_message())
+        world.show(node, image_message())
+        assert (node.statistics.tracked, node.statistics.refused) == (1, 1)
+
+    def test_a_frame_without_time_gets_the_time_of_its_arrival(
+        self, world: Any, image_message: Callable[..., Any]
+    ) -> None:
+        node = world.tracker()
+        states = world.listen(JointState, "state")
+        message = image_message()
+        message.header.stamp.sec = message.header.stamp.nanosec = 0
+        before = world.me.get_clock().now().seconds_nanoseconds()[0]
+        world.show(node, message)
+        world.spin(lambda: states)
+        assert states[0].header.stamp.sec >= before
+        assert states[0].header.frame_id == "eye"
+
+    @pytest.mark.parametrize("sec", [-(2**31), -1, 2**31 - 1])
+    @pytest.mark.parametrize("nanosec", [1, 2**32 - 1])
+    def test_no_stamp_stops_the_node(
+        self, world: Any, image_message: Callable[..., Any], sec: int, nanosec: int
+    ) -> None:
+        node = world.tracker()
+        states = world.listen(JointState, "state")
+        message = image_message()
+        message.header.stamp.sec, message.header.stamp.nanosec = sec, nanosec
+        world.show(node, message)
+        world.spin(lambda: states)
+        assert states[0].header == message.header
+
+
+def last_values(diagnostics: Callable[..., list[Any]], node: Any) -> dict[str, str]:
+    heard = diagnostics(node)
+    return heard[-1][1] if heard else {"last bad frame": "(nothing heard)"}
+
+
+def numbers_of(message: Any) -> list[float]:
+    """Collect all numbers of a message, however deep."""
+    if isinstance(message, (bool, int, float)):
+        return [float(message)]
+    if isinstance(message, (str, bytes)):
+        return []
+    if hasattr(message, "get_fields_and_field_types"):
+        return [
+            number
+            for name in message.get_fields_and_field_types()
+            for number in numbers_of(getattr(message, name))
+        ]
+    return [number for item in message for number in numbers_of(item)]
+
+
+class TestTopics:
+    def test_the_centreline_comes_only_while_tracking(
+        self, world: Any, strip: Callable[..., np.ndarray], image_message: Callable[..., Any]
+    ) -> None:
+        node = world.tracker()
+        states = world.listen(JointState, "state")
+        lines = world.listen(PoseWithCovarianceStamped, "centreline")
+        statuses = []
+        for index in range(40):
+            blank = np.full((240, 320), 90, np.uint8) if index >= 20 else strip()
+            world.show(node, image_message(blank, index=index))
+            statuses.append(node.status)
+        world.spin(lambda: len(states) == 40)
+        world.spin(lambda: len(lines) == statuses.count("TRACKING"))
+        assert statuses[0] == "INITIALISING"
+        assert "TRACKING" in statuses
+        assert statuses[-1] == "LOST"
+        tracking = {
+            (state.header.stamp.sec, state.header.stamp.nanosec)
+            for state, status in zip(states, statuses, strict=True)
+            if status == "TRACKING"
+        }
+        assert {(line.header.stamp.sec, line.header.stamp.nanosec) for line in lines} == tracking
+        for state, status in zip(states, statuses, strict=True):
+            assert bool(state.position) == (status == "TRACKING")
+
+    def test_every_state_has_names_stamp_and_frame_of_its_image(
+        self, world: Any, image_message: Callable[..., Any], track_strip: Callable[..., list[Any]]
+    ) -> None:
+        states = track_strip(world.tracker(), 5)
+        for index, state in enumerate(states):
+            assert list(state.name) == ["d", "alpha", "w", "beta"]
+            assert state.header == image_message(index=index).header
+
+    def test_the_covariance_of_the_centreline_is_symmetric_and_finite(
+        self,
+        world: Any,
+        near: str,
+        image_message: Callable[..., Any],
+        track_strip: Callable[..., list[Any]],
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        lines = world.listen(PoseWithCovarianceStamped, "centreline")
+        states = track_strip(node)
+        world.spin(lambda: len(lines) == FRAMES)
+        pose = lines[-1].pose
+        d, alpha = states[-1].position[:2]
+        assert lines[-1].header == image_message(index=FRAMES - 1).header
+        assert pose.pose.position.x == pytest.approx(d * math.cos(alpha))
+        assert pose.pose.position.y == pytest.approx(d * math.sin(alpha))
+        assert pose.pose.position.z == 0.0
+        yaw = 2 * math.atan2(pose.pose.orientation.z, pose.pose.orientation.w)
+        assert yaw == pytest.approx(alpha)
+        covariance = np.array(pose.covariance).reshape(6, 6)
+        assert np.all(np.isfinite(covariance))
+        assert np.array_equal(covariance, covariance.T)
+        assert list(np.diag(covariance)[2:5]) == [UNKNOWN_VARIANCE] * 3
+        known = covariance[np.ix_([0, 1, 5], [0, 1, 5])]
+        assert np.all(np.linalg.eigvalsh(known) >= -1e-9)
+        sigma = np.array(states[-1].effort)
+        assert math.sqrt(covariance[5, 5]) == pytest.approx(sigma[1])
+
+    def test_nothing_published_is_ever_not_a_number(
+        self,
+        world: Any,
+        near: str,
+        strip: Callable[..., np.ndarray],
+        image_message: Callable[..., Any],
+    ) -> None:
+        node = world.tracker(initial_state=near, particle_count=50)
+        heard = [
+            world.listen(JointState, "state"),
+            world.listen(PoseWithCovarianceStamped, "centreline"),
+            world.listen(MarkerArray, "markers"),
+        ]
+        clouds = world.listen(PointCloud2, "particles")
+        blanks = [np.full((240, 320), grey, np.uint8) for grey in (0, 128, 255)]
+        pictures = [strip()] * 3 + blanks * 5 + [strip()[:, ::-1].copy()] * 3
+        for index, picture in enumerate(pictures):
+            world.show(node, image_message(picture, index=index))
+        world.spin(lambda: len(heard[0]) == len(heard[2]) == len(clouds) == len(pictures))
+        assert np.all(np.isfinite(numbers_of([message for topic in heard for message in topic])))
+        assert all(np.all(np.isfinite(read_cloud(cloud))) for cloud in clouds)
+
+    def test_pictures_are_not_built_while_nobody_subscribes(
+        self,
+        world: Any,
+        monkeypatch: pytest.MonkeyPatch,
+        image_message: Callable[..., Any],
+    ) -> None:
+        node = world.tracker()
+        builders = ["draw_overlay", "make_particles", "make_markers", "encode_jpeg"]
+        built: list[str] = []
+        for name in builders:
+            function = getattr(tracker_outputs, name)
+            monkeypatch.setattr(tracker_outputs, name, spy(function, name, built))
+        world.show(node, image_message())
+        assert built == []
+        topics = [(CompressedImage, "tracker/overlay/compressed"), (PointCloud2, "particles")]
+        heard = [world.listen(*topic) for topic in [*topics, (MarkerArray, "markers")]]
+        world.show(node, image_message(index=1))
+        assert sorted(built) == sorted(builders)
+        world.spin(lambda: all(heard))
+
+    def test_the_overlay_is_drawn_once_for_both_its_topics(
+        self, world: Any, monkeypatch: pytest.MonkeyPatch, image_message: Callable[..., Any]
+    ) -> None:
+        node = world.tracker()
+        raw = world.listen(Image, "tracker/overlay")
+        compressed = world.listen(CompressedImage, "tracker/overlay/compressed")
+        built: list[str] = []
+        drawn = spy(tracker_outputs.draw_overlay, "draw_overlay", built)
+        monkeypatch.setattr(tracker_outputs, "draw_overlay", drawn)
+        world.show(node, image_message())
+        world.spin(lambda: raw and compressed)
+        assert built == ["draw_overlay"]
+        assert raw[0].encoding == "bgr8"
+        assert raw[0].header == compressed[0].header == image_message().header
+        assert bytes(compressed[0].data[:2]) == b"\xff\xd8"
+
+    def test_the_particles_have_all_state_fields_and_weights(
+        self, world: Any, track_strip: Callable[..., list[Any]], image_message: Callable[..., Any]
+    ) -> None:
+        node = world.tracker(particle_count=70)
+        clouds = world.listen(PointCloud2, "particles")
+        track_strip(node, 1)
+        world.spin(lambda: clouds)
+        cloud = clouds[0]
+        names = ["x", "y", "z", "d", "alpha", "w", "beta", "v_d", "v_alpha"]
+        names += ["v_w", "v_beta", "weight"]
+        assert [field.name for field in cloud.fields] == names
+        assert [field.offset for field in cloud.fields] == list(range(0, 48, 4))
+        assert (cloud.width, cloud.height, cloud.point_step) == (70, 1, 48)
+        assert len(cloud.data) == cloud.row_step == 3360
+        assert cloud.header == image_message().header
+        columns = read_cloud(cloud)
+        assert np.array_equal(
+            columns[:, :8].astype("f4"), node.tracker.particles.states.astype("f4")
+        )
+        assert columns[:, 8].sum() == pytest.approx(1.0, abs=1e-5)
+
+    def test_a_change_of_the_image_size_starts_anew_and_says_so(
+        self,
+        world: Any,
+        strip: Callable[..., np.ndarray],
+        image_message: Callable[..., Any],
+        diagnostics: Callable[..., list[Any]],
+    ) -> None:
+        node = world.tracker()
+        world.show(node, image_message())
+        world.show(node, image_message(strip(size=(160, 120)), index=1))
+        node.publish_diagnostics()
+        world.spin(
+            lambda: (
+                diagnostics(node)
+                and "from 320x240 to 160x120" in last_values(diagnostics, node)["last restart"]
+            )
+        )
+
+
+def spy(function: Callable[..., Any], name: str, calls: list[str]) -> Callable[..., Any]:
+    def spied(*arguments: Any, **named: Any) -> Any:
+        calls.append(name)
+        return function(*arguments, **named)
+
+    return spied
+
+
+def prior_message(
+    distance: float,
+    yaw: float,
+    *,
+    variances: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    quaternion: tuple[float, float] | None = None,
+) -> PoseWithCovarianceStamped:
+    message = PoseWithCovarianceStamped()
+    pose = message.pose.pose
+    pose.position.x, pose.position.y = distance * math.cos(yaw), distance * math.sin(yaw)
+    turn = (math.sin(yaw / 2), math.cos(yaw / 2)) if quaternion is None else quaternion
+    pose.orientation.z, pose.orientation.w = turn
+    covariance = np.zeros(36)
+    covariance[[0, 7, 35]] = variances
+    message.pose.covariance = covariance
+    return message
+
+
+class TestInitialState:
+    @pytest.mark.parametrize("turned", [0.0, math.pi, -math.pi])
+    def test_the_filter_starts_at_the_foot_point_and_yaw(
+        self,
+        world: Any,
+        truth: CableState,
+        image_message: Callable[..., Any],
+        turned: float,
+    ) -> None:
+        # That filter keeps the particles as they were drawn; the other draws about the best ones.
+        node = world.tracker(filter="bootstrap")
+        publisher = world.me.create_publisher(PoseWithCovarianceStamped, "initial_state", 10)
+        world.spin(publisher.get_subscription_count)
+        # The same line, with its normal to the other side.
+        distance = truth.distance if turned == 0.0 else -truth.distance
+        publisher.publish(prior_message(distance, truth.angle + turned))
+        world.spin(lambda: node.tracker._prior is not None)
+        world.show(node, image_message())
+        states = node.tracker.particles.states
+        assert states[:, 0].mean() == pytest.approx(truth.distance, abs=1.0)
+        assert states[:, 1].mean() == pytest.approx(truth.angle, abs=0.01)
+        assert states[:, 0].std() < 4.0
+
+    def test_unknown_variances_leave_the_component_open(
+        self, world: Any, image_message: Callable[..., Any]
+    ) -> None:
+        node = world.tracker(filter="bootstrap")
+        variances = (UNKNOWN_VARIANCE, UNKNOWN_VARIANCE, 1e-4)
+        node.on_initial_state(prior_message(0.0, 0.3, variances=variances))
+        world.show(node, image_message())
+        states = node.tracker.particles.states
+        assert states[:, 0].std() > 40.0
+        assert states[:, 1].std() == pytest.approx(0.01, rel=0.3)
+
+    @pytest.mark.parametrize(
+        "message",
+        [
+            prior_message(math.nan, 0.0),
+            prior_message(math.inf, 0.0),
+            prior_message(1.0, 0.0, quaternion=(0.0, 0.0)),
+            prior_message(1.0, 0.0, quaternion=(math.nan, 1.0)),
+            prior_message(1.0, 0.0, quaternion=(3.0, 4.0)),
+            prior_message(1.0, 0.0, variances=(-1.0, 0.0, 0.0)),
+            prior_message(1.0, 0.0, variances=(0.0, 0.0, -1.0)),
+            prior_message(1.0, 0.0, variances=(0.0, 0.0, math.nan)),
+        ],
+    )
+    def test_a_senseless_one_is_refused_with_a_warning(
+        self,
+        world: Any,
+        message: PoseWithCovarianceStamped,
+        image_message: Callable[..., Any],
+        capfd: pytest.CaptureFixture[str],
+    ) -> None:
+        node = world.tracker()
+        node.on_initial_state(message)
+        assert "initial_state refused" in capfd.readouterr().err
+        world.show(node, image_message())
+        assert node.status == "INITIALISING"
+        assert node.statistics.tracked == 1
+
+    def test_one_sent_while_disabled_counts_when_enabled(
+        self, world: Any, truth: CableState, image_message: Callable[..., Any]
+    ) -> None:
+        node = world.tracker(filter="bootstrap")
+        node.on_enable(SetBool.Request(data=False), SetBool.Response())
+        node.on_initial_state(prior_message(truth.distance, truth.angle))
+        node.on_enable(SetBool.Request(data=True), SetBool.Response())
+        world.show(node, image_message())
+        assert node.tracker.particles.states[:, 0].std() < 4.0
+
+
+class TestServicesAndStatus:
+    def test_reset_starts_as_at_the_beginning(
+        self, world: Any, near: str, track_strip: Callable[..., list[Any]]
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        first = [list(state.position) for state in track_strip(node)]
+        response = world.call(Trigger, "tracker/reset")
+        assert response.success and response.message
+        assert node.status == "INITIALISING"
+        again = [list(state.position) for state in track_strip(node)]
+        assert first == again
+
+    def test_a_disabled_node_answers_without_estimates(
+        self, world: Any, image_message: Callable[..., Any], diagnostics: Callable[..., list[Any]]
+    ) -> None:
+        node = world.tracker()
+        response = world.call(SetBool, "tracker/enable", data=False)
+        assert response.success and response.message == "DISABLED"
+        states = world.listen(JointState, "state")
+        world.show(node, image_message())
+        world.spin(lambda: states)
+        assert not states[0].position
+        assert node.tracker.particles is None
+        assert node.statistics.ignored == 1
+        world.spin(lambda: diagnostics(node) and diagnostics(node)[-1][0] == "DISABLED")
+        world.call(SetBool, "tracker/enable", data=True)
+        assert node.status == "INITIALISING"
+        world.show(node, image_message(index=1))
+        assert node.tracker.particles is not None
+
+    def test_services_leave_a_line_in_the_log(
+        self, world: Any, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.tracker()
+        for call, words in (
+            (lambda: node.on_enable(SetBool.Request(data=False), SetBool.Response()), "disabled:"),
+            (lambda: node.on_enable(SetBool.Request(data=True), SetBool.Response()), "enabled:"),
+            (lambda: node.on_reset(Trigger.Request(), Trigger.Response()), "reset:"),
+        ):
+            capfd.readouterr()
+            call()
+            assert words in capfd.readouterr().err
+
+    def test_two_cameras_on_one_topic_are_named(
+        self, world: Any, diagnostics: Callable[..., list[Any]], capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.tracker(diagnostics_period=0.1)
+        cameras = [
+            world.add(Node(name, context=world.context, namespace=world.namespace))
+            for name in ("port", "starboard")
+        ]
+        cameras[0].create_publisher(Image, "image", 1)
+        world.spin(lambda: world.me.count_publishers(f"{world.namespace}/image") == 1)
+        node.publish_diagnostics()
+        world.spin(lambda: diagnostics(node))
+        assert last_values(diagnostics, node)["several cameras"] == ""
+        cameras[1].create_publisher(Image, "image", 1)
+        names = f"{world.namespace}/port, {world.namespace}/starboard"
+        world.spin(lambda: last_values(diagnostics, node)["several cameras"] == names)
+        assert f"2 nodes publish {world.namespace}/image: {names}" in capfd.readouterr().err
+
+    def test_enabling_what_is_enabled_changes_nothing(
+        self, world: Any, near: str, track_strip: Callable[..., list[Any]]
+    ) -> None:
+        node = world.tracker(initial_state=near)
+        track_strip(node)
+        assert world.call(SetBool, "tracker/enable", data=True).message == "TRACKING"
+        assert node.tracker.particles is not None
+
+    def test_every_change_of_status_is_told_at_once(
+        self,
+        world: Any,
+        near: str,
+        strip: Callable[..., np.ndarray],
+        image_message: Callable[..., Any],
+        diagnostics: Callable[..., list[Any]],
+    ) -> None:
+        node = world.tracker(initial_state=near, diagnostics_period=3600.0, input_timeout=3600.0)
+        for index in range(30):
+            picture = np.full((240, 320), 90, np.uint8) if index >= 5 else strip()
+            world.show(node, image_message(picture, index=index))
+        node.on_reset(Trigger.Request(), Trigger.Response())
+        node.on_enable(SetBool.Request(data=False), SetBool.Response())
+        expected = ["INITIALISING", "TRACKING", "LOST", "INITIALISING", "DISABLED"]
+        # The first is sent while nobody listens yet.
+        world.spin(lambda: [status for status, _ in diagnostics(node)][-4:] == expected[1:])
+
+    def test_diagnostics_come_with_their_period_and_hold_the_figures(
+        self, world: Any, image_message: Callable[..., Any], diagnostics: Callable[..., list[Any]]
+    ) -> None:
+        node = world.tracker(diagnostics_period=0.1)
+        world.show(node, image_message())
+        world.spin(lambda: len(diagnostics(node)) >= 4)
+        values = last_values(diagnostics, node)
+        assert float(values["frame rate [1/s]"]) > 0.0
+        assert float(values["latency median [ms]"]) > 0.0
+        assert float(values["N_eff"]) >= 1.0
+        assert values["frames tracked"] == "1"
+        assert values["frames dropped"] == "0"
+
+    def test_silence_is_stale_input_until_a_frame_comes(
+        self, world: Any, image_message: Callable[..., Any], diagnostics: Callable[..., list[Any]]
+    ) -> None:
+        node = world.tracker(input_timeout=0.2)
+        world.show(node, image_message())
+        assert node.status == "INITIALISING"
+        world.spin(lambda: node.status == "STALE INPUT")
+        world.spin(lambda: diagnostics(node) and diagnostics(node)[-1][0] == "STALE INPUT")
+        world.show(node, image_message(index=1))
+        assert node.status == "INITIALISING"
+        world.spin(lambda: diagnostics(node)[-1][0] == "INITIALISING")
+
+    def test_a_camera_that_never_sends_is_stale_input_too(self, world: Any) -> None:
+        node = world.tracker(input_timeout=0.2)
+        world.spin(lambda: node.status == "STALE INPUT", patience=5.0)

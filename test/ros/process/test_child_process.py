@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cable_tracker.ros.process import child_process
+from cable_tracker.ros.process.child_process import NodeProcess
+from cable_tracker.ros.process.environment import local_environment
+
+
+@pytest.fixture
+def process(namespace: str) -> Callable[..., NodeProcess]:
+    def make(node: str, *arguments: str) -> NodeProcess:
+        return NodeProcess(node, ["-r", f"__ns:={namespace}", *arguments], local_environment())
+
+    return make
+
+
+def test_a_node_runs_and_is_stopped_at_the_end(
+    process: Callable[..., NodeProcess], world: Any, namespace: str
+) -> None:
+    with process("tracker") as tracker:
+        world.spin(lambda: ("tracker", namespace) in world.me.get_node_names_and_namespaces())
+        assert tracker.running
+        assert tracker.wait(0.01) is None
+        assert tracker.stop() == 0
+        assert not tracker.running
+        assert tracker.stop() == 0
+
+
+def test_the_node_is_stopped_also_after_an_error(process: Callable[..., NodeProcess]) -> None:
+    with pytest.raises(ZeroDivisionError), process("tracker") as tracker:
+        raise ZeroDivisionError
+    assert not tracker.running
+
+
+def test_the_last_words_of_a_node_that_has_died_can_be_read(
+    process: Callable[..., NodeProcess],
+) -> None:
+    with process("replay", "-p", "source:=/missing.mcap") as replay:
+        assert replay.wait(20.0) == 2
+        assert replay.last_line().startswith("error: /missing.mcap: there is no such file")
+
+
+def test_a_node_that_printed_nothing_says_so(process: Callable[..., NodeProcess]) -> None:
+    with process("tracker") as tracker:
+        assert tracker.last_line() == "it printed nothing"
+
+
+def test_a_node_that_does_not_end_is_killed(
+    namespace: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Stands in for the package in the child: deaf to all signals but SIGKILL.
+    package = tmp_path / "cable_tracker" / "ros"
+    package.mkdir(parents=True)
+    (package.parent / "__init__.py").touch()
+    (package / "__init__.py").touch()
+    (package / "entry.py").write_text(
+        "import signal, time\n"
+        "signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+        "print('deaf', flush=True)\n"
+        "time.sleep(60)\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(child_process, "GRACE", 0.2)
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    with NodeProcess("tracker", [], environment) as deaf:
+        while deaf.last_line() != "deaf":
+            assert deaf.wait(0.05) is None
+        assert deaf.stop() == -9

@@ -1,0 +1,299 @@
+from __future__ import annotations
+
+import io
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import redirect_stderr
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cable_tracker.errors import RosError
+from cable_tracker.ros.process.process_node import ProcessNode, run_node
+from cable_tracker.ros.process.stop_request import StopRequest
+
+SIGNALS = [signal.SIGINT, signal.SIGTERM]
+LONGEST_END = 20.0
+
+
+class Run:
+    """A node that runs as its executable does."""
+
+    def __init__(self, name: str, arguments: list[str], folder: Path) -> None:
+        self._errors = (folder / f"{name}_stderr").open("w+")
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "cable_tracker.ros.entry", name, *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=self._errors,
+        )
+
+    def wait_until_it_listens_to_signals(self) -> None:
+        handled = 1 << (signal.SIGTERM - 1)
+        status = Path(f"/proc/{self.process.pid}/status")
+        deadline = time.monotonic() + 20.0
+        while not _caught(status.read_text()) & handled:
+            assert time.monotonic() < deadline and self.process.poll() is None
+            time.sleep(0.001)
+
+    def end(self, signal_number: int | None = None) -> tuple[int, float]:
+        """Send a signal; return exit code and the seconds that it took."""
+        begin = time.monotonic()
+        if signal_number is not None:
+            self.process.send_signal(signal_number)
+        code = self.process.wait(30.0)
+        return code, time.monotonic() - begin
+
+    def errors(self) -> str:
+        self._errors.seek(0)
+        return self._errors.read()
+
+    def close(self) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self._errors.close()
+
+
+def _caught(status: str) -> int:
+    line = next(line for line in status.splitlines() if line.startswith("SigCgt"))
+    return int(line.split()[1], 16)
+
+
+@pytest.fixture
+def start(tmp_path: Path, namespace: str) -> Iterator[Callable[..., Run]]:
+    runs: list[Run] = []
+
+    def started(name: str, *parameters: str) -> Run:
+        given = [word for parameter in parameters for word in ("-p", parameter)]
+        runs.append(Run(name, ["--ros-args", "-r", f"__ns:={namespace}", *given], tmp_path))
+        return runs[-1]
+
+    yield started
+    for run in runs:
+        run.close()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+class TestSignals:
+    @pytest.mark.parametrize("signal_number", SIGNALS)
+    @pytest.mark.parametrize("delay", [0.0, 0.1, 0.3])
+    def test_a_signal_while_it_starts_ends_it(
+        self, start: Callable[..., Run], signal_number: int, delay: float
+    ) -> None:
+        run = start("tracker")
+        run.wait_until_it_listens_to_signals()
+        time.sleep(delay)
+        code, seconds = run.end(signal_number)
+        unexpected = [line for line in run.errors().splitlines() if not line.startswith("[INFO]")]
+        assert (code, unexpected) == (0, [])
+        assert seconds < LONGEST_END
+
+    @pytest.mark.parametrize("signal_number", SIGNALS)
+    def test_a_signal_ends_the_running_tracker(
+        self, start: Callable[..., Run], world: Any, namespace: str, signal_number: int
+    ) -> None:
+        run = start("tracker", "input_timeout:=3600.0")
+        wait_for(world, "tracker", namespace)
+        code, seconds = run.end(signal_number)
+        unexpected = [line for line in run.errors().splitlines() if not line.startswith("[INFO]")]
+        assert (code, unexpected) == (0, [])
+        assert seconds < LONGEST_END
+
+    @pytest.mark.parametrize("signal_number", SIGNALS)
+    def test_a_signal_ends_a_tracker_in_the_middle_of_its_frames(
+        self,
+        start: Callable[..., Run],
+        world: Any,
+        make_dive: Callable[..., Path],
+        namespace: str,
+        signal_number: int,
+    ) -> None:
+        from sensor_msgs.msg import JointState  # noqa: PLC0415
+
+        states = world.listen(JointState, "state")
+        source = f"source:={make_dive(10)}"
+        # So many particles that the signal comes within a callback.
+        tracker = start("tracker", "image_reliability:=reliable", "particle_count:=20000")
+        replay = start("replay", source, "lockstep:=true", "loop:=true")
+        world.spin(lambda: len(states) > 2)
+        code, seconds = tracker.end(signal_number)
+        assert code == 0
+        assert seconds < LONGEST_END
+        assert "Traceback" not in tracker.errors()
+        code, seconds = replay.end(signal_number)
+        assert code == 0
+        assert seconds < LONGEST_END
+        assert "Traceback" not in replay.errors()
+
+    @pytest.mark.parametrize("signal_number", SIGNALS)
+    def test_a_signal_ends_a_replay_that_waits(
+        self,
+        start: Callable[..., Run],
+        world: Any,
+        make_dive: Callable[..., Path],
+        namespace: str,
+        signal_number: int,
+    ) -> None:
+        run = start("replay", f"source:={make_dive(3)}", "lockstep:=true")
+        wait_for(world, "replay", namespace)
+        code, seconds = run.end(signal_number)
+        assert code == 0
+        assert seconds < LONGEST_END
+        assert "Traceback" not in run.errors()
+        assert "sent 0 frames" in run.errors()
+
+
+def wait_for(world: Any, name: str, namespace: str) -> None:
+    world.spin(lambda: (name, namespace) in world.me.get_node_names_and_namespaces())
+
+
+class TestExitCodes:
+    def test_a_replay_at_its_end_exits_with_0(
+        self, start: Callable[..., Run], make_dive: Callable[..., Path]
+    ) -> None:
+        at_once = ("rate:=100.0", "wait_for_tracker:=false")
+        run = start("replay", f"source:={make_dive(3)}", *at_once)
+        assert run.end()[0] == 0
+        assert "sent 3 frames" in run.errors()
+
+    def test_a_missing_recording_is_one_line_and_exit_code_2(
+        self, start: Callable[..., Run], tmp_path: Path
+    ) -> None:
+        missing = tmp_path / "missing.mcap"
+        run = start("replay", f"source:={missing}")
+        assert run.end()[0] == 2
+        lines = run.errors().splitlines()
+        assert len(lines) == 1
+        assert lines[0].startswith(f"error: {missing}: there is no such file")
+
+    @pytest.mark.parametrize(
+        ("parameter", "name"),
+        [
+            ("particle_count:=many", "particle_count"),
+            ("particle_count:=[]", "particle_count"),
+            ("response_table:=nowhere.json", "response_table"),
+            ("use_sim_time:=3", "use_sim_time"),
+        ],
+    )
+    def test_a_bad_parameter_is_one_line_and_exit_code_2(
+        self, start: Callable[..., Run], parameter: str, name: str
+    ) -> None:
+        run = start("tracker", parameter)
+        assert run.end()[0] == 2
+        lines = run.errors().splitlines()
+        assert len(lines) == 1
+        assert lines[0].startswith("error: ") and name in lines[0]
+
+    def test_a_bad_parameter_file_is_told_without_a_traceback(
+        self, start: Callable[..., Run], tmp_path: Path
+    ) -> None:
+        run = start("tracker", "particle_count:=[1.0, 2]")
+        assert run.end()[0] == 2
+        assert "error: ROS does not start; look at the --ros-args" in run.errors()
+        assert "Traceback" not in run.errors()
+
+    def test_a_damaged_recording_ends_with_2_after_its_frames(
+        self, start: Callable[..., Run], make_dive: Callable[..., Path]
+    ) -> None:
+        path = make_dive(12)
+        storage = next(path.glob("*.mcap"))
+        content = bytearray(storage.read_bytes())
+        middle = len(content) // 2
+        content[middle : middle + 40_000] = b"\x55" * 40_000
+        storage.write_bytes(bytes(content))
+        run = start("replay", f"source:={path}", "rate:=100.0", "wait_for_tracker:=false")
+        assert run.end()[0] == 2
+        assert f"error: {path}: damaged" in run.errors()
+        assert "Traceback" not in run.errors()
+
+
+class Worker(ProcessNode):
+    """Ends after some turns, or with an error."""
+
+    def __init__(self, turns: int, error: Exception | None = None, **arguments: Any) -> None:
+        super().__init__("worker", **arguments)
+        self.turns = turns
+        self.error = error
+        self.destroyed = False
+
+    def work(self) -> None:
+        self.turns -= 1
+        if self.turns <= 0:
+            if self.error is not None:
+                raise self.error
+            self.finished = True
+
+    def destroy_node(self) -> None:
+        self.destroyed = True
+        super().destroy_node()
+
+
+class TestRunNode:
+    def test_it_ends_when_the_node_has_finished_and_destroys_it(self) -> None:
+        made: list[Worker] = []
+
+        def make(context: Any) -> Worker:
+            made.append(Worker(3, context=context))
+            return made[0]
+
+        assert run_node(make, [], StopRequest()) == 0
+        assert made[0].turns == 0
+        assert made[0].destroyed
+
+    def test_an_error_of_ours_is_one_line_and_exit_code_2(self) -> None:
+        printed = io.StringIO()
+        with redirect_stderr(printed):
+            code = run_node(
+                lambda context: Worker(1, RosError("nobody answers"), context=context),
+                [],
+                StopRequest(),
+            )
+        assert code == 2
+        assert printed.getvalue() == "error: nobody answers\n"
+
+    def test_what_the_middleware_refuses_is_one_line_and_exit_code_2(
+        self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    ) -> None:
+        # The wheels have no security: the middleware refuses to make a node with it.
+        monkeypatch.setenv("ROS_SECURITY_ENABLE", "true")
+        monkeypatch.setenv("ROS_SECURITY_STRATEGY", "Permissive")
+        monkeypatch.setenv("ROS_SECURITY_KEYSTORE", str(tmp_path))
+        (tmp_path / "enclaves").mkdir()
+        printed = io.StringIO()
+        with redirect_stderr(printed):
+            code = run_node(lambda context: Worker(1, context=context), [], StopRequest())
+        assert code == 2
+        assert printed.getvalue().startswith("error: ROS ")
+        assert len(printed.getvalue().splitlines()) == 1
+
+    def test_another_error_is_not_hidden(self) -> None:
+        with pytest.raises(ZeroDivisionError):
+            run_node(
+                lambda context: Worker(1, ZeroDivisionError(), context=context), [], StopRequest()
+            )
+
+    def test_a_request_to_stop_that_came_before_makes_no_node(self) -> None:
+        stop = StopRequest()
+        stop(signal.SIGTERM, None)
+
+        def make(context: Any) -> Worker:
+            raise AssertionError
+
+        assert run_node(make, [], stop) == 0
+
+    def test_a_context_that_somebody_shuts_down_is_an_orderly_end(self) -> None:
+        class Closing(Worker):
+            def work(self) -> None:
+                self.context.shutdown()
+
+        assert run_node(lambda context: Closing(1, context=context), [], StopRequest()) == 0
+
+
+def test_the_environment_is_that_of_the_tests(domain: int) -> None:
+    assert os.environ["ROS_DOMAIN_ID"] == str(domain)

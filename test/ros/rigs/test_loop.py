@@ -1,0 +1,82 @@
+"""The closed loop with real processes, over a short way."""
+
+from __future__ import annotations
+
+import csv
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from sensor_msgs.msg import Image
+
+from cable_tracker.errors import OutputError
+from cable_tracker.evaluation.closed_loop import SUMMARY, TABLE
+from cable_tracker.ros.rigs.loop import ERRORS, VIDEO, WAY, LoopRequest, file_names, run_loop
+from cable_tracker.simulation.live_world import LiveSettings
+
+FILES = (TABLE, SUMMARY, WAY, ERRORS, VIDEO)
+START = {"particle_count": 300}
+
+
+def request(**changes: Any) -> LoopRequest:
+    world = LiveSettings(seed=5, length=2.0, buried=0.0, image_size=(160, 120))
+    return LoopRequest(world=world, tracker={"seed": 5, **START}, **changes)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {name: (folder / name).read_bytes() for name in FILES}
+
+
+def test_in_lockstep_the_same_seed_writes_the_same_files(tmp_path):
+    ways: list[float] = []
+    first = run_loop(request(), tmp_path / "first", advance=ways.append)
+    second = run_loop(request(), tmp_path / "second")
+    assert first == second
+    assert contents(tmp_path / "first") == contents(tmp_path / "second")
+    assert first.reached_end and not first.lost_for_good
+    assert first.measured > 0.5 and first.wrong == 0.0
+    with (tmp_path / "first" / TABLE).open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == first.frames == len(ways)
+    assert float(rows[-1]["x"]) > float(rows[0]["x"]) + 1.5
+
+
+def test_in_real_time_the_vehicle_arrives_as_well(tmp_path):
+    summary = run_loop(request(realtime=True), tmp_path / "live")
+    assert summary.reached_end
+    assert all((tmp_path / "live" / name).stat().st_size > 0 for name in FILES)
+
+
+def test_a_baseline_takes_the_tracker_s_place(tmp_path):
+    wanted = replace(request(method="hough", with_video=False), tracker={"seed": 5})
+    summary = run_loop(wanted, tmp_path / "hough")
+    assert summary.reached_end and summary.answered == 1.0
+    assert summary.measured > 0.5 and summary.wrong == 0.0
+    assert {each.name for each in (tmp_path / "hough").iterdir()} == set(file_names(wanted))
+    assert VIDEO not in file_names(wanted)
+
+
+def test_a_folder_that_is_taken_is_refused_before_anything_runs(tmp_path):
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken" / "thesis.txt").write_text("mine", encoding="utf-8")
+    with pytest.raises(OutputError, match="exists already"):
+        run_loop(request(), tmp_path / "taken")
+    with pytest.raises(OutputError, match="no earlier output"):
+        run_loop(request(), tmp_path / "taken", overwrite=True)
+
+
+def test_simulate_live_publishes_until_it_is_stopped(world):
+    images = world.listen(Image, "/image")
+    command = [sys.executable, "-m", "cable_tracker.cli", "simulate", "--live", "--size", "64x48"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE) as process:
+        try:
+            world.spin(lambda: len(images) >= 3, patience=60.0)
+            process.send_signal(signal.SIGINT)
+            assert process.wait(30.0) == 0
+        finally:
+            process.kill()
+    assert (images[0].width, images[0].height) == (64, 48)

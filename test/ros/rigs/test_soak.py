@@ -1,0 +1,154 @@
+"""A soak test in small: real processes, rare faults, and a tracker that breaks a promise."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Point, PoseWithCovarianceStamped
+from sensor_msgs.msg import Image, JointState
+from visualization_msgs.msg import Marker, MarkerArray
+
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
+from cable_tracker.errors import ParameterError
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.rigs import soak, soak_camera
+from cable_tracker.ros.rigs.soak import SoakSettings, check_settings, run_soak
+from cable_tracker.ros.rigs.soak_camera import SoakCamera
+from cable_tracker.ros.rigs.soak_faults import Fault
+from cable_tracker.ros.rigs.soak_record import SoakRecord
+from cable_tracker.sequences.messages import make_header, make_particles
+
+FEW_FRAMES = 400
+SETTINGS = SoakSettings(
+    minutes=5.0, seed=1, fault_share=0.1, frames=FEW_FRAMES, preset="thesis", particles=50
+)
+
+
+@pytest.fixture
+def frames(dive_frames: Any) -> list[Any]:
+    return list(dive_frames(12, (64, 48)))
+
+
+def test_a_tracker_keeps_its_promises(frames):
+    shares: list[float] = []
+    record = run_soak(frames, SETTINGS, shares.append)
+    assert record.breaches == []
+    assert record.answered >= FEW_FRAMES
+    assert record.recoveries == record.faults
+    assert record.faults.total() > 10
+    assert record.messages["state"] == record.answered
+    assert record.messages["tracker/frame_report"] > 0
+    assert record.memory
+    assert all(0.0 <= share < 1.0 for share in shares)
+
+
+RARE = [
+    Fault.TRACKER_KILLED, Fault.REPLAY_KILLED, Fault.INPUT_STOPS, Fault.FROZEN, Fault.QOS,
+    Fault.PARAMETERS, Fault.VIEWER, Fault.OVERLOAD,
+]  # fmt: skip
+
+
+def test_every_rare_fault_is_survived(frames, monkeypatch):
+    left = list(RARE)
+    monkeypatch.setattr(
+        soak, "draw_fault", lambda _rng, possible: left.pop() if left else min(possible)
+    )
+    settings = SoakSettings(
+        minutes=5.0, seed=2, fault_share=0.2, frames=FEW_FRAMES, preset="thesis", particles=50
+    )
+    monkeypatch.setattr(soak, "FULL_RATE_SHARE", 0.0)
+    record = run_soak(frames, settings)
+    assert left == []
+    assert record.breaches == []
+    assert {fault.value for fault in RARE} <= set(record.recoveries)
+    assert max(sample.process for sample in record.memory) >= 1
+
+
+@pytest.fixture
+def camera(context: Any, namespace: str) -> Any:
+    camera = SoakCamera(context, namespace, SoakRecord())
+    yield camera
+    camera.close()
+
+
+def header() -> Any:
+    return make_header(RclpyMessages(), 1, "eye")
+
+
+def cloud(value: float) -> Any:
+    rows = np.zeros((3, 9))
+    rows[1, 2] = value
+    return make_particles(RclpyMessages(), header(), rows)
+
+
+def pose(value: float) -> Any:
+    message = PoseWithCovarianceStamped(header=header())
+    message.pose.covariance[7] = value
+    return message
+
+
+def diagnostic(value: float) -> Any:
+    pair = KeyValue(key="n_eff", value=repr(value))
+    return DiagnosticArray(status=[DiagnosticStatus(level=b"\0", values=[pair])])
+
+
+def marker(value: float) -> Any:
+    return MarkerArray(markers=[Marker(points=[Point(x=value)])])
+
+
+CHECKS = [
+    (lambda value: JointState(effort=array("d", [0.0, value])), soak_camera.state_is_finite),
+    (pose, soak_camera.centreline_is_finite),
+    (cloud, soak_camera.cloud_is_finite),
+    (marker, soak_camera.markers_are_finite),
+    (diagnostic, soak_camera.report_is_finite),
+]
+
+
+@pytest.mark.parametrize(("make", "check"), CHECKS)
+def test_a_number_that_is_none_is_seen(make, check):
+    assert check(make(1.5))
+    assert not check(make(math.nan))
+    assert not check(make(math.inf))
+
+
+def test_an_empty_picture_is_seen():
+    assert not soak_camera.picture_is_whole(Image())
+    assert soak_camera.picture_is_whole(Image(data=array("B", [1])))
+
+
+def test_a_tracker_that_says_nan_breaks_a_promise(camera):
+    teller = camera.create_publisher(JointState, "state", 10)
+    teller.publish(JointState(header=header(), position=array("d", [math.nan])))
+    assert camera.spin_until(lambda: camera.answers == 1, 20.0)
+    assert camera._record.breaches == ["a number on state is not finite, or a picture is empty"]
+    assert camera.last_stamp == 1
+    assert camera.last_claims
+
+
+def test_what_does_not_come_is_not_waited_for_for_ever(camera):
+    assert not camera.spin_until(lambda: False, 0.05)
+
+
+@pytest.mark.parametrize("spec", PARAMETER_TABLE, ids=lambda spec: spec.name)
+def test_a_storm_has_good_values_and_bad_ones(spec):
+    rng = np.random.default_rng(4)
+    good = 0
+    for _ in range(60):
+        try:
+            spec.coerce(soak._random_value(spec, rng))
+            good += 1
+        except ParameterError:
+            pass
+    assert 0 < good < 60
+
+
+@pytest.mark.parametrize("changes", [{"minutes": 0.0}, {"minutes": math.nan}, {"fault_share": 1.5}])
+def test_settings_out_of_range_are_refused(changes):
+    with pytest.raises(ParameterError):
+        check_settings(SoakSettings(**{"minutes": 1.0, "seed": 0, **changes}))
