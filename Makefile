@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install check-python test test-all test-jazzy test-processors lint demo gui loop docs bench table fuzz soak clean
+.PHONY: help install check-python test test-all test-jazzy test-processors lint demo gui loop survey docs bench table fuzz soak clean
 
 CANDIDATES := python3 python3.12 python3.11 python3.13 python3.14
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
@@ -43,6 +43,7 @@ help:
 	@echo "make gui                   watch and tune the filter in a browser, on a simulated dive"
 	@echo "make gui SOURCE=path       the same on a recording of yours"
 	@echo "make loop                  let a simulated vehicle follow 100 m of cable, over DDS"
+	@echo "make survey                map a cable from simulated dives, with a report"
 	@echo "make test                  linters, type checks, and the tests for every change"
 	@echo "make test-all              the whole suite, with long tests and those of the pages"
 	@echo "make test-jazzy            the tests with the versions of Ubuntu 24.04, on Python 3.12"
@@ -142,6 +143,16 @@ loop: install
 	@mkdir -p $(DEMO)
 	@echo "a simulated vehicle follows 100 m of cable, which takes some minutes ..."
 	@$(BIN)/cable-tracker loop --seed $(SEED) --output $(DEMO)/loop --force
+
+# Two dives over one cable, of few frames a second: the cable moves by 10 cm from one to the next.
+survey: install
+	@mkdir -p $(DEMO)/survey
+	@echo "two vehicles inspect 50 m of cable ..."
+	@for seed in 1 2; do \
+		$(BIN)/cable-tracker simulate $(DEMO)/survey/dive_$$seed --survey 50 --rate 5 \
+			--seed $$seed --force & done; wait
+	@$(BIN)/cable-tracker survey $(DEMO)/survey/dive_1 $(DEMO)/survey/dive_2 \
+		--output $(DEMO)/survey/map --workers 2 --force
 
 docs: install
 	$(BIN)/python docs/generate.py

@@ -27,6 +27,9 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "evaluate": "evaluate:evaluate",
             "parameters": "parameters:parameters",
         },
+        "Map cables from dives": {
+            "survey": "survey:survey",
+        },
         "Work with recordings": {
             "convert": "convert:convert",
             "simulate": "simulate:simulate_command",

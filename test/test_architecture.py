@@ -20,13 +20,17 @@ MAY_IMPORT = {
     "tracking": set(),
     "cable": {"tracking", "particle_filter"},
     "target": {"contour", "tracking", "particle_filter"},
-    "metric": {"cable", "tracking"},
     "node_parameter_tables": {"cable", "tracking"},
     "sequences": {"cable", "tracking", "particle_filter"},
+    "metric": {"sequences", "node_parameter_tables", "cable", "tracking"},
     "detection": {"cable", "tracking"},
     "trackers": {"cable", "tracking", "detection"},
     "visualisation": {"sequences", "cable", "target", "tracking"},
-    "simulation": {"sequences", "cable", "tracking"},
+    "simulation": {"sequences", "metric", "cable", "tracking"},
+    "campaigns": set(),
+    "survey": {
+        "campaigns", "trackers", "detection", "metric", "sequences", "cable", "tracking",
+    },
     "evaluation": {
         "trackers", "simulation", "detection", "visualisation", "sequences", "metric", "cable",
         "target", "tracking",
@@ -47,8 +51,9 @@ MAY_IMPORT = {
         "node_parameter_tables", "metric", "cable", "tracking", "particle_filter", "resources",
     },
     "commands": {
-        "ros", "benchmark", "gui", "evaluation", "trackers", "simulation", "detection", "sequences",
-        "node_parameter_tables", "cable", "target", "tracking", "resources",
+        "ros", "benchmark", "gui", "evaluation", "survey", "campaigns", "trackers", "simulation",
+        "detection", "metric", "sequences", "node_parameter_tables", "cable", "target", "tracking",
+        "resources",
     },
     "cli": {"commands"},
 }  # fmt: skip

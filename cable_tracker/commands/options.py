@@ -11,6 +11,8 @@ import typer
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.terminal import messages
 from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
+from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.source import Source, open_source
 
 
@@ -69,9 +71,55 @@ OutsideOption = Annotated[
         "--allow-outside", help="Let a sequence file name pictures and videos outside its folder."
     ),
 ]
+VehicleOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--vehicle",
+        help="YAML file with mounting, calibration and doubts, where the bag does not hold them."
+        "  [default: vehicle.yaml in the bag's folder]",
+    ),
+]
+CameraInfoOption = Annotated[
+    str | None, typer.Option("--camera-info-topic", help="Calibration, or `none`; else by type.")
+]
+AltitudeOption = Annotated[
+    str | None, typer.Option("--altitude-topic", help="Altitude, or `none`; else by type.")
+]
+ImuOption = Annotated[
+    str | None, typer.Option("--imu-topic", help="Roll and pitch, or `none`; else by type.")
+]
+OdometryOption = Annotated[
+    str | None, typer.Option("--odometry-topic", help="Odometry, or `none`; else by type.")
+]
+FixOption = Annotated[
+    str | None, typer.Option("--fix-topic", help="NavSatFix, or `none`; else by type.")
+]
 ForceOption = Annotated[
     bool, typer.Option("--force", help="Replace an output of the same kind that exists already.")
 ]
+
+
+def chosen_instruments(
+    camera_info: str | None = None,
+    altitude: str | None = None,
+    imu: str | None = None,
+    odometry: str | None = None,
+    fix: str | None = None,
+) -> InstrumentChoice:
+    """Return which topics the user named for the instruments."""
+    named = (camera_info, altitude, imu, odometry, fix)
+    pairs = zip(Instrument, named, strict=True)
+    return InstrumentChoice({instrument: topic for instrument, topic in pairs if topic is not None})
+
+
+def find_vehicle(
+    source: Source, choice: InstrumentChoice, vehicle_file: Path | None
+) -> RecordedVehicle:
+    """Find the instruments of a recording, and say what the user should know about them."""
+    found = recorded_vehicle(source, choice, vehicle_file)
+    for note in found.notes:
+        messages.print(f"note: {source.path}: {note}", soft_wrap=True)
+    return found
 
 
 def open_recording(  # noqa: PLR0917

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -11,13 +12,15 @@ import typer
 
 from cable_tracker.commands.options import ForceOption, Storage
 from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.terminal import console, counted, progress_bar
+from cable_tracker.commands.terminal import advance, console, counted, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
+from cable_tracker.simulation.survey_bag import write_survey_bag
+from cable_tracker.simulation.survey_dive import SurveySettings, usual_survey
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 
 
@@ -54,6 +57,16 @@ def simulate_command(  # noqa: PLR0917
         Path | None,
         typer.Option(help="Folder of photographs to cover the bottom of a scenario with."),
     ] = None,
+    survey: Annotated[
+        float | None,
+        typer.Option(
+            help="A vehicle with all its instruments inspects so much cable instead [m]: the bag"
+            " holds odometry, imu, altitude, fixes and mounting too."
+        ),
+    ] = None,
+    cable_seed: Annotated[
+        int, typer.Option(help="With --survey: seed of the cable, the same for several dives.")
+    ] = 0,
     storage: Annotated[Storage, typer.Option(help="Format of the bag.")] = Storage.MCAP,
     force: ForceOption = False,
     live: Annotated[
@@ -70,6 +83,12 @@ def simulate_command(  # noqa: PLR0917
         return
     if output is None:
         raise ParameterError("output: name a folder to write, or give --live")
+    if survey is not None:
+        settings_of_survey = replace(
+            usual_survey(survey, seed, cable_seed), rate=rate, image_size=image_size
+        )
+        _simulate_survey(output, settings_of_survey, storage, force)
+        return
     source: Iterator[Frame]
     if scenario is not None and scenario in WORLDS:
         if photographs is not None:
@@ -94,6 +113,21 @@ def simulate_command(  # noqa: PLR0917
         else:
             count = write_sequence(output, dive, overwrite=force)
     console.print(f"{count} frames: {output}", soft_wrap=True)
+
+
+def _simulate_survey(output: Path, settings: SurveySettings, storage: Storage, force: bool) -> None:
+    """Let a vehicle inspect a cable, and write everything that its bag holds."""
+    way = [0.0]
+    with progress_bar("simulating, in m", round(settings.length)) as progress:
+
+        def move(along: float) -> None:
+            advance(progress, round(along) - round(way[0]))
+            way[0] = along
+
+        written = write_survey_bag(
+            output, settings, storage=storage.value, overwrite=force, advance=move
+        )
+    console.print(f"{written.frames} frames, {written.seconds:.0f} s: {output}", soft_wrap=True)
 
 
 def _run_live(output: Path | None, seed: int, image_size: tuple[int, int], rate: float) -> None:

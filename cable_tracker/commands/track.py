@@ -11,8 +11,12 @@ import typer
 from rich.table import Table
 
 from cable_tracker.commands.options import (
+    AltitudeOption,
+    CameraInfoOption,
     ForceOption,
+    ImuOption,
     InitOption,
+    OdometryOption,
     OutsideOption,
     ParamsOption,
     PresetOption,
@@ -22,6 +26,9 @@ from cable_tracker.commands.options import (
     SourceArgument,
     TopicOption,
     TruthOption,
+    VehicleOption,
+    chosen_instruments,
+    find_vehicle,
     open_recording,
 )
 from cable_tracker.commands.ros_part import need_ros
@@ -71,6 +78,11 @@ def track(  # noqa: PLR0917
     pictures: Annotated[
         bool, typer.Option("--pictures/--no-pictures", help="Write contact sheet and plots.")
     ] = True,
+    vehicle: VehicleOption = None,
+    camera_info_topic: CameraInfoOption = None,
+    altitude_topic: AltitudeOption = None,
+    imu_topic: ImuOption = None,
+    odometry_topic: OdometryOption = None,
     timing: Annotated[
         bool,
         typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
@@ -78,9 +90,10 @@ def track(  # noqa: PLR0917
 ) -> None:
     """Track a recording and write the results into a folder.
 
-    They are a table of estimates, pictures, a video and a bag. With ground truth, a table of
-    errors is printed. The same recording, parameters and seed give
-    the same estimates, with --ros and without.
+    They are a table of estimates, pictures, a video and a bag. Where a bag holds calibration and
+    altitude, the table says in metres where the cable is, and odometry tells the filter how the
+    vehicle moves. With ground truth, a table of errors is printed. The same recording, parameters
+    and seed give the same estimates, with --ros and without.
     """
     values = given_values(params, param)
     parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
@@ -115,7 +128,11 @@ def track(  # noqa: PLR0917
         else:
             tracker = make_tracker(parameters)
             start_from(tracker, state)
-            damage = track_recording(recording, tracker, results, lambda: advance(progress))
+            chosen = chosen_instruments(
+                camera_info_topic, altitude_topic, imu_topic, odometry_topic
+            )
+            metres = find_vehicle(recording, chosen, vehicle).metres()
+            damage = track_recording(recording, tracker, results, lambda: advance(progress), metres)
         _need_usable_frames(results, damage)
     _print_results(results)
     for line in advice(results.rows, results.widths, parameters):

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from contextlib import closing, suppress
+from collections.abc import Generator, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
-import zstandard
-from rosbags.serde import SerdeError
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bag_limits import LARGEST_UNPACKED, unpack_zstd
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
+from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.frame_source import (
     FrameSource,
@@ -24,7 +22,14 @@ from cable_tracker.sequences.frame_source import (
 )
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.stored_message import StoredMessage
-from cable_tracker.sequences.typestores import ros1_typestore, typestore
+from cable_tracker.sequences.unpacking import deserialise
+from cable_tracker.sequences.video_stream import (
+    VIDEO_TYPES,
+    DecodedPicture,
+    Packet,
+    StreamDecoder,
+    read_packet,
+)
 
 if TYPE_CHECKING:
     from rosbags.typesys.stores.ros2_jazzy import (
@@ -43,8 +48,6 @@ _COMPRESSED = "sensor_msgs/msg/CompressedImage"
 _JOINT_STATE = "sensor_msgs/msg/JointState"
 _TRUTH = "ground_truth"
 _TRUTH_NAMES = ("d", "alpha", "w", "beta")
-_TAIL_LENGTHS = (4, 8)
-_ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
 
 def _listing(topics: dict[str, Topic]) -> str:
@@ -54,7 +57,8 @@ def _listing(topics: dict[str, Topic]) -> str:
 
 
 def _images(topics: dict[str, Topic]) -> dict[str, Topic]:
-    return {name: t for name, t in topics.items() if t.msgtype in (_IMAGE, _COMPRESSED)}
+    kinds = (_IMAGE, _COMPRESSED, *VIDEO_TYPES)
+    return {name: t for name, t in topics.items() if t.msgtype in kinds}
 
 
 def _choose_topic(path: Path, topics: dict[str, Topic], wanted: str | None) -> str:
@@ -71,7 +75,8 @@ def _choose_topic(path: Path, topics: dict[str, Topic], wanted: str | None) -> s
         )
     if not images:
         raise RecordingError(
-            f"{path}: the bag holds no images (sensor_msgs Image or CompressedImage), only"
+            f"{path}: the bag holds no images (Image, CompressedImage, CompressedVideo or"
+            " FFMPEGPacket), only"
             f" {_listing(topics)}"
         )
     recorded = {name: topic for name, topic in images.items() if topic.count} or images
@@ -117,32 +122,6 @@ def _stamp(message: _Stamped, receive_time: int) -> int:
     return (int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)) or receive_time
 
 
-def deserialise_cdr(data: bytes, msgtype: str) -> object:
-    """Deserialise a ROS 2 message that may have a meaningless tail.
-
-    rclpy's own serialiser leaves up to eight bytes at the end, and bags that are written with it
-    hold them. rosbags passes over three.
-
-    Raises
-    ------
-    SerdeError
-        The bytes are no such message.
-    """
-    try:
-        return typestore().deserialize_cdr(data, msgtype)
-    except SerdeError:
-        for length in _TAIL_LENGTHS:
-            with suppress(SerdeError):
-                return typestore().deserialize_cdr(data[:-length], msgtype)
-        raise
-
-
-def _unpacked_size(data: bytes) -> int:
-    """Return what a zstd frame says of its size, or the most that is unpacked if it is silent."""
-    size = zstandard.frame_content_size(data)
-    return size if size >= 0 else LARGEST_UNPACKED
-
-
 def _open(path: Path) -> BagStorage:
     try:
         return open_storage(path)
@@ -153,22 +132,15 @@ def _open(path: Path) -> BagStorage:
         ) from error
 
 
-def _deserialise(message: StoredMessage, is_from_ros1: bool) -> object:
-    data = message.data
-    if data.startswith(_ZSTD_MAGIC):
-        data = unpack_zstd(data, _unpacked_size(data))
-    if is_from_ros1:
-        return ros1_typestore().deserialize_ros1(data, message.msgtype)
-    return deserialise_cdr(data, message.msgtype)
-
-
 def _truths(path: Path, storage: BagStorage, topic: str) -> tuple[dict[int, CableState], bool]:
     """Read the ground truth by stamp, and whether it could be read to its end."""
     truth: dict[int, CableState] = {}
     try:
         with closing(storage.messages([topic])) as messages:
             for message in messages:
-                joints = cast("sensor_msgs__msg__JointState", _deserialise(message, is_ros1(path)))
+                joints = cast(
+                    "sensor_msgs__msg__JointState", deserialise(message, is_ros1=is_ros1(path))
+                )
                 state = _state_from_joints(joints)
                 if state is not None:
                     truth[_stamp(joints, message.time)] = state
@@ -232,6 +204,10 @@ class BagSource(FrameSource):
         chosen = self._storage.topics[self.topic]
         self.frame_count = chosen.count
         self.compressed = chosen.msgtype == _COMPRESSED
+        self._is_video = chosen.msgtype in VIDEO_TYPES
+        if self._is_video:
+            # Packets before the first key frame are no frames.
+            self.frame_count = None
         if chosen.count > 1 and self._storage.duration > 0.0:
             self.nominal_rate = (chosen.count - 1) / self._storage.duration
         if not chosen.count:
@@ -241,8 +217,15 @@ class BagSource(FrameSource):
         self._truth = self._read_truth()
         self.has_truth = bool(self._truth)
 
+    @property
+    def camera_frame(self) -> str:
+        """`frame_id` of the first image; "camera" if it names none."""
+        with closing(self._read(0)) as items:
+            first = next((item for item in items if isinstance(item, Frame)), None)
+        return first.frame_id if first is not None else "camera"
+
     def _deserialise(self, message: StoredMessage) -> object:
-        return _deserialise(message, self._is_ros1)
+        return deserialise(message, is_ros1=self._is_ros1)
 
     def _read_truth(self) -> dict[int, CableState]:
         """Read the ground truth by stamp; what is damaged is said when the frames are read."""
@@ -255,6 +238,9 @@ class BagSource(FrameSource):
         return truth
 
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
+        if self._is_video:
+            yield from self._read_video(start)
+            return
         count = 0
         try:
             with closing(self._storage.messages([self.topic])) as messages:
@@ -270,6 +256,47 @@ class BagSource(FrameSource):
                 " that its index promises are missing; all others have been read; get an undamaged"
                 " copy of the recording"
             )
+
+    def _read_video(self, start: int) -> Generator[Frame | UnreadableFrame]:
+        """Decode from the beginning; what comes before the first key frame is no frame."""
+        count, has_begun = 0, False
+        try:
+            for picture in self._pictures():
+                has_begun = has_begun or picture.picture is not None
+                if not has_begun:
+                    continue
+                if count >= start:
+                    yield self._video_frame(count, picture)
+                count += 1
+        except RecordingError as error:
+            raise damage(self.path, count, str(error)) from error
+        if not has_begun:
+            raise RecordingError(
+                f"{self.path}: not one picture of {self.topic} can be decoded; it holds no key"
+                " frame, or its coding is not known"
+            )
+
+    def _pictures(self) -> Iterator[DecodedPicture]:
+        decoder = StreamDecoder()
+        with closing(self._storage.messages([self.topic])) as messages:
+            for message in messages:
+                try:
+                    packet = read_packet(self._deserialise(message), message.time)
+                # Deserialising foreign bytes raises what the parser happens to raise.
+                except Exception as error:  # noqa: BLE001
+                    nothing = Packet(message.time, "camera", "", b"")
+                    yield DecodedPicture(nothing, None, f"damaged message: {one_line(error)}")
+                    continue
+                yield from decoder.take(packet)
+        yield from decoder.end()
+
+    def _video_frame(self, index: int, decoded: DecodedPicture) -> Frame | UnreadableFrame:
+        packet = decoded.packet
+        if decoded.picture is None:
+            return UnreadableFrame(index, packet.stamp, decoded.reason)
+        image = raw_from_array(decoded.picture, "bgr8")
+        truth = self._truth.get(packet.stamp)
+        return Frame(index, packet.stamp, image, packet.frame_id, truth, packet.stamp)
 
     def _frame(self, index: int, message: StoredMessage) -> Frame | UnreadableFrame:
         try:
@@ -305,4 +332,4 @@ class BagSource(FrameSource):
     ) -> Frame:
         stamp = _stamp(content, time)
         frame_id = content.header.frame_id or "camera"
-        return Frame(index, stamp, image, frame_id, self._truth.get(stamp))
+        return Frame(index, stamp, image, frame_id, self._truth.get(stamp), time)

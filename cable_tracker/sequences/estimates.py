@@ -15,13 +15,37 @@ HEADER = (
     "frame", "stamp", "status", *STATE_SYMBOLS,
     "sigma_d", "sigma_alpha", "sigma_w", "sigma_beta",
     "n_eff", "presence", "evidence", "hypotheses", "ms",
+    "offset", "heading", "sigma_offset", "sigma_heading", "no_metres",
 )  # fmt: skip
 
 CLAIM_SIZE = STATE_SIZE + 4
 """Columns that are empty where no cable is claimed: the state, and its standard deviations."""
 
+METRES_SIZE = 4
+"""Columns that are empty where the cable is not known in metres."""
+
 REFUSED = "REFUSED"
 """Status of a frame that could not be used; the others are those of `TrackingStatus`."""
+
+
+@dataclass(frozen=True, slots=True)
+class RowMetres:
+    """The cable beside the vehicle, in the level frame of `metric.frames`.
+
+    Attributes
+    ----------
+    offset : float
+        y of the cable at x = 0, positive to the left [m].
+    heading : float
+        Direction of the cable from the vehicle's, positive to the left [rad].
+    sigma_offset, sigma_heading : float
+        Their standard deviations [m, rad].
+    """
+
+    offset: float
+    heading: float
+    sigma_offset: float
+    sigma_heading: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +75,10 @@ class EstimateRow:
         In how many places the cable may be; None for a refused frame.
     ms : float or None
         Time the tracker took for the frame [ms]; None if it was not measured.
+    metres : RowMetres or None
+        The cable beside the vehicle; None where it is not known.
+    no_metres : str
+        Why it is not; empty where it is, and for a refused frame.
     """
 
     frame: int
@@ -63,6 +91,8 @@ class EstimateRow:
     evidence: float | None = None
     hypotheses: int | None = None
     ms: float | None = None
+    metres: RowMetres | None = None
+    no_metres: str = ""
 
 
 def format_stamp(stamp: int) -> str:
@@ -89,9 +119,14 @@ def _format_row(row: EstimateRow) -> list[str]:
     sigma: Sequence[float | None] = row.sigma if row.sigma is not None else (None,) * 4
     ms = "" if row.ms is None else f"{row.ms:.3f}"
     belief = (row.n_eff, row.presence, row.evidence, row.hypotheses)
+    metres: Sequence[float | None] = (None,) * METRES_SIZE
+    if row.metres is not None:
+        known = row.metres
+        metres = (known.offset, known.heading, known.sigma_offset, known.sigma_heading)
     return [
         str(row.frame), format_stamp(row.stamp), row.status,
         *(_format_number(value) for value in (*state, *sigma, *belief)), ms,
+        *(_format_number(value) for value in metres), row.no_metres,
     ]  # fmt: skip
 
 
@@ -104,7 +139,8 @@ def write_estimates(path: Path, rows: Iterable[EstimateRow]) -> None:
 
 
 def _parse_row(fields: Sequence[str]) -> EstimateRow:
-    *numbers, hypotheses, ms = fields[3:]
+    *numbers, hypotheses, ms = fields[3 : -METRES_SIZE - 1]
+    metres = [float(text) for text in fields[-METRES_SIZE - 1 : -1] if text]
     values = [float(text) if text else None for text in numbers]
     present = [value for value in values[:CLAIM_SIZE] if value is not None]
     claimed = len(present) == CLAIM_SIZE
@@ -120,6 +156,8 @@ def _parse_row(fields: Sequence[str]) -> EstimateRow:
         evidence=evidence,
         hypotheses=int(hypotheses) if hypotheses else None,
         ms=float(ms) if ms else None,
+        metres=RowMetres(*metres) if len(metres) == METRES_SIZE else None,
+        no_metres=fields[-1],
     )
 
 

@@ -65,6 +65,9 @@ class Frame:
         Coordinate frame named in the header, or "camera".
     truth : CableState or None
         Where the cable really runs, if the recording is labelled.
+    received : int or None
+        When the frame was written into its bag [ns]; None outside bags. Other messages of the bag
+        are ordered by it.
     """
 
     index: int
@@ -72,3 +75,4 @@ class Frame:
     image: RawImage | CompressedImage
     frame_id: str = "camera"
     truth: CableState | None = None
+    received: int | None = None

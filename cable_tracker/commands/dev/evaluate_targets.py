@@ -53,7 +53,7 @@ def evaluate_targets(  # noqa: PLR0917
     force: ForceOption = False,
     workers: WorkersOption = None,
 ) -> None:
-    """Follow simulated targets with our filters and with the trackers of OpenCV.
+    """Compare target filters with the trackers of OpenCV.
 
     All follow the same frames, from the first box. CSRT and KCF are in the wheel
     opencv-contrib-python-headless before 5.0, which takes the place of opencv-python-headless.

@@ -15,11 +15,14 @@ from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.recorded import RecordedMetres
+from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.convert import write_truth
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.estimates import REFUSED, EstimateRow
+from cable_tracker.sequences.estimates import REFUSED, EstimateRow, RowMetres
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.sequences.messages import (
@@ -100,7 +103,12 @@ def _true_state(source: Source, first: Frame) -> CableState:
     return CableState(truth.distance, truth.angle, truth.width, truth.skew)
 
 
-def row_of(frame: Frame, estimate: CableEstimate, ms: float | None) -> EstimateRow:
+def row_of(
+    frame: Frame,
+    estimate: CableEstimate,
+    ms: float | None,
+    metres: CrossTrack | Withheld | None = None,
+) -> EstimateRow:
     """Return the row of the table for a tracked frame."""
     claimed = estimate.status is TrackingStatus.TRACKING
     d, alpha, w, beta = (float(value) for value in estimate.standard_deviations()[:4])
@@ -115,7 +123,14 @@ def row_of(frame: Frame, estimate: CableEstimate, ms: float | None) -> EstimateR
         evidence=estimate.evidence,
         hypotheses=len(estimate.hypotheses),
         ms=ms,
+        metres=_row_metres(metres) if isinstance(metres, CrossTrack) else None,
+        no_metres=str(metres) if isinstance(metres, Withheld) else "",
     )
+
+
+def _row_metres(known: CrossTrack) -> RowMetres:
+    sigma = known.standard_deviations()
+    return RowMetres(known.offset, known.heading, float(sigma[0]), float(sigma[2]))
 
 
 def track_recording(
@@ -123,6 +138,7 @@ def track_recording(
     tracker: CableTracker,
     results: ResultFolder,
     advance: Callable[[], None] = lambda: None,
+    metres: RecordedMetres | None = None,
 ) -> RecordingError | None:
     """Track all frames of a source and collect the results.
 
@@ -136,6 +152,8 @@ def track_recording(
         Where the results go.
     advance : callable
         Called after each frame.
+    metres : RecordedMetres or None
+        The recording's instruments; None: everything stays in pixels.
 
     Returns
     -------
@@ -144,7 +162,7 @@ def track_recording(
     """
     try:
         for frame in source.frames():
-            _track_frame(frame, tracker, results)
+            _track_frame(frame, tracker, results, metres)
             advance()
     except RecordingError as error:
         return error
@@ -157,12 +175,17 @@ def start_from(tracker: CableTracker, state: CableState | None) -> None:
         tracker.initialise(StatePrior.around(state))
 
 
-def _track_frame(frame: Frame, tracker: CableTracker, results: ResultFolder) -> None:
+def _track_frame(
+    frame: Frame, tracker: CableTracker, results: ResultFolder, metres: RecordedMetres | None
+) -> None:
     output = _FrameOutput(results.bag, frame) if results.wanted.bag else None
+    if metres is not None:
+        metres.advance(frame)
     try:
         grey = decode_grey(frame.image)
         begin = time.perf_counter()
-        estimate = tracker.process(grey, frame.stamp)
+        motion = metres.motion(frame.stamp, grey) if metres is not None else None
+        estimate = tracker.process(grey, frame.stamp, motion)
         ms = (time.perf_counter() - begin) * 1e3
     except FrameError as error:
         if output is not None:
@@ -173,7 +196,11 @@ def _track_frame(frame: Frame, tracker: CableTracker, results: ResultFolder) -> 
     cloud = cloud_of(tracker.particles)
     if output is not None:
         output.write_estimate(estimate, grey, cloud, ms)
-    results.add(frame, row_of(frame, estimate, ms), cloud, estimate.hypotheses)
+    known = None
+    if metres is not None:
+        metres.observe(estimate)
+        known = metres.measure(estimate)
+    results.add(frame, row_of(frame, estimate, ms, known), cloud, estimate.hypotheses)
 
 
 class _FrameOutput:

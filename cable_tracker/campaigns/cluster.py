@@ -1,0 +1,149 @@
+"""A cluster of Dask: one of this machine's own, or one that is running elsewhere."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import dask
+from distributed import Client, LocalCluster
+
+from cable_tracker import __version__
+from cable_tracker.errors import ParameterError
+
+LARGEST_WORKER_COUNT = 256
+CONNECT_TIMEOUT = 20.0
+"""How long to wait for a scheduler [s]."""
+
+DASHBOARD = "127.0.0.1:8787"
+
+
+@dataclass(frozen=True, slots=True)
+class ClusterSettings:
+    """Where tasks run.
+
+    Attributes
+    ----------
+    workers : int
+        Processes of a cluster on this machine.
+    scheduler : str or None
+        Address of a running scheduler, as tcp://host:8786; None: a cluster of this machine's own.
+    memory : str
+        Most memory of each worker, as "2 GiB"; it is restarted when it takes more.
+    dashboard : bool
+        Serve Dask's pages at `DASHBOARD`.
+
+    Raises
+    ------
+    ParameterError
+        The number of workers is out of range.
+    """
+
+    workers: int = 1
+    scheduler: str | None = None
+    memory: str = "4 GiB"
+    dashboard: bool = False
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.workers <= LARGEST_WORKER_COUNT:
+            raise ParameterError(f"workers is {self.workers}: give 1 to {LARGEST_WORKER_COUNT}")
+
+
+@contextmanager
+def connected(settings: ClusterSettings) -> Iterator[Client]:
+    """Connect to the cluster, which is started and stopped if it is this machine's own.
+
+    Raises
+    ------
+    ParameterError
+        There is no scheduler at the address, it has no workers, or one of them has another version
+        of this package.
+    """
+    quiet = {
+        "distributed.scheduler.allowed-failures": 3,
+        "distributed.comm.timeouts.connect": f"{CONNECT_TIMEOUT}s",
+        # Python's own start method "fork" may hang with the threads of OpenCV and Numba.
+        "distributed.worker.multiprocessing-method": "spawn",
+    }
+    with dask.config.set(quiet):
+        if settings.scheduler is None:
+            with _local(settings) as cluster, Client(cluster) as client:
+                _prepare(client)
+                yield client
+            return
+        try:
+            client = Client(settings.scheduler, timeout=CONNECT_TIMEOUT)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise ParameterError(
+                f"scheduler: none answers at {settings.scheduler} ({_first_line(error)}); start one"
+                " with `dask scheduler`"
+            ) from error
+        with client:
+            _prepare(client)
+            yield client
+
+
+def _local(settings: ClusterSettings) -> LocalCluster:
+    try:
+        return LocalCluster(
+            n_workers=settings.workers,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            silence_logs=logging.CRITICAL,
+            memory_limit=settings.memory.replace(" ", ""),
+            dashboard_address=DASHBOARD if settings.dashboard else None,
+        )
+    except ValueError as error:
+        raise ParameterError(f"memory: {_first_line(error)}; give a size such as 2GiB") from error
+
+
+def _first_line(error: BaseException) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0]
+
+
+def _prepare(client: Client) -> None:
+    """See that the workers are there and of this version, and let each use one thread."""
+    check_versions(client)
+    client.run(use_one_thread)
+
+
+def use_one_thread() -> None:
+    """Let OpenCV use one thread: each worker has one processor."""
+    cv2.setNumThreads(1)
+
+
+def version_here() -> str:
+    """Return the version of this package in this process."""
+    return __version__
+
+
+def check_versions(client: Client) -> None:
+    """See that all workers have this version of the package.
+
+    Raises
+    ------
+    ParameterError
+        One has not, or there are none.
+    """
+    try:
+        found: dict[str, Any] = client.run(version_here)
+    # What a worker without this package raises comes from its unpickling, in many types.
+    except Exception as error:
+        raise ParameterError(
+            f"scheduler: a worker cannot load cable_tracker {__version__}"
+            f" ({_first_line(error)}); install this version on all workers"
+        ) from error
+    if not found:
+        raise ParameterError("scheduler: it has no workers; start some with `dask worker ADDRESS`")
+    others = {address: version for address, version in found.items() if version != __version__}
+    if others:
+        listed = ", ".join(f"{address} has {version}" for address, version in others.items())
+        raise ParameterError(
+            f"scheduler: this is cable_tracker {__version__}, but {listed}; install one version on"
+            " all workers"
+        )

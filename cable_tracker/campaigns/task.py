@@ -1,0 +1,127 @@
+"""What a campaign consists of, and how it is known whether a task has been done already."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Protocol
+
+from cable_tracker.errors import OutputError
+
+MARKER = "task.json"
+"""Lies in the folder of a task that is done, and says of what."""
+
+
+class Task(Protocol):
+    """What one worker does at a time. It is sent to other processes, perhaps on other machines.
+
+    Attributes
+    ----------
+    name : str
+        Of the folder that its results go to; each task of a campaign has its own.
+    """
+
+    @property
+    def name(self) -> str:
+        """Of the folder that its results go to."""
+        ...
+
+    def fingerprint(self) -> str:
+        """Return a text that changes when input or parameters change."""
+        ...
+
+    def run(self, folder: Path, advance: Callable[[int], None]) -> None:
+        """Do it, and write all results into a folder, which exists; tell of the progress."""
+        ...
+
+
+class TaskState(str, Enum):
+    """What has become of a task."""
+
+    DONE = "done"
+    KEPT = "kept"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What has become of a task.
+
+    Attributes
+    ----------
+    name : str
+        Of the task.
+    state : TaskState
+        KEPT: an earlier campaign has done it already.
+    reason : str
+        Why it failed; empty if it did not.
+    """
+
+    name: str
+    state: TaskState
+    reason: str = ""
+
+
+def fingerprint_of_files(path: Path) -> str:
+    """Return a text that changes when a file, or a file in a folder, is written to.
+
+    It is made of names, sizes and times of change; contents are not read.
+    """
+    files = sorted(path.rglob("*")) if path.is_dir() else [path]
+    lines = []
+    for file in files:
+        try:
+            if file.is_dir():
+                continue
+            found = file.stat()
+        except OSError:
+            lines.append(f"{file.name} missing")
+            continue
+        lines.append(f"{file.relative_to(path.parent)} {found.st_size} {found.st_mtime_ns}")
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+
+def is_done(task: Task, folder: Path, version: str) -> bool:
+    """Tell whether a folder holds the results of this very task, by this very version."""
+    try:
+        marker = json.loads((folder / MARKER).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return bool(marker == _marker(task.fingerprint(), version))
+
+
+def _marker(fingerprint: str, version: str) -> dict[str, str]:
+    return {"fingerprint": fingerprint, "version": version}
+
+
+def do(task: Task, root: Path, version: str, advance: Callable[[int], None]) -> None:
+    """Do a task; its folder appears when it is complete, in place of an earlier one.
+
+    The marker tells of the input as it was at the beginning: what was still being written then is
+    done again next time.
+
+    Raises
+    ------
+    OutputError
+        The results cannot be written.
+    """
+    folder, partial = root / task.name, root / f".{task.name}.partial"
+    marker = _marker(task.fingerprint(), version)
+    try:
+        shutil.rmtree(partial, ignore_errors=True)
+        partial.mkdir(parents=True)
+        task.run(partial, advance)
+        (partial / MARKER).write_text(json.dumps(marker), encoding="utf-8")
+        shutil.rmtree(folder, ignore_errors=True)
+        partial.rename(folder)
+    except OSError as error:
+        raise OutputError(
+            f"{folder}: cannot be written ({error.strerror or error}); check the disk"
+        ) from error
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)

@@ -1,0 +1,168 @@
+"""`cable-tracker survey`."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from cable_tracker.campaigns.cluster import ClusterSettings
+from cable_tracker.commands.options import (
+    AltitudeOption,
+    CameraInfoOption,
+    FixOption,
+    ForceOption,
+    ImuOption,
+    OdometryOption,
+    ParamsOption,
+    PresetOption,
+    RateOption,
+    SeedOption,
+    TopicOption,
+    VehicleOption,
+    chosen_instruments,
+)
+from cable_tracker.commands.terminal import advance, console, messages, progress_bar
+from cable_tracker.commands.tuning import chosen_parameters
+from cable_tracker.errors import OutputError, ParameterError, RecordingError
+from cable_tracker.survey.campaign import RECORDINGS, REPORT, SurveyResult, run_survey
+from cable_tracker.survey.events import Limits
+from cable_tracker.survey.forwards import ForwardSettings
+from cable_tracker.survey.recording import SurveySettings
+from cable_tracker.tracking.parameter_files import read_parameter_file
+
+
+def survey(  # noqa: PLR0917
+    recordings: Annotated[
+        list[Path], typer.Argument(help="Recordings: bags with odometry, calibration, altitude.")
+    ],
+    output: Annotated[Path, typer.Option(help="Folder for the results.")],
+    datum: Annotated[
+        str | None,
+        typer.Option(
+            help="Latitude,longitude of the local frame's origin in degrees."
+            "  [default: the first fix]"
+        ),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Do only what is missing or has changed.")
+    ] = False,
+    force: ForceOption = False,
+    workers: Annotated[int, typer.Option(help="Processes on this machine.")] = 1,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Address of a running Dask scheduler: tcp://host:8786.")
+    ] = None,
+    memory: Annotated[str, typer.Option(help="Most memory of each worker.")] = "4 GiB",
+    dashboard: Annotated[
+        bool, typer.Option("--dashboard", help="Serve Dask's pages at 127.0.0.1:8787.")
+    ] = False,
+    pictures: Annotated[bool, typer.Option(help="Keep a picture of each event.")] = True,
+    least_burial: Annotated[
+        float, typer.Option(help="Shorter buried stretches are not reported [m].")
+    ] = 1.0,
+    bend_radius: Annotated[
+        float, typer.Option(help="Bends with a smaller radius are events [m].")
+    ] = 10.0,
+    most_aside: Annotated[
+        float, typer.Option(help="The vehicle is too far beside the cable from here on [m].")
+    ] = 1.2,
+    preset_name: PresetOption = None,
+    params: ParamsOption = None,
+    seed: SeedOption = None,
+    topic: TopicOption = None,
+    rate: RateOption = 25.0,
+    vehicle: VehicleOption = None,
+    camera_info_topic: CameraInfoOption = None,
+    altitude_topic: AltitudeOption = None,
+    imu_topic: ImuOption = None,
+    odometry_topic: OdometryOption = None,
+    fix_topic: FixOption = None,
+) -> None:
+    """Map the cable from dives: its route, events, and a report.
+
+    Each recording is tracked forwards and smoothed backwards; dives over the same cable are merged.
+    """
+    values = read_parameter_file(params) if params is not None else {}
+    forward = ForwardSettings(
+        parameters=chosen_parameters(preset_name.value if preset_name else None, values, seed),
+        topic=topic,
+        rate=rate,
+        choice=chosen_instruments(
+            camera_info_topic, altitude_topic, imu_topic, odometry_topic, fix_topic
+        ),
+        vehicle=vehicle.resolve() if vehicle is not None else None,
+    )
+    limits = Limits(least_burial=least_burial, bend_radius=bend_radius, most_aside=most_aside)
+    settings = SurveySettings(forward, limits, parse_datum(datum), pictures)
+    cluster = ClusterSettings(workers, scheduler, memory, dashboard)
+    _check_output(output, resume, force)
+    begin = time.monotonic()
+    if dashboard:
+        messages.print("Dask's pages: http://127.0.0.1:8787/status")
+    with progress_bar("surveying", None) as progress:
+        result = run_survey(
+            recordings, output, settings, cluster,
+            resume=resume, advance=lambda count: advance(progress, count),
+        )  # fmt: skip
+    _print(result, output, time.monotonic() - begin)
+    if all(row.state != "done" for row in result.rows):
+        raise RecordingError(f"none of the {len(result.rows)} recordings could be surveyed")
+
+
+def parse_datum(text: str | None) -> tuple[float, float] | None:
+    """Read a datum such as 54.25,7.9.
+
+    Raises
+    ------
+    ParameterError
+        It is none.
+    """
+    if text is None:
+        return None
+    try:
+        latitude, longitude = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise ParameterError(f"datum: {text!r} is not of the form 54.25,7.9") from error
+    if not (abs(latitude) <= 90.0 and abs(longitude) <= 360.0):
+        raise ParameterError(f"datum: {text} is no place on the earth")
+    return latitude, longitude
+
+
+def _check_output(output: Path, resume: bool, force: bool) -> None:
+    """See that nothing but an earlier survey is written over, and that only if it is wanted."""
+    if not output.exists() or (output.is_dir() and not any(output.iterdir())):
+        return
+    if not (output / RECORDINGS).is_dir():
+        raise OutputError(f"{output}: is no earlier survey and is not overwritten; choose another")
+    if not (resume or force):
+        raise OutputError(
+            f"{output}: holds a survey; go on with --resume, or do it again with --force"
+        )
+
+
+def _print(result: SurveyResult, output: Path, seconds: float) -> None:
+    frames = sum(row.frames for row in result.rows)
+    recorded = sum(row.seconds for row in result.rows)
+    done = [outcome for outcome in result.outcomes if outcome.state.value == "done"]
+    console.print(
+        f"{len(result.outcomes)} recordings, {frames} frames, {recorded:.0f} s recorded,"
+        f" {seconds:.0f} s taken, {len(result.outcomes) - len(done)} kept or failed"
+    )
+    table = Table(title="routes")
+    for heading in ("", "length [m]", "median sigma [m]", "events", "recordings"):
+        table.add_column(heading, justify="left" if heading in ("", "recordings") else "right")
+    for number, route in enumerate(result.routes, start=1):
+        sigma = sorted(float(value) for value in route.sigmas)[len(route.sigmas) // 2]
+        table.add_row(
+            f"route {number}", f"{route.along[-1]:.1f}", f"{sigma:.3f}", str(len(route.events)),
+            ", ".join(route.recordings),
+        )  # fmt: skip
+    console.print(table)
+    for row in result.rows:
+        for note in (row.state, *row.notes):
+            if note != "done":
+                console.print(f"{row.name}: {note}", soft_wrap=True)
+    console.print(f"  {output / REPORT}", soft_wrap=True)

@@ -1,0 +1,141 @@
+"""How calibration, altitude, attitude, odometry and cross track stand in ROS messages.
+
+Those of rclpy or of rosbags, of ROS 2 or ROS 1.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.metric.altitude import MOST_ALTITUDE
+from cable_tracker.metric.calibration import Calibration
+from cable_tracker.metric.frames import Attitude, roll_and_pitch
+from cable_tracker.sequences.messages import UNKNOWN_VARIANCE, Message, MessageFactory
+
+Y, YAW = 1, 5
+"""Rows of y and yaw in a 6x6 covariance."""
+
+QUATERNION_TOLERANCE = 0.1
+
+
+def read_camera_info(message: Message, *, is_rectified: bool) -> Calibration:
+    """Read a sensor_msgs/CameraInfo as the calibration of the images that belong to it.
+
+    Parameters
+    ----------
+    message : Message
+        Its width and height are those of the whole sensor; the images show the region of interest,
+        reduced by the binning.
+    is_rectified : bool
+        Whether the images are rectified: then the projection matrix counts, and nothing is bent.
+    """
+    size = (int(message.width), int(message.height))
+    if is_rectified:
+        p = _matrix(message, "p")
+        rows = (p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10])
+        whole = Calibration.of_matrices(size, "plumb_bob", rows, ())
+    else:
+        model = str(message.distortion_model)
+        whole = Calibration.of_matrices(size, model, _matrix(message, "k"), _matrix(message, "d"))
+    roi = message.roi
+    shown = size
+    if roi.width and roi.height:
+        shown = (int(roi.width), int(roi.height))
+        whole = whole.cut((int(roi.x_offset), int(roi.y_offset)), shown)
+    binning = (max(int(message.binning_x), 1), max(int(message.binning_y), 1))
+    reduced = (shown[0] // binning[0], shown[1] // binning[1])
+    return whole.scaled_to(reduced) if min(reduced) > 0 and binning != (1, 1) else whole
+
+
+def _matrix(message: Message, name: str) -> list[float]:
+    """Return a matrix of a CameraInfo; ROS 1 writes its name with a capital."""
+    values = getattr(message, name) if hasattr(message, name) else getattr(message, name.upper())
+    return [float(value) for value in values]
+
+
+def read_range(message: Message) -> tuple[float, tuple[float, float]]:
+    """Read a sensor_msgs/Range: the distance and its limits [m]; limits that are not set are wide.
+
+    Out of range it is +-inf, as REP 117 has it.
+    """
+    low, high = float(message.min_range), float(message.max_range)
+    return float(message.range), (low, high if low < high < math.inf else MOST_ALTITUDE)
+
+
+def read_attitude(message: Message, least_sigma: float) -> Attitude:
+    """Read roll and pitch of a sensor_msgs/Imu that is mounted like base_link.
+
+    Not a number if it says that it knows no orientation, or has no unit quaternion. `least_sigma`
+    [rad] stands for a covariance that is not given, or smaller.
+    """
+    q = message.orientation
+    x, y, z, w = float(q.x), float(q.y), float(q.z), float(q.w)
+    norm = math.sqrt(x * x + y * y + z * z + w * w)
+    covariance = [float(value) for value in message.orientation_covariance]
+    # Written so that NaN counts as no unit quaternion.
+    if covariance[0] == -1.0 or not abs(norm - 1.0) <= QUATERNION_TOLERANCE:
+        return Attitude(math.nan, math.nan, least_sigma)
+    roll, pitch = roll_and_pitch(x / norm, y / norm, z / norm, w / norm)
+    if not (math.isfinite(covariance[0]) and math.isfinite(covariance[4])):
+        return Attitude(math.nan, math.nan, least_sigma)
+    sigma = math.sqrt(max(covariance[0], covariance[4], 0.0))
+    return Attitude(roll, pitch, max(sigma, least_sigma))
+
+
+def read_twist(
+    message: Message, least_sigmas: tuple[float, float]
+) -> tuple[FloatArray, FloatArray]:
+    """Read the twist of a nav_msgs/Odometry and its covariance, shapes (6,) and (6, 6).
+
+    It must be in base_link. `least_sigmas` [m/s, rad/s] stand for variances that are not given.
+    """
+    linear, angular = message.twist.twist.linear, message.twist.twist.angular
+    twist = [float(getattr(part, axis)) for part in (linear, angular) for axis in "xyz"]
+    covariance = np.asarray(message.twist.covariance, dtype=np.float64).reshape(6, 6).copy()
+    least = np.repeat(np.square(least_sigmas), 3)
+    known = np.diag(covariance) >= least
+    # A variance that is raised alone would contradict the correlations beside it.
+    covariance[~known] = covariance[:, ~known] = 0.0
+    covariance[~known, ~known] = least[~known]
+    return np.array(twist), covariance
+
+
+def make_cross_track(
+    factory: MessageFactory,
+    header: Message,
+    place: tuple[float, float, float],
+    heading: float,
+    covariance: FloatArray,
+) -> Message:
+    """Pack the cable at a place x, y, z [m] and its heading [rad] as PoseWithCovarianceStamped.
+
+    `covariance` (2, 2) is that of y and the heading. What else the pose has room for gets
+    `UNKNOWN_VARIANCE`: x is chosen, not measured.
+    """
+    x, y, z = place
+    whole = [0.0] * 36
+    for row in range(6):
+        whole[7 * row] = UNKNOWN_VARIANCE
+    for row, own_row in enumerate((Y, YAW)):
+        for column, own_column in enumerate((Y, YAW)):
+            whole[6 * own_row + own_column] = float(covariance[row, column])
+    pose = factory.make(
+        "geometry_msgs/msg/Pose",
+        position=factory.make("geometry_msgs/msg/Point", x=x, y=y, z=z),
+        orientation=factory.make(
+            "geometry_msgs/msg/Quaternion",
+            x=0.0,
+            y=0.0,
+            z=math.sin(heading / 2),
+            w=math.cos(heading / 2),
+        ),
+    )
+    with_covariance = factory.make(
+        "geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=factory.doubles(whole)
+    )
+    return factory.make(
+        "geometry_msgs/msg/PoseWithCovarianceStamped", header=header, pose=with_covariance
+    )

@@ -1,0 +1,243 @@
+"""Metres, and the vehicle's motion for the filter, from what was recorded beside the pictures.
+
+The same as the tracker node does with what it hears, except that a recording knows the future: what
+instruments said shortly after a frame is known when the frame is tracked, so that their
+measurements are interpolated instead of held.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.metric.aiding import MotionAiding
+from cable_tracker.metric.altitude import MOST_ALTITUDE
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.instruments import Instruments
+from cable_tracker.metric.messages import (
+    read_attitude,
+    read_camera_info,
+    read_range,
+    read_twist,
+)
+from cable_tracker.metric.motion import Odometry
+from cable_tracker.metric.settings import instrument_settings, number
+from cable_tracker.metric.vehicle import (
+    Vehicle,
+    VehicleFile,
+    describe_vehicle,
+    read_vehicle_file,
+)
+from cable_tracker.metric.withheld import Withheld
+from cable_tracker.sequences.bag import BagSource
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.instruments import (
+    Instrument,
+    InstrumentChoice,
+    InstrumentMessage,
+    InstrumentSource,
+)
+from cable_tracker.sequences.source import Source
+
+LOOK_AHEAD = 250_000_000
+"""What was received so long after a frame is known when it is tracked [ns]. The fastest instruments
+are kept for twice as long."""
+
+
+class InstrumentFeed:
+    """Hands out the messages of a bag's instruments in step with its frames.
+
+    Parameters
+    ----------
+    source : InstrumentSource
+        Where they come from.
+    """
+
+    def __init__(self, source: InstrumentSource) -> None:
+        self._messages = source.messages()
+        self._next: InstrumentMessage | None = next(self._messages, None)
+
+    def until(self, received: int) -> Iterator[InstrumentMessage]:
+        """Yield what has been received up to a time [ns] and was not handed out before."""
+        while self._next is not None and self._next.received <= received:
+            message = self._next
+            self._next = next(self._messages, None)
+            yield message
+
+    def close(self) -> None:
+        """Read no more."""
+        self._next = None
+        self._messages.close()
+
+
+class RecordedMetres:
+    """Turns the estimates of a recording into metres, and its odometry into aid for the filter.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Mounting, doubts, and a calibration if the bag has none.
+    source : InstrumentSource or None
+        Instruments of the bag; None where there are none.
+    """
+
+    def __init__(self, vehicle: Vehicle, source: InstrumentSource | None) -> None:
+        self._values = vehicle.values
+        self._feed = None if source is None else InstrumentFeed(source)
+        self._instruments = Instruments(instrument_settings(vehicle.values))
+        self._odometry = Odometry()
+        self._aiding = MotionAiding(self._instruments, self._odometry)
+        self._aids = bool(vehicle.values["motion_aid"]) and (
+            source is not None and Instrument.ODOMETRY in source.found.topics
+        )
+        if vehicle.calibration is not None:
+            self._instruments.take_calibration(vehicle.calibration)
+            self._has_calibration = True
+        else:
+            self._has_calibration = False
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if self._feed is not None:
+            self._feed.close()
+
+    @property
+    def instruments(self) -> Instruments:
+        """Calibration, altitude, attitude as they are known so far."""
+        return self._instruments
+
+    @property
+    def why_not_aided(self) -> str:
+        """Why the last frame was tracked without odometry; empty if it was not."""
+        return self._aiding.why_not
+
+    def advance(self, frame: Frame) -> list[InstrumentMessage]:
+        """Take what the instruments said up to a frame and shortly after it, and return it."""
+        if self._feed is None or frame.received is None:
+            return []
+        taken = list(self._feed.until(frame.received + LOOK_AHEAD))
+        for message in taken:
+            self._take(message)
+        return taken
+
+    def _take(self, given: InstrumentMessage) -> None:
+        message, stamp = given.message, given.stamp
+        if given.instrument is Instrument.CAMERA_INFO:
+            if not self._has_calibration:
+                is_rectified = bool(self._values["image_is_rectified"])
+                self._instruments.take_calibration(
+                    read_camera_info(message, is_rectified=is_rectified)
+                )
+        elif given.instrument is Instrument.ALTITUDE:
+            if hasattr(message, "range"):
+                metres, limits = read_range(message)
+            else:
+                metres, limits = float(message.data), (0.0, MOST_ALTITUDE)
+            self._instruments.take_altitude(stamp, metres, limits)
+        elif given.instrument is Instrument.IMU:
+            least = math.radians(number(self._values, "imu_sigma"))
+            self._instruments.take_attitude(stamp, read_attitude(message, least))
+        elif given.instrument is Instrument.ODOMETRY:
+            least_sigmas = (
+                number(self._values, "velocity_sigma"),
+                math.radians(number(self._values, "turn_sigma")),
+            )
+            self._odometry.add(stamp, *read_twist(message, least_sigmas))
+
+    def motion(self, stamp: int, image: Image) -> MotionAid | None:
+        """Return how the cable has moved since the frame before; `image` (H, W), `stamp` [ns].
+
+        None without odometry, or while it disagrees with what the camera sees.
+        """
+        return self._aiding.motion(stamp, image) if self._aids else None
+
+    def observe(self, estimate: CableEstimate) -> None:
+        """Learn from an estimate how far odometry may be believed; once for each frame."""
+        if self._aids:
+            self._aiding.observe(estimate)
+
+    def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
+        """Return the cable of an estimate in metres, or why not."""
+        return self._instruments.cross_track(estimate)
+
+
+VEHICLE_FILE = "vehicle.yaml"
+"""Beside the storage files of a bag it is read without being asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedVehicle:
+    """The vehicle of a recording, and its instruments.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        As tf_static and the vehicle file describe it.
+    source : InstrumentSource or None
+        Instruments of the bag; None for a recording that is no bag.
+    """
+
+    vehicle: Vehicle
+    source: InstrumentSource | None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the user should know."""
+        found = () if self.source is None else self.source.found.notes
+        return (*found, *self.vehicle.notes)
+
+    @property
+    def has_instruments(self) -> bool:
+        """Whether there is anything that metres could be made of."""
+        found = self.source is not None and bool(self.source.found.topics)
+        return found or self.vehicle.calibration is not None
+
+    def metres(self) -> RecordedMetres | None:
+        """Return what turns estimates into metres; None where everything stays in pixels."""
+        return RecordedMetres(self.vehicle, self.source) if self.has_instruments else None
+
+
+def recorded_vehicle(
+    recording: Source, choice: InstrumentChoice | None = None, vehicle_file: Path | None = None
+) -> RecordedVehicle:
+    """Find out what a recording holds besides its pictures.
+
+    Parameters
+    ----------
+    recording : Source
+        An open recording.
+    choice : InstrumentChoice or None
+        Which topics the user wants.
+    vehicle_file : Path or None
+        The user's `vehicle.yaml`; None: the one in the bag's folder, if there is one.
+
+    Raises
+    ------
+    RecordingError
+        The bag cannot be read, or a topic that the user named is not there.
+    ParameterError
+        The vehicle file is not acceptable.
+    """
+    file = VehicleFile()
+    own = recording.path / VEHICLE_FILE
+    if vehicle_file is not None or own.is_file():
+        file = read_vehicle_file(vehicle_file or own)
+    if not isinstance(recording, BagSource):
+        return RecordedVehicle(describe_vehicle(None, "", file), None)
+    source = InstrumentSource(recording.path, recording.topic, choice)
+    vehicle = describe_vehicle(source, recording.camera_frame, file)
+    return RecordedVehicle(vehicle, source)

@@ -1,0 +1,181 @@
+"""What is known of a vehicle before its recording is tracked: mounting, calibration, doubts.
+
+It comes from the bag's `/tf_static`, and from a file `vehicle.yaml` that wins over it: parameters
+by name as the tracker node reads them, and the calibration under the names that ROS' camera
+calibration writes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.errors import ParameterError
+from cable_tracker.metric.calibration import Calibration
+from cable_tracker.metric.settings import camera_parameters, default_values
+from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
+from cable_tracker.sequences.instruments import Instrument, InstrumentSource, place_in
+from cable_tracker.tracking.parameter_files import read_parameter_file
+
+CALIBRATION_NAMES = (
+    "image_width", "image_height", "distortion_model", "camera_matrix", "distortion_coefficients",
+)  # fmt: skip
+IGNORED_NAMES = ("camera_name", "rectification_matrix", "projection_matrix")
+
+TURNED = math.radians(1.0)
+"""An imu that is turned by more against base_link cannot be read as if it were not [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Vehicle:
+    """A vehicle as it is described.
+
+    Attributes
+    ----------
+    values : dict
+        All of `METRIC_PARAMETERS`, by name.
+    calibration : Calibration or None
+        Of the camera, where no topic gives one.
+    notes : tuple of str
+        What the user should know.
+    """
+
+    values: dict[str, object] = field(default_factory=default_values)
+    calibration: Calibration | None = None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleFile:
+    """What a file says.
+
+    Attributes
+    ----------
+    values : dict
+        The parameters that it names.
+    calibration : Calibration or None
+        Of the camera.
+    """
+
+    values: dict[str, object] = field(default_factory=dict)
+    calibration: Calibration | None = None
+
+
+def read_vehicle_file(path: Path) -> VehicleFile:
+    """Read a `vehicle.yaml`.
+
+    Raises
+    ------
+    ParameterError
+        It cannot be read, names something unknown, or a value is not acceptable.
+    """
+    content = read_parameter_file(path)
+    specs = {spec.name: spec for spec in METRIC_PARAMETERS}
+    known = (*specs, *CALIBRATION_NAMES, *IGNORED_NAMES)
+    unknown = sorted(set(content) - set(known))
+    if unknown:
+        raise ParameterError(
+            f"{path}: {', '.join(unknown)}: no such parameter; known are {', '.join(known)}"
+        )
+    values: dict[str, object] = {}
+    for name in specs.keys() & content.keys():
+        try:
+            values[name] = specs[name].coerce(content[name])
+        except ParameterError as error:
+            raise ParameterError(f"{path}: {error}") from error
+    given = [name for name in CALIBRATION_NAMES if name in content]
+    return VehicleFile(values, _calibration(path, content) if given else None)
+
+
+def _calibration(path: Path, content: Mapping[str, object]) -> Calibration:
+    try:
+        matrix, coefficients = (
+            _numbers(content[name]) for name in ("camera_matrix", "distortion_coefficients")
+        )
+        size = (int(str(content["image_width"])), int(str(content["image_height"])))
+        model = str(content["distortion_model"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise ParameterError(
+            f"{path}: the calibration is not complete or no numbers ({error}); it needs"
+            f" {', '.join(CALIBRATION_NAMES)}"
+        ) from error
+    if len(matrix) != 9:
+        raise ParameterError(f"{path}: camera_matrix has {len(matrix)} numbers; it needs 9")
+    return Calibration.of_matrices(size, model, matrix, coefficients)
+
+
+def _numbers(value: object) -> list[float]:
+    data = value["data"] if isinstance(value, dict) else value
+    if not isinstance(data, list):
+        raise TypeError("no list of numbers")
+    return [float(each) for each in data]
+
+
+def describe_vehicle(
+    source: InstrumentSource | None, camera_frame: str, file: VehicleFile | None = None
+) -> Vehicle:
+    """Put together what a bag and a file say about a vehicle; the file wins.
+
+    Parameters
+    ----------
+    source : InstrumentSource or None
+        Instruments and frames of the bag.
+    camera_frame : str
+        `frame_id` of the images: the camera's optical frame.
+    file : VehicleFile or None
+        What the user says.
+    """
+    file = file if file is not None else VehicleFile()
+    values = default_values()
+    notes: list[str] = []
+    if source is not None:
+        found, notes = _from_frames(source, camera_frame)
+        values.update(found)
+    values.update(file.values)
+    return Vehicle(values, file.calibration, tuple(notes))
+
+
+def _from_frames(
+    source: InstrumentSource, camera_frame: str
+) -> tuple[dict[str, object], list[str]]:
+    values: dict[str, object] = {}
+    notes: list[str] = []
+    transforms = source.static_transforms()
+    if not transforms:
+        return values, notes
+    odometry = source.first(Instrument.ODOMETRY)
+    base = str(odometry.child_frame_id).strip("/") if odometry is not None else ""
+    base = base or "base_link"
+    camera = place_in(transforms, camera_frame, base)
+    if camera is None:
+        notes.append(
+            f"/tf_static does not connect {camera_frame} with {base}; the camera counts as mounted"
+            " as vehicle.yaml says, or straight down"
+        )
+    else:
+        values.update(camera_parameters(*camera))
+        values["base_frame"] = base
+    altitude = source.first(Instrument.ALTITUDE)
+    if altitude is not None and hasattr(altitude, "header"):
+        altimeter = place_in(transforms, str(altitude.header.frame_id), base)
+        if altimeter is not None:
+            values["altimeter_z"] = float(altimeter[1][2])
+    imu = source.first(Instrument.IMU)
+    if imu is not None:
+        place = place_in(transforms, str(imu.header.frame_id), base)
+        if place is not None and _angle_of(place[0]) > TURNED:
+            notes.append(
+                f"the imu is turned by {math.degrees(_angle_of(place[0])):.0f} deg against {base},"
+                " which is not read; the vehicle counts as level (--imu-topic none)"
+            )
+            source.leave_out(Instrument.IMU)
+    return values, notes
+
+
+def _angle_of(rotation: FloatArray) -> float:
+    return math.acos(max(-1.0, min(1.0, (float(np.trace(rotation)) - 1.0) / 2)))

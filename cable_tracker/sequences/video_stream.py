@@ -1,0 +1,164 @@
+"""Pictures out of the packets of a video stream that a bag holds, with the packets' own stamps.
+
+`foxglove_msgs/CompressedVideo` and `ffmpeg_image_transport_msgs/FFMPEGPacket`: H.264, H.265, AV1
+and VP9.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import av
+import numpy as np
+from av.error import FFmpegError
+
+from cable_tracker.arrays import Image
+from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.sequences.typestores import add_definition
+
+FOXGLOVE = "foxglove_msgs/msg/CompressedVideo"
+FFMPEG = "ffmpeg_image_transport_msgs/msg/FFMPEGPacket"
+VIDEO_TYPES = (FOXGLOVE, FFMPEG)
+
+DEFINITIONS = {
+    FOXGLOVE: "builtin_interfaces/Time timestamp\nstring frame_id\nuint8[] data\nstring format\n",
+    FFMPEG: (
+        "std_msgs/Header header\nint32 width\nint32 height\nstring encoding\nuint64 pts\n"
+        "uint8 flags\nbool is_bigendian\nuint8[] data\n"
+    ),
+}
+
+DECODERS = {
+    "h264": "h264", "libx264": "h264", "avc": "h264",
+    "h265": "hevc", "hevc": "hevc", "libx265": "hevc",
+    "av1": "libdav1d", "libaom-av1": "libdav1d", "libsvtav1": "libdav1d",
+    "vp9": "vp9", "libvpx-vp9": "vp9",
+}  # fmt: skip
+"""Decoder by what the sender calls its format."""
+
+for _name, _text in DEFINITIONS.items():
+    add_definition(_name, _text)
+
+
+@dataclass(frozen=True, slots=True)
+class Packet:
+    """One packet as it was recorded.
+
+    Attributes
+    ----------
+    stamp : int
+        Of its picture [ns].
+    frame_id : str
+        Coordinate frame of the camera.
+    format : str
+        What the sender calls the coding.
+    data : bytes
+        One access unit.
+    """
+
+    stamp: int
+    frame_id: str
+    format: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DecodedPicture:
+    """What has become of one packet.
+
+    Attributes
+    ----------
+    packet : Packet
+        Which one.
+    picture : Image or None
+        Blue-green-red, uint8, shape (H, W, 3); None where it cannot be decoded.
+    reason : str
+        Why not.
+    """
+
+    packet: Packet
+    picture: Image | None
+    reason: str = ""
+
+
+def read_packet(message: Message, received: int) -> Packet:
+    """Read a packet of either type."""
+    if hasattr(message, "timestamp"):
+        time, frame_id, coding = message.timestamp, message.frame_id, message.format
+    else:
+        time, frame_id = message.header.stamp, message.header.frame_id
+        # "h264;bgr8;..." names what the encoder was given besides.
+        coding = message.encoding
+    stamp = int(time.sec) * NANOSECONDS + int(time.nanosec)
+    coding = str(coding).split(";")[0].strip().lower()
+    data = np.asarray(message.data, np.uint8).tobytes()
+    return Packet(stamp or received, str(frame_id) or "camera", coding, data)
+
+
+class StreamDecoder:
+    """Decodes the packets of one stream; pictures come in the order in which they are to be shown.
+
+    Packets before the first key frame give nothing. After one that is damaged, or after a gap that
+    the decoder notices, nothing counts until the next key frame: what a decoder conceals is no
+    picture of the sea bed.
+    """
+
+    def __init__(self) -> None:
+        self._context: av.VideoCodecContext | None = None
+        self._format = ""
+        self._waiting: dict[int, Packet] = {}
+        self._number = 0
+        self._is_sound = False
+
+    def take(self, packet: Packet) -> Iterator[DecodedPicture]:
+        """Take one packet, and yield what is decoded by now."""
+        if packet.format != self._format or self._context is None:
+            yield from self.end()
+            name = DECODERS.get(packet.format)
+            if name is None:
+                known = ", ".join(sorted(set(DECODERS)))
+                yield DecodedPicture(packet, None, f"{packet.format!r} is none of {known}")
+                return
+            context = av.CodecContext.create(name, "r")
+            assert isinstance(context, av.VideoCodecContext)
+            context.thread_count = 1
+            self._context, self._format, self._is_sound = context, packet.format, False
+        unit = av.Packet(packet.data)
+        unit.pts = unit.dts = self._number
+        self._waiting[self._number] = packet
+        number, self._number = self._number, self._number + 1
+        try:
+            yield from self._pictures(self._context.decode(unit))
+        except FFmpegError as error:
+            self._is_sound = False
+            self._waiting.pop(number, None)
+            yield DecodedPicture(packet, None, f"damaged packet ({error.strerror})")
+
+    def end(self) -> Iterator[DecodedPicture]:
+        """Yield what is left; packets without a picture come last."""
+        if self._context is not None:
+            try:
+                yield from self._pictures(self._context.decode(None))
+            except FFmpegError:
+                self._is_sound = False
+        for packet in self._waiting.values():
+            yield DecodedPicture(packet, None, "the decoder gave no picture for it")
+        self._waiting.clear()
+        self._context = None
+
+    def _pictures(self, frames: list[av.VideoFrame]) -> Iterator[DecodedPicture]:
+        for frame in frames:
+            number = -1 if frame.pts is None else int(frame.pts)
+            packet = self._waiting.pop(number, None)
+            if packet is None:
+                continue
+            if frame.key_frame:
+                self._is_sound = True
+            if frame.is_corrupt:
+                self._is_sound = False
+            if self._is_sound:
+                yield DecodedPicture(packet, frame.to_ndarray(format="bgr24"))
+            else:
+                yield DecodedPicture(packet, None, "no sound key frame has come before")

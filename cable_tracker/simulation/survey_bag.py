@@ -1,0 +1,238 @@
+"""Write a simulated survey dive into a bag, with everything that a vehicle's bag holds.
+
+Beside the storage file lie `vehicle.yaml`, which says what no topic says, and `truth.json`, which
+says how it was: the cable's course, and what stands out along it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from pyproj import Transformer
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.sequences import output_topics
+from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.messages import make_header, make_image, make_state
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.simulation.dive import FIRST_STAMP
+from cable_tracker.simulation.instrument_messages import (
+    ALTIMETER,
+    BASE,
+    CAMERA,
+    ODOM,
+    Fix,
+    make_camera_info,
+    make_fix,
+    make_imu,
+    make_odometry,
+    make_range,
+    make_static_transforms,
+    optical_rotation,
+)
+from cable_tracker.simulation.instruments import OdometryReading
+from cable_tracker.simulation.live_world import MOUNTING
+from cable_tracker.simulation.survey_dive import (
+    FIX_SIGMA,
+    SurveyDive,
+    SurveySettings,
+    Tick,
+    cable_points,
+    survey_cable,
+)
+
+ORIGIN = (54.25, 7.9)
+"""Latitude and longitude of the world's origin [deg]."""
+
+BEARING = math.radians(25.0)
+"""Direction of the world's x from east, to the left [rad]."""
+
+DEPTH = 30.0
+"""Of the sea bed below the ellipsoid [m]."""
+
+TRUTH, VEHICLE = "truth.json", "vehicle.yaml"
+COURSE_STEP = 0.25
+"""Between two points of the true course [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenDive:
+    """What has been written.
+
+    Attributes
+    ----------
+    frames : int
+        Pictures in the bag.
+    seconds : float
+        Length of the dive.
+    """
+
+    frames: int
+    seconds: float
+
+
+def to_east_north(places: FloatArray) -> FloatArray:
+    """Turn places x, y of the world (N, 2) into metres east and north of its origin."""
+    cos, sin = math.cos(BEARING), math.sin(BEARING)
+    turned: FloatArray = places @ np.array([[cos, sin], [-sin, cos]])
+    return turned
+
+
+class Earth:
+    """Places on the earth by metres east and north of the world's origin."""
+
+    def __init__(self) -> None:
+        latitude, longitude = ORIGIN
+        pipeline = (
+            "+proj=pipeline +step +inv +proj=topocentric +ellps=WGS84"
+            f" +lat_0={latitude} +lon_0={longitude} +h_0=0"
+            " +step +inv +proj=cart +ellps=WGS84"
+            " +step +proj=unitconvert +xy_in=rad +xy_out=deg"
+        )
+        self._transformer = Transformer.from_pipeline(pipeline)
+
+    def fix(self, place: FloatArray, height: float) -> Fix:
+        """Return the fix for a place x, y of the world (2,)."""
+        east, north = to_east_north(place[None, :])[0]
+        longitude, latitude, above = self._transformer.transform(east, north, height)
+        return Fix(float(latitude), float(longitude), float(above), FIX_SIGMA)
+
+
+def write_survey_bag(
+    path: Path,
+    settings: SurveySettings,
+    *,
+    storage: Literal["sqlite3", "mcap"] = "mcap",
+    overwrite: bool = False,
+    advance: Callable[[float], None] = lambda way: None,
+) -> WrittenDive:
+    """Dive, and write everything.
+
+    Parameters
+    ----------
+    path : Path
+        Folder of the bag.
+    settings : SurveySettings
+        What there is.
+    storage : "mcap" or "sqlite3"
+        Format of the storage file.
+    overwrite : bool
+        Replace a bag that lies at the path.
+    advance : callable
+        Told after each picture how far along the course the vehicle is [m].
+
+    Raises
+    ------
+    OutputError
+        The bag cannot be written.
+    """
+    dive = SurveyDive(settings)
+    frames, seconds = 0, 0.0
+    with BagWriter(path, storage, overwrite=overwrite) as bag:
+        writer = _Writer(bag, dive)
+        for tick in dive.ticks():
+            writer.write(tick)
+            seconds = tick.seconds
+            if tick.picture is not None:
+                frames += 1
+                advance(float(tick.motion.position[0]))
+    (path / VEHICLE).write_text(_vehicle_text(dive), encoding="utf-8")
+    (path / TRUTH).write_text(json.dumps(truth_of(settings)), encoding="utf-8")
+    return WrittenDive(frames, seconds)
+
+
+def truth_of(settings: SurveySettings) -> dict[str, object]:
+    """Return what `truth.json` says."""
+    along = np.arange(-2.0, settings.length + 4.0, COURSE_STEP)
+    course = cable_points(survey_cable(settings.cable_seed), along)[0][:, :2]
+    return {
+        "origin": ORIGIN,
+        "bearing": BEARING,
+        "along": along.tolist(),
+        "world": course.tolist(),
+        "east_north": to_east_north(course).tolist(),
+        "buried": [[each.start, each.end] for each in settings.buried],
+        "crossings": list(settings.crossings),
+        "excursions": [[each.start, each.end] for each in settings.excursions],
+    }
+
+
+def _vehicle_text(dive: SurveyDive) -> str:
+    return (
+        "# What no topic of this bag says.\n"
+        f"cable_height: {dive.cable_height}\n"
+        "altitude_is_vertical: true\n"
+    )
+
+
+class _Writer:
+    def __init__(self, bag: BagWriter, dive: SurveyDive) -> None:
+        self._bag = bag
+        self._dive = dive
+        self._factory = RosbagsMessages()
+        self._earth = Earth()
+        rotation = optical_rotation(MOUNTING)
+        transforms = make_static_transforms(self._factory, FIRST_STAMP, rotation)
+        bag.write("/tf_static", "tf2_msgs/msg/TFMessage", transforms, FIRST_STAMP)
+
+    def write(self, tick: Tick) -> None:
+        """Write everything about an instant."""
+        stamp = FIRST_STAMP + round(tick.seconds * NANOSECONDS)
+        factory, bag, errors = self._factory, self._bag, self._dive.errors
+        in_odom = make_header(factory, stamp, ODOM)
+        at_base = make_header(factory, stamp, BASE)
+        odometry = make_odometry(factory, in_odom, tick.odometry)
+        bag.write("/odometry", "nav_msgs/msg/Odometry", odometry, stamp)
+        bag.write(
+            "/imu", "sensor_msgs/msg/Imu", make_imu(factory, at_base, tick.imu, errors), stamp
+        )
+        if tick.fix is not None:
+            height = float(tick.motion.position[2]) - DEPTH
+            fix = make_fix(factory, at_base, self._earth.fix(tick.fix, height))
+            bag.write("/fix", "sensor_msgs/msg/NavSatFix", fix, stamp)
+        if tick.picture is not None:
+            self._write_picture(tick, stamp)
+
+    def _write_picture(self, tick: Tick, stamp: int) -> None:
+        factory, bag = self._factory, self._bag
+        assert tick.picture is not None and tick.altitude is not None
+        at_altimeter = make_header(factory, stamp, ALTIMETER)
+        at_camera = make_header(factory, stamp, CAMERA)
+        nothing, motion = np.zeros((6, 6)), tick.motion
+        truth = OdometryReading(motion.position, motion.angles, nothing, motion.twist, nothing)
+        for topic, kind, message in (
+            (
+                "/altitude",
+                "sensor_msgs/msg/Range",
+                make_range(factory, at_altimeter, tick.altitude),
+            ),
+            (
+                "/camera_info",
+                "sensor_msgs/msg/CameraInfo",
+                make_camera_info(factory, at_camera, self._dive.camera),
+            ),
+            (
+                "/ground_truth/odometry",
+                "nav_msgs/msg/Odometry",
+                make_odometry(factory, make_header(factory, stamp, ODOM), truth),
+            ),
+            (
+                f"/{output_topics.GROUND_TRUTH.name}",
+                output_topics.GROUND_TRUTH.type_name,
+                make_state(factory, at_camera, tick.truth),
+            ),
+            (
+                f"/{output_topics.IMAGE.name}",
+                output_topics.IMAGE.type_name,
+                make_image(factory, raw_from_array(tick.picture, "mono8"), at_camera),
+            ),
+        ):
+            bag.write(topic, kind, message, stamp)

@@ -1,0 +1,381 @@
+"""A vehicle that inspects a cable, with all its instruments, and the truth about the cable.
+
+The pilot sees where the cable is, buried or not, and keeps over it but for a slow wandering. The
+cable's course belongs to one seed, the dive to another: several dives over one cable differ in
+current, wandering and the errors of all instruments, and see the same sea bed.
+
+World frame as in `vehicle`: x along the general course of the cable, y to its left.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import ParameterError
+from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
+from cable_tracker.simulation.camera import Camera, CameraPoses, VehiclePoses
+from cable_tracker.simulation.dive import CABLE_RADIUS, FOCAL, Seeds, Surroundings, lay_out
+from cable_tracker.simulation.instruments import (
+    ImuReading,
+    InstrumentErrors,
+    InstrumentSet,
+    OdometryReading,
+)
+from cable_tracker.simulation.laid_cable import BuriedStretch
+from cable_tracker.simulation.live_world import (
+    BEND_LENGTHS,
+    BURIAL_RAMP,
+    CURVATURE,
+    LOOK,
+    MOUNTING,
+)
+from cable_tracker.simulation.look import Skin
+from cable_tracker.simulation.renderer import SceneRenderer
+from cable_tracker.simulation.scenario import check_seed, check_size
+from cable_tracker.simulation.trajectory import Bands, Harmonics
+from cable_tracker.simulation.tube import Tube, random_bends
+from cable_tracker.simulation.vehicle import (
+    Current,
+    Motion,
+    Vehicle,
+    VehicleModel,
+    VelocityCommand,
+)
+
+TICKS = 4
+"""Odometry and imu speak so often in the time of one frame."""
+
+WANDER_BANDS: Bands = ((0.01, 0.02), (0.03, 0.05))
+"""Of the pilot's place beside the cable [Hz]."""
+
+AIM_AHEAD = 2.0
+"""The pilot steers for a point so far ahead along the cable [m]."""
+
+TURN_GAIN, MOST_TURN = 1.0, 0.4
+"""Rate of turn per radian off the course [1/s], and the fastest [rad/s]."""
+
+SWAY_GAIN, MOST_SWAY = 0.4, 0.2
+"""Sideways velocity per metre beside the wanted place [1/s], and the highest [m/s]."""
+
+NEAREST_STEPS = 6
+"""Steps to the nearest point of the cable."""
+
+FIX_SIGMA = 0.5
+"""Of an acoustic fix, east and north each [m]."""
+
+CROSSING_RADIUS = 0.06
+"""Of the cables that lie across [m]."""
+
+EXCURSION_RAMP = 4.0
+"""Way over which the pilot leaves the cable, and comes back [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """From where to where along the cable's course [m]."""
+
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class SurveySettings:
+    """What there is.
+
+    Attributes
+    ----------
+    seed : int
+        Not negative; draws current, wandering, and the errors of all instruments.
+    cable_seed : int
+        Not negative; draws the cable's course, and sea bed and growth.
+    length : float
+        Of the cable's course that is followed, above 0 [m].
+    buried : tuple of Stretch
+        Where sand hides it.
+    crossings : tuple of float
+        Where other cables lie across it [m].
+    excursions : tuple of Stretch
+        Where the pilot goes far aside.
+    excursion : float
+        How far aside, positive to the left of the cable [m].
+    altitude : float
+        That the vehicle keeps [m].
+    speed : float
+        Through the water [m/s].
+    current : float
+        Speed of the water [m/s]; its direction is drawn.
+    wander : float
+        How far the pilot strays from the cable at most [m].
+    image_size : (int, int)
+        Width and height [px], each 32 to 4096.
+    rate : float
+        Frames per second.
+
+    Raises
+    ------
+    ParameterError
+        A value is out of its range.
+    """
+
+    seed: int = 0
+    cable_seed: int = 0
+    length: float = 200.0
+    buried: tuple[Stretch, ...] = ()
+    crossings: tuple[float, ...] = ()
+    excursions: tuple[Stretch, ...] = ()
+    excursion: float = 1.6
+    altitude: float = 2.0
+    speed: float = 0.5
+    current: float = 0.1
+    wander: float = 0.25
+    image_size: tuple[int, int] = (320, 240)
+    rate: float = 12.5
+
+    def __post_init__(self) -> None:
+        check_seed(self.seed)
+        check_seed(self.cable_seed)
+        check_size(self.image_size)
+        if not 1.0 <= self.length <= 1e5:
+            raise ParameterError(f"length is {self.length}: give 1 to 100000 m of cable")
+        if not 0.3 <= self.altitude <= 20.0:
+            raise ParameterError(f"altitude is {self.altitude}: give 0.3 to 20 m")
+        if not 0.05 <= self.speed <= 3.0:
+            raise ParameterError(f"speed is {self.speed}: give 0.05 to 3 m/s")
+        if not 1.0 <= self.rate <= 100.0:
+            raise ParameterError(f"rate is {self.rate}: give 1 to 100 frames per second")
+
+
+def usual_survey(length: float, seed: int, cable_seed: int = 0) -> SurveySettings:
+    """Return a survey with a buried stretch every 50 m, a crossing and an excursion every 100 m.
+
+    What there is belongs to the cable, and is the same in all dives over it.
+    """
+    rng = np.random.default_rng([cable_seed, 7])
+    buried, crossings = [], []
+    for number in range(int(length // 50)):
+        start = 50.0 * number + float(rng.uniform(12.0, 22.0))
+        buried.append(Stretch(start, start + float(rng.uniform(4.0, 9.0))))
+    for number in range(int(length // 100)):
+        crossings.append(100.0 * number + float(rng.uniform(40.0, 48.0)))
+    excursions = [Stretch(100.0 * n + 86.0, 100.0 * n + 89.0) for n in range(int(length // 100))]
+    return SurveySettings(
+        seed, cable_seed, length, tuple(buried), tuple(crossings), tuple(excursions)
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tick:
+    """What the vehicle does and says at one instant; a picture only now and then.
+
+    Attributes
+    ----------
+    seconds : float
+        Since the beginning.
+    motion : Motion
+        Where the vehicle really is.
+    odometry : OdometryReading
+        What odometry says.
+    imu : ImuReading
+        What the imu says.
+    altitude : float or None
+        What the altimeter says, with each picture [m].
+    fix : FloatArray or None
+        Where acoustics have it, once a second: x, y in the world, shape (2,) [m].
+    picture : Image or None
+        Grey, uint8, shape (H, W).
+    truth : CableState or None
+        Of the cable in the picture; None where nothing of it can be seen.
+    visibility : float
+        Share of the borders inside the picture that nothing hides, 0 to 1.
+    """
+
+    seconds: float
+    motion: Motion
+    odometry: OdometryReading
+    imu: ImuReading
+    altitude: float | None = None
+    fix: FloatArray | None = None
+    picture: Image | None = None
+    truth: CableState | None = None
+    visibility: float = 0.0
+
+
+class SurveyDive:
+    """One dive along a cable.
+
+    Parameters
+    ----------
+    settings : SurveySettings
+        What there is.
+    errors : InstrumentErrors or None
+        How wrong the instruments are; None for what is usual.
+    """
+
+    def __init__(self, settings: SurveySettings, errors: InstrumentErrors | None = None) -> None:
+        self._settings = settings
+        own, cables = Seeds.of(settings.seed), Seeds.of(settings.cable_seed)
+        motion_rng, reading_rng = (np.random.default_rng(seed) for seed in own.route.spawn(2))
+        width = settings.image_size[0]
+        self._camera = Camera(settings.image_size, FOCAL * width / 320, MOUNTING)
+        self._tube = survey_cable(settings.cable_seed)
+        picture_rng = np.random.default_rng(cables.picture)
+        scene, cable = lay_out(
+            self._camera,
+            self._tube,
+            Surroundings(LOOK, stretches=self._stretches(), others=self._others()),
+            settings.length,
+            (np.random.default_rng(cables.clutter), picture_rng),
+        )
+        assert cable is not None
+        self._cable = cable
+        self._renderer = SceneRenderer(self._camera, scene, LOOK, picture_rng)
+        self._wander = Harmonics.random(settings.wander, WANDER_BANDS, motion_rng)
+        current = Current.random(settings.current, np.random.default_rng(own.course))
+        self._vehicle = Vehicle(VehicleModel(), current, self._start(), motion_rng)
+        self._errors = errors or InstrumentErrors()
+        self._instruments = InstrumentSet(self._errors, self._vehicle.motion(), reading_rng)
+        self._rng = reading_rng
+        self._altitude = settings.altitude
+
+    @property
+    def camera(self) -> Camera:
+        """The vehicle's camera; base_link is at its centre."""
+        return self._camera
+
+    @property
+    def errors(self) -> InstrumentErrors:
+        """How wrong the instruments are."""
+        return self._errors
+
+    @property
+    def cable_height(self) -> float:
+        """Height of the cable's axis above the bottom [m]."""
+        return self._tube.height
+
+    def ticks(self) -> Iterator[Tick]:
+        """Dive until the end of the cable, or until three times the time that it should take."""
+        settings = self._settings
+        period = 1.0 / (TICKS * settings.rate)
+        most = math.ceil(3.0 * settings.length / settings.speed / period)
+        fix_every = max(1, round(1.0 / period))
+        along = 0.0
+        for number in range(most):
+            if number:
+                along = self._advance(number * period, along, period)
+            motion = self._vehicle.motion()
+            odometry = self._instruments.odometry(motion, period if number else 0.0)
+            imu = self._instruments.imu(motion)
+            fix = None
+            if number % fix_every == 0:
+                fix = motion.position[:2] + FIX_SIGMA * self._rng.standard_normal(2)
+            if number % TICKS:
+                yield Tick(number * period, motion, odometry, imu, fix=fix)
+                continue
+            self._altitude = self._instruments.altitude(motion)
+            picture, truth, visibility = self._look(motion, number * period)
+            yield Tick(
+                number * period, motion, odometry, imu, self._altitude, fix,
+                picture, truth, visibility,
+            )  # fmt: skip
+            if along >= settings.length:
+                return
+
+    def _stretches(self) -> tuple[BuriedStretch, ...]:
+        return tuple(
+            BuriedStretch(each.start, each.end, BURIAL_RAMP) for each in self._settings.buried
+        )
+
+    def _others(self) -> tuple[tuple[Tube, Skin], ...]:
+        others = []
+        for number, along in enumerate(self._settings.crossings):
+            point, _ = self._tube.axis(np.array([along]))
+            heading = math.radians(60.0 if number % 2 else -55.0)
+            origin = (float(point[0, 0]), float(point[0, 1]))
+            others.append((Tube(CROSSING_RADIUS, (), origin, heading), LOOK.skin))
+        return tuple(others)
+
+    def _start(self) -> FloatArray:
+        points, directions = cable_points(self._tube, np.zeros(1))
+        course = math.atan2(directions[0, 1], directions[0, 0])
+        return np.array([*points[0, :2], self._settings.altitude, course])
+
+    def _advance(self, seconds: float, along: float, period: float) -> float:
+        """Let the pilot steer and the vehicle go on; return where along the cable it is now."""
+        x, y, _, yaw = self._vehicle.pose
+        along = self._nearest(np.array([x, y]), along)
+        points, directions = cable_points(self._tube, np.array([along, along + AIM_AHEAD]))
+        course = math.atan2(directions[1, 1], directions[1, 0])
+        left = np.array([-directions[0, 1], directions[0, 0]])
+        beside = float((np.array([x, y]) - points[0, :2]) @ left)
+        wanted = float(self._wander.values(np.array(seconds))) + self._aside(along)
+        correction = math.atan2(wanted - beside, AIM_AHEAD)
+        turn = TURN_GAIN * math.remainder(course + correction - yaw, 2 * math.pi)
+        sway = SWAY_GAIN * (wanted - beside)
+        command = VelocityCommand(
+            surge=self._settings.speed,
+            sway=min(max(sway, -MOST_SWAY), MOST_SWAY),
+            turn=min(max(turn, -MOST_TURN), MOST_TURN),
+        )
+        self._vehicle.advance(command, self._altitude, period)
+        return along
+
+    def _aside(self, along: float) -> float:
+        """Return how far aside the pilot wants to be besides wandering [m]."""
+        most = 0.0
+        for each in self._settings.excursions:
+            rise = (along - each.start) / EXCURSION_RAMP + 1.0
+            fall = (each.end - along) / EXCURSION_RAMP + 1.0
+            most = max(most, min(1.0, rise, fall))
+        return most * self._settings.excursion
+
+    def _nearest(self, place: FloatArray, along: float) -> float:
+        for _ in range(NEAREST_STEPS):
+            points, directions = cable_points(self._tube, np.array([along]))
+            way = float((place - points[0, :2]) @ directions[0, :2])
+            along += way * float(directions[0, 0])
+        return along
+
+    def _look(self, motion: Motion, seconds: float) -> tuple[Image, CableState | None, float]:
+        poses = self._camera_poses(motion)
+        position, rotation = poses.positions[0], poses.rotations[0]
+        picture = self._renderer.render(position, rotation, seconds)
+        projected = project_tube(self._tube, self._camera, poses)
+        if not projected.in_view()[0]:
+            return picture, None, 0.0
+        hidden = self._renderer.hidden(
+            self._cable, position, projected.world[0], projected.inside[0]
+        )
+        visibility = visible_share(projected, 0, hidden)
+        if visibility <= 0.0:
+            return picture, None, 0.0
+        states = fit_states(projected, self._camera.image_size)
+        return picture, CableState.from_array(states[0]), visibility
+
+    def _camera_poses(self, motion: Motion) -> CameraPoses:
+        roll, pitch, yaw = motion.angles
+        x, y, z = motion.position
+        # The renderer counts a raised nose as positive.
+        poses = VehiclePoses(np.array([[-y, x, z]]), np.array([[yaw, -pitch, roll]]))
+        return self._camera.poses(poses)
+
+
+def survey_cable(cable_seed: int) -> Tube:
+    """Return the cable that a seed draws."""
+    rng = np.random.default_rng(Seeds.of(cable_seed).course)
+    return Tube(CABLE_RADIUS, random_bends(CURVATURE, BEND_LENGTHS, 2, rng))
+
+
+def cable_points(tube: Tube, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return points and directions of a cable in the world, each (N, 3), at places (N,) [m]."""
+    points, directions = tube.axis(along)
+    return _from_renderer(points), _from_renderer(directions)
+
+
+def _from_renderer(vectors: FloatArray) -> FloatArray:
+    return np.stack((vectors[..., 1], -vectors[..., 0], vectors[..., 2]), axis=-1)

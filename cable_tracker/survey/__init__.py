@@ -1,0 +1,1 @@
+"""From tracked dives to a route, events and a report."""

@@ -1,0 +1,164 @@
+"""A survey of many recordings: each a task, then all routes together."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from cable_tracker.campaigns.cluster import ClusterSettings
+from cable_tracker.campaigns.runner import run_campaign
+from cable_tracker.campaigns.task import Outcome, TaskState, fingerprint_of_files
+from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.survey.merging import MergedRoute, merge
+from cable_tracker.survey.navigation import LocalFrame
+from cable_tracker.survey.outputs.frames import join_frames
+from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap
+from cable_tracker.survey.outputs.report import RecordingRow, write_report
+from cable_tracker.survey.recording import (
+    FRAMES,
+    SurveyedDive,
+    SurveySettings,
+    find_datum,
+    read_surveyed,
+    survey_recording,
+)
+
+RECORDINGS, REPORT = "recordings", "report.html"
+
+
+@dataclass(frozen=True, slots=True)
+class SurveyTask:
+    """Survey one recording.
+
+    Attributes
+    ----------
+    path : Path
+        The recording.
+    settings : SurveySettings
+        How.
+    """
+
+    path: Path
+    settings: SurveySettings
+
+    @property
+    def name(self) -> str:
+        """Of its folder."""
+        return self.path.name
+
+    def fingerprint(self) -> str:
+        """Return a text that changes with the recording and the settings."""
+        vehicle = self.settings.forward.vehicle
+        described = "" if vehicle is None else fingerprint_of_files(vehicle)
+        return f"{fingerprint_of_files(self.path)} {self.settings!r} {described}"
+
+    def run(self, folder: Path, advance: Callable[[int], None]) -> None:
+        """Survey it."""
+        survey_recording(self.path, folder, self.settings, advance)
+
+
+@dataclass(frozen=True, slots=True)
+class SurveyResult:
+    """What has come of a survey.
+
+    Attributes
+    ----------
+    routes : tuple of MergedRoute
+        Longest first.
+    outcomes : tuple of Outcome
+        One for each recording.
+    rows : tuple of RecordingRow
+        The same with what was said about each.
+    """
+
+    routes: tuple[MergedRoute, ...]
+    outcomes: tuple[Outcome, ...]
+    rows: tuple[RecordingRow, ...]
+
+
+def run_survey(
+    paths: Sequence[Path],
+    output: Path,
+    settings: SurveySettings,
+    cluster: ClusterSettings,
+    *,
+    resume: bool = False,
+    advance: Callable[[int], None] = lambda count: None,
+) -> SurveyResult:
+    """Survey recordings, merge their routes, and write everything into a folder.
+
+    Without a datum the first fix of the first recording that has one is taken. Recordings that
+    cannot be laid on the earth keep routes of their own.
+
+    Raises
+    ------
+    ParameterError
+        Two recordings have one name, or the cluster cannot be used.
+    OutputError
+        The folder cannot be written.
+    """
+    datum = settings.datum or find_datum(paths, settings.forward)
+    settings = SurveySettings(settings.forward, settings.limits, datum, settings.pictures)
+    tasks = [SurveyTask(path.resolve(), settings) for path in paths]
+    root = output / RECORDINGS
+    outcomes = run_campaign(tasks, root, cluster, resume=resume, advance=advance)
+    dives: dict[str, SurveyedDive] = {}
+    rows = []
+    for outcome in outcomes:
+        row = RecordingRow(outcome.name, f"failed: {outcome.reason}")
+        if outcome.state is not TaskState.FAILED:
+            try:
+                dive = dives[outcome.name] = read_surveyed(root / outcome.name)
+                row = RecordingRow(
+                    dive.name, "done", dive.frames, dive.tracked, dive.seconds, dive.notes
+                )
+            except RecordingError as error:
+                row = RecordingRow(outcome.name, f"failed: {error}")
+        rows.append(row)
+    try:
+        routes = _write_all(output, list(dives.values()), rows, datum)
+    except OSError as error:
+        raise OutputError(
+            f"{output}: cannot be written ({error.strerror or error}); check the disk"
+        ) from error
+    return SurveyResult(routes, tuple(outcomes), tuple(rows))
+
+
+def _write_all(
+    output: Path,
+    dives: Sequence[SurveyedDive],
+    rows: Sequence[RecordingRow],
+    datum: tuple[float, float] | None,
+) -> tuple[MergedRoute, ...]:
+    on_earth = [placed for dive in dives if dive.on_earth for placed in dive.routes]
+    own = [placed for dive in dives if not dive.on_earth for placed in dive.routes]
+    in_time = tuple(event for dive in dives for event in dive.events)
+    frame = LocalFrame(*datum) if datum is not None and on_earth else None
+    merged = merge(on_earth)
+    apart = [route for placed in own for route in merge([placed])]
+    # One file has one frame: routes on the earth, and those of each odometry in a folder beside.
+    if frame is not None:
+        _write_map(output, SurveyMap(tuple(merged), frame, _names(merged), in_time), rows)
+        if apart:
+            beside = output / "without_place"
+            shutil.rmtree(beside, ignore_errors=True)
+            beside.mkdir()
+            _write_map(beside, SurveyMap(tuple(apart), None, _names(apart)), rows)
+    else:
+        _write_map(output, SurveyMap(tuple(apart), None, _names(apart), in_time), rows)
+    parts = [output / RECORDINGS / dive.name / FRAMES for dive in dives]
+    (output / FRAMES).unlink(missing_ok=True)
+    join_frames(parts, output / FRAMES)
+    return (*merged, *apart)
+
+
+def _write_map(output: Path, survey: SurveyMap, rows: Sequence[RecordingRow]) -> None:
+    for name, write in WRITERS.items():
+        write(output / name, survey)
+    write_report(output / REPORT, survey, rows, "Cable survey")
+
+
+def _names(routes: Sequence[MergedRoute]) -> tuple[str, ...]:
+    return tuple(f"route {number}" for number in range(1, len(routes) + 1))

@@ -1,0 +1,325 @@
+"""What stands out along a route."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.survey.forwards import ForwardDive
+from cable_tracker.survey.frame_table import TRACKING
+from cable_tracker.survey.route import PROFILE_SPACING, SPACING, Course, DiveRoute
+
+
+class EventKind(str, Enum):
+    """What there is to say."""
+
+    FOUND = "found"
+    LOST = "lost"
+    OUT_OF_VIEW = "out of view"
+    BURIED = "buried or overgrown"
+    WIDTH = "width out of the ordinary"
+    CROSSING = "crossing"
+    BEND = "bend"
+    ASIDE = "vehicle too far beside"
+    NAVIGATION = "navigation"
+    DISAGREEMENT = "dives disagree"
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One thing that stands out.
+
+    Attributes
+    ----------
+    kind : EventKind
+        What it is.
+    along, end : float
+        From where to where along the route [m]; the same for a point.
+    place : (float, float)
+        x, y of its beginning in the route's frame [m].
+    stamp : int
+        When the vehicle was there [ns]; 0 where no one dive can say.
+    frame : int
+        Number of the frame in the recording; -1 without one.
+    detail : str
+        In words, with numbers and units.
+    recording : str
+        Which dive; several with commas.
+    """
+
+    kind: EventKind
+    along: float
+    end: float
+    place: tuple[float, float]
+    stamp: int
+    frame: int
+    detail: str
+    recording: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What is worth an event.
+
+    Attributes
+    ----------
+    least_burial : float
+        Shorter stretches without visible borders are not reported [m].
+    width_share : float
+        The diameter is out of the ordinary if it is off the dive's usual one by this share.
+    least_width_way : float
+        Over at least this way [m].
+    bend_radius : float
+        Bends with a smaller radius are reported [m].
+    most_aside : float
+        The vehicle is too far beside the cable from here on [m].
+    """
+
+    least_burial: float = 1.0
+    width_share: float = 0.3
+    least_width_way: float = 1.0
+    bend_radius: float = 10.0
+    most_aside: float = 1.2
+
+
+MERGED_BURIALS = 0.6
+"""Stretches that are nearer to each other are one [m]."""
+
+USUAL_WAY = 20.0
+"""Way over which the usual diameter is taken [m]."""
+
+LEAST_ASIDE_WAY = 1.0
+"""Excursions over a shorter way are not reported [m]."""
+
+CROSSING_REACH, CROSSING_ANGLE = 0.6, math.radians(20.0)
+"""Sights of one crossing lie so near to each other [m, rad]."""
+
+FEWEST_SIGHTS = 4
+"""In fewer pictures it is a rope or a shadow."""
+
+LEAST_LOST = 1.0
+"""Silence over a shorter way is no event [m]."""
+
+SURE = 2.0
+"""A bend must exceed the limit by so many standard deviations."""
+
+
+def find_events(dive: ForwardDive, course: Course, route: DiveRoute, limits: Limits) -> list[Event]:
+    """Return the events of one route of a dive, by their place."""
+    maker = _Maker(dive, route)
+    events = [
+        *_found_and_lost(maker, course),
+        *_hidden(maker, limits),
+        *_widths(maker, limits),
+        *_bends(maker, limits),
+        *_asides(maker, limits),
+        *_crossings(maker, course),
+        *_navigation(maker, course),
+    ]
+    return sorted(events, key=lambda event: (event.along, event.kind.value))
+
+
+class _Maker:
+    """Makes events at places of a route."""
+
+    def __init__(self, dive: ForwardDive, route: DiveRoute) -> None:
+        self.dive = dive
+        self.route = route
+
+    def at(self, kind: EventKind, along: float, detail: str, end: float | None = None) -> Event:
+        route = self.route
+        along = float(np.clip(along, 0.0, route.along[-1]))
+        end = along if end is None else float(np.clip(end, along, route.along[-1]))
+        x, y = (float(np.interp(along, route.along, column)) for column in route.places.T)
+        point = min(round(along / SPACING), len(route.along) - 1)
+        row = int(route.rows[point])
+        frame = int(self.dive.table.rows["frame"][row])
+        stamp = int(self.dive.table.rows["stamp"][row])
+        return Event(kind, along, end, (x, y), stamp, frame, detail, self.dive.path.name)
+
+
+def runs(mask: BoolArray) -> list[tuple[int, int]]:
+    """Return first and last + 1 of each run of True."""
+    edges = np.flatnonzero(np.diff(mask.astype(np.int8), prepend=0, append=0))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def _found_and_lost(maker: _Maker, course: Course) -> list[Event]:
+    route = maker.route
+    claimed = np.isfinite(course.looks.claims).all(axis=1)
+    along = course.cable.along - route.start
+    inside = (along >= -0.5) & (along <= route.along[-1] + 0.5)
+    events: list[Event] = []
+    for first, last in _long_claims(claimed & inside, along):
+        events.append(
+            maker.at(EventKind.FOUND, float(along[first]), "the tracker claims the cable")
+        )
+        if along[last - 1] < route.along[-1] - LEAST_LOST:
+            detail = "the tracker claims it no longer"
+            events.append(maker.at(EventKind.LOST, float(along[last - 1]), detail))
+    return events
+
+
+def _long_claims(claimed: BoolArray, along: FloatArray) -> list[tuple[int, int]]:
+    """Return runs of claims; silence over a short way does not end one."""
+    joined: list[tuple[int, int]] = []
+    for first, last in runs(claimed):
+        if joined and abs(along[first] - along[joined[-1][1] - 1]) < LEAST_LOST:
+            joined[-1] = (joined[-1][0], last)
+        else:
+            joined.append((first, last))
+    return joined
+
+
+def hidden_stretches(route: DiveRoute, least: float) -> list[tuple[float, float, bool]]:
+    """Return where the cable cannot be seen: from, to [m], and whether it was in view at all."""
+    profile = route.profile
+    along = profile.along
+    joined: list[tuple[int, int]] = []
+    gap = round(MERGED_BURIALS / PROFILE_SPACING)
+    for first, last in runs(~profile.visible):
+        if joined and first - joined[-1][1] < gap:
+            joined[-1] = (joined[-1][0], last)
+        else:
+            joined.append((first, last))
+    found = []
+    for first, last in joined:
+        length = (last - first) * PROFILE_SPACING
+        at_the_end = first == 0 or last == len(along)
+        if length < least or at_the_end:
+            continue
+        was_in_view = bool(profile.in_view[first:last].mean() >= 0.5)
+        half = PROFILE_SPACING / 2
+        found.append((float(along[first]) - half, float(along[last - 1]) + half, was_in_view))
+    return found
+
+
+def _hidden(maker: _Maker, limits: Limits) -> list[Event]:
+    events = []
+    for start, end, was_in_view in hidden_stretches(maker.route, limits.least_burial):
+        kind = EventKind.BURIED if was_in_view else EventKind.OUT_OF_VIEW
+        what = "not to be seen" if was_in_view else "outside the pictures"
+        events.append(maker.at(kind, start, f"{what} over {end - start:.1f} m", end))
+    return events
+
+
+def _widths(maker: _Maker, limits: Limits) -> list[Event]:
+    route = maker.route
+    diameters = np.where(route.visible(), route.diameters, np.nan)
+    known = np.isfinite(diameters)
+    if known.sum() < 2 * limits.least_width_way / SPACING:
+        return []
+    half = round(USUAL_WAY / SPACING / 2)
+    usual = np.array(
+        [
+            np.nanmedian(diameters[max(0, k - half) : k + half + 1])
+            if known[max(0, k - half) : k + half + 1].any()
+            else np.nan
+            for k in range(len(diameters))
+        ]
+    )
+    with np.errstate(invalid="ignore"):
+        odd = known & (np.abs(diameters - usual) > limits.width_share * usual)
+    events = []
+    for first, last in runs(odd):
+        if (last - first) * SPACING < limits.least_width_way:
+            continue
+        value, normal = float(np.median(diameters[first:last])), float(usual[first])
+        detail = f"diameter {value:.3f} m, usually {normal:.3f} m"
+        start, end = float(route.along[first]), float(route.along[last - 1])
+        events.append(maker.at(EventKind.WIDTH, start, detail, end))
+    return events
+
+
+def _bends(maker: _Maker, limits: Limits) -> list[Event]:
+    route = maker.route
+    sharp = np.abs(route.bends) - SURE * route.bend_sigmas > 1.0 / limits.bend_radius
+    events = []
+    for first, last in runs(sharp):
+        most = float(np.abs(route.bends[first:last]).max())
+        detail = f"radius down to {1.0 / most:.1f} m"
+        start, end = float(route.along[first]), float(route.along[last - 1])
+        events.append(maker.at(EventKind.BEND, start, detail, end))
+    return events
+
+
+def _asides(maker: _Maker, limits: Limits) -> list[Event]:
+    route = maker.route
+    events = []
+    for first, last in runs(np.abs(route.asides) > limits.most_aside):
+        if (last - first) * SPACING < LEAST_ASIDE_WAY:
+            continue
+        most = float(np.abs(route.asides[first:last]).max())
+        detail = f"up to {most:.1f} m beside the cable"
+        start, end = float(route.along[first]), float(route.along[last - 1])
+        events.append(maker.at(EventKind.ASIDE, start, detail, end))
+    return events
+
+
+def _crossings(maker: _Maker, course: Course) -> list[Event]:
+    """Put sights of the same place and direction on the sea bed together."""
+    dive, looks, cable, start = maker.dive, course.looks, course.cable, maker.route.start
+    sights = []
+    for sight in dive.table.crossings:
+        row = dive.table.rows[sight.row]
+        look = int(np.searchsorted(looks.first, sight.row, side="right")) - 1
+        if look < 0 or row["status"] != TRACKING:
+            continue
+        along = float(cable.along[look]) + sight.ahead - float(row["look"]) - start
+        direction = float(looks.places[look, 2]) + sight.angle
+        across = math.remainder(sight.angle - float(cable.states[look, 1]), math.pi)
+        sights.append((along, direction, across, sight.row))
+    events = []
+    for along, across, count in _clusters(sorted(sights)):
+        if 0.0 <= along <= maker.route.along[-1] and count >= FEWEST_SIGHTS:
+            detail = (
+                f"another line at {math.degrees(abs(across)):.0f} deg, seen in {count} pictures"
+            )
+            events.append(maker.at(EventKind.CROSSING, along, detail))
+    return events
+
+
+Sight = tuple[float, float, float, int]
+"""Way along the route [m], direction on the sea bed, angle against the cable [rad], row."""
+
+
+def _clusters(sights: Sequence[Sight]) -> list[tuple[float, float, int]]:
+    """Return place, angle across, and number of pictures of each group of sights."""
+    groups: list[list[Sight]] = []
+    for sight in sights:
+        for group in reversed(groups):
+            near = abs(sight[0] - np.median([each[0] for each in group])) < CROSSING_REACH
+            turn = abs(math.remainder(sight[1] - group[-1][1], math.pi))
+            if near and turn < CROSSING_ANGLE:
+                group.append(sight)
+                break
+        else:
+            groups.append([sight])
+    return [
+        (
+            float(np.median([each[0] for each in group])),
+            float(np.median([each[2] for each in group])),
+            len({each[3] for each in group}),
+        )
+        for group in groups
+    ]
+
+
+def _navigation(maker: _Maker, course: Course) -> list[Event]:
+    route = maker.route
+    events = []
+    for stamp in course.poses.jumps:
+        point = int(np.abs(route.stamps - stamp).argmin())
+        detail = "odometry began anew or its clock jumped; the way was joined here"
+        events.append(maker.at(EventKind.NAVIGATION, float(route.along[point]), detail))
+    return events
+
+
+def moved(event: Event, along: float, end: float, place: tuple[float, float]) -> Event:
+    """Return an event at another place of another route."""
+    return replace(event, along=along, end=end, place=place)

@@ -1,0 +1,317 @@
+"""The way forwards: track a dive, and note for each frame where the cable is beside the vehicle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.detection.hough import HoughDetector
+from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.frames import rotations_of
+from cable_tracker.metric.homography import Overflight
+from cable_tracker.metric.recorded import RecordedMetres, RecordedVehicle, recorded_vehicle
+from cable_tracker.metric.withheld import Withheld
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.instruments import Instrument, InstrumentChoice, InstrumentMessage
+from cable_tracker.sequences.source import Source, open_source
+from cable_tracker.survey.frame_table import STATUSES, CrossingSight, FrameTable, Samples
+from cable_tracker.survey.visibility import border_profile
+from cable_tracker.trackers import make_tracker
+
+POSE_WIDTH = 8
+"""x, y, z, yaw, and the variances of velocity along, aside, of the turn, and speed."""
+
+FIX_WIDTH = 5
+"""Latitude, longitude, height, variances of east and north."""
+
+UNSAID_FIX_VARIANCE = 25.0
+"""Of a fix that says nothing about its doubt [m²]."""
+
+METRES_EVERY = 60_000_000
+"""Metres are worked out no more often [ns]: looked at again some centimetres farther on, a cable is
+not known better."""
+
+CROSSING_STRIDE = 0.5
+"""Between two pictures that are searched for lines across the cable [s]."""
+
+LEAST_CROSSING = math.radians(25.0)
+"""What runs less across is not told from the cable's own borders, ropes and furrows beside it."""
+
+LEAST_SCORE = 0.3
+"""Lines across that are seen less clearly do not count."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForwardSettings:
+    """How to track.
+
+    Attributes
+    ----------
+    parameters : TrackerParameters
+        Of the filter.
+    topic : str or None
+        Image topic; None if there is just one.
+    rate : float
+        Frames per second of image folders.
+    choice : InstrumentChoice
+        Topics of the instruments.
+    vehicle : Path or None
+        The user's `vehicle.yaml`.
+    """
+
+    parameters: TrackerParameters = field(default_factory=lambda: preset("default"))
+    topic: str | None = None
+    rate: float = 25.0
+    choice: InstrumentChoice = field(default_factory=InstrumentChoice)
+    vehicle: Path | None = None
+
+
+@dataclass(slots=True, eq=False)
+class ForwardDive:
+    """A dive as it was tracked.
+
+    Attributes
+    ----------
+    path : Path
+        The recording.
+    table : FrameTable
+        One row a frame.
+    poses : Samples
+        Of odometry, `POSE_WIDTH` numbers each.
+    fixes : Samples
+        `FIX_WIDTH` numbers each.
+    notes : list of str
+        What the user should know: what is missing, where the recording broke off.
+    """
+
+    path: Path
+    table: FrameTable = field(default_factory=FrameTable)
+    poses: Samples = field(default_factory=lambda: Samples(POSE_WIDTH))
+    fixes: Samples = field(default_factory=lambda: Samples(FIX_WIDTH))
+    notes: list[str] = field(default_factory=list)
+
+
+def track_forwards(
+    path: Path, settings: ForwardSettings, advance: Callable[[int], None] = lambda count: None
+) -> ForwardDive:
+    """Track a recording from its beginning to its end, or to where it breaks off.
+
+    Frames that cannot be used are passed over. `advance` is told of every frame.
+
+    Raises
+    ------
+    RecordingError
+        Not one frame can be read.
+    ParameterError
+        The vehicle file is not acceptable.
+    """
+    dive = ForwardDive(path)
+    with open_source(
+        path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True
+    ) as recording:
+        vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
+        dive.notes += [*([recording.note] if recording.note else []), *vehicle.notes]
+        run = _Run(dive, settings, vehicle)
+        try:
+            _run_all(recording, run, advance)
+        except RecordingError as error:
+            if not len(dive.table):
+                raise
+            dive.notes.append(str(error))
+    if not len(dive.table):
+        raise RecordingError(f"{path}: holds no frames; record it again")
+    return dive
+
+
+def _run_all(recording: Source, run: _Run, advance: Callable[[int], None]) -> None:
+    try:
+        for frame in recording.frames():
+            run.take(frame)
+            advance(1)
+    finally:
+        run.close()
+
+
+class _Run:
+    def __init__(
+        self, dive: ForwardDive, settings: ForwardSettings, vehicle: RecordedVehicle
+    ) -> None:
+        self._dive = dive
+        self._tracker = make_tracker(settings.parameters)
+        metres = vehicle.metres()
+        self._metres = metres if metres is not None else RecordedMetres(vehicle.vehicle, None)
+        self._look_ahead = float(str(vehicle.vehicle.values["look_ahead"])) or 1.0
+        self._finder = HoughDetector()
+        self._next_search = -(2**62)
+        self._measured = -(2**62)
+
+    def close(self) -> None:
+        self._metres.__exit__(None, None, None)
+
+    def take(self, frame: Frame) -> None:
+        for message in self._metres.advance(frame):
+            self._note(message)
+        row = self._dive.table.append()
+        row["frame"], row["stamp"] = frame.index, frame.stamp
+        try:
+            grey = decode_grey(frame.image)
+            motion = self._metres.motion(frame.stamp, grey)
+            estimate = self._tracker.process(grey, frame.stamp, motion)
+        except FrameError:
+            row["status"] = STATUSES.index("REFUSED")
+            return
+        row["status"] = STATUSES.index(estimate.status.value)
+        row["presence"] = np.nan if estimate.presence is None else estimate.presence
+        self._metres.observe(estimate)
+        if estimate.status is TrackingStatus.TRACKING:
+            row["d"], row["alpha"], row["w"], row["beta"] = estimate.state.to_array()[:4]
+        if 0 <= frame.stamp - self._measured < METRES_EVERY:
+            return
+        self._measured = frame.stamp
+        self._measure(row, grey, estimate)
+
+    def _measure(self, row: FrameRow, grey: Image, estimate: CableEstimate) -> None:
+        """Say where the cable is in metres, and what can be seen of it."""
+        result = self._metres.measure(estimate)
+        if isinstance(result, Withheld):
+            row["reason"] = self._dive.table.reason_number(result.reason.value)
+        flight = self._metres.instruments.overflight(estimate)
+        if isinstance(flight, Overflight):
+            self._put_view(row, flight, estimate)
+        if isinstance(result, CrossTrack) and isinstance(flight, Overflight):
+            self._put_metres(row, result)
+            self._put_profile(row, flight, grey, estimate.state)
+            self._search_crossings(flight, grey, estimate)
+
+    def _note(self, given: InstrumentMessage) -> None:
+        message = given.message
+        if given.instrument is Instrument.ODOMETRY:
+            pose = read_pose(message)
+            if np.isfinite(pose).all():
+                self._dive.poses.add(given.stamp, pose)
+        elif given.instrument is Instrument.FIX:
+            fix = read_fix(message)
+            if fix is not None:
+                self._dive.fixes.add(given.stamp, fix)
+
+    @staticmethod
+    def _put_view(row: FrameRow, flight: Overflight, estimate: CableEstimate) -> None:
+        width, _ = estimate.image_size
+        points = np.array([[0.0, 0.0], [-(width - 1) / 2, 0.0], [(width - 1) / 2, 0.0]])
+        ground = on_ground(flight, points)
+        row["look"] = ground[0, 0]
+        row["half_view"] = abs(ground[1, 1] - ground[2, 1]) / 2
+        row["altitude"] = flight.height
+
+    def _put_metres(self, row: FrameRow, result: CrossTrack) -> None:
+        sigma = result.standard_deviations()
+        row["offset"], row["sigma_offset"] = result.offset, sigma[0]
+        row["heading"], row["sigma_heading"] = result.heading, sigma[2]
+        row["diameter"] = result.diameter
+        share = float(row["look"]) / result.look_ahead
+        mix = np.array([[1.0 - share, share, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
+        covariance = mix @ result.covariance @ mix.T
+        row["aside"] = result.offset + share * (result.offset_ahead - result.offset)
+        row["aside_variance"], row["aside_heading"] = covariance[0]
+        row["heading_variance"] = covariance[1, 1]
+
+    @staticmethod
+    def _put_profile(row: FrameRow, flight: Overflight, grey: Image, state: CableState) -> None:
+        profile = border_profile(grey, state)
+        if profile is None:
+            return
+        along, scores = profile
+        sine, cosine = math.sin(state.angle), math.cos(state.angle)
+        points = np.column_stack(
+            (state.distance * cosine - along * sine, state.distance * sine + along * cosine)
+        )
+        row["profile_ahead"] = on_ground(flight, points)[:, 0]
+        row["profile_score"] = scores
+
+    def _search_crossings(self, flight: Overflight, grey: Image, estimate: CableEstimate) -> None:
+        if estimate.stamp < self._next_search:
+            return
+        self._next_search = estimate.stamp + round(CROSSING_STRIDE * 1e9)
+        state, (width, height) = estimate.state, estimate.image_size
+        own = np.array([math.cos(state.angle), math.sin(state.angle)])
+        for found in self._finder.detect(grey):
+            other = found.state
+            across = abs(_as_line(other.angle - state.angle))
+            if found.score < LEAST_SCORE or across < LEAST_CROSSING:
+                continue
+            normal = np.array([math.cos(other.angle), math.sin(other.angle)])
+            place = np.linalg.solve(np.array([own, normal]), [state.distance, other.distance])
+            if abs(place[0]) > width / 2 or abs(place[1]) > height / 2:
+                continue
+            along = np.array([-normal[1], normal[0]])
+            near, far = on_ground(flight, np.array([place - 5.0 * along, place + 5.0 * along]))
+            middle = (near + far) / 2
+            angle = math.atan2(far[1] - near[1], far[0] - near[0])
+            self._dive.table.crossings.append(
+                CrossingSight(len(self._dive.table) - 1, float(middle[0]), _as_line(angle))
+            )
+
+
+FrameRow = np.void
+"""A row of `FrameTable`."""
+
+
+def _as_line(angle: float) -> float:
+    """Return the angle of a line without direction, in [-pi/2, pi/2] [rad]."""
+    return math.remainder(angle, math.pi)
+
+
+def on_ground(flight: Overflight, points: FloatArray) -> FloatArray:
+    """Return where points of the image (N, 2) [px] lie at the cable's height, (N, 2) [m].
+
+    In the level frame; the lens counts as a pinhole. NaN at and above the horizon.
+    """
+    matrix = np.linalg.inv(flight.image_matrix())
+    level = rotations_of(np.array([[flight.attitude.roll, flight.attitude.pitch, 0.0]]))[0]
+    turned = level @ flight.mounting.rotation @ matrix
+    rays = np.column_stack((points, np.ones(len(points)))) @ turned.T
+    centre = level @ flight.mounting.position
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reach = -(flight.height + centre[2]) / rays[:, 2]
+        ground: FloatArray = centre[:2] + reach[:, None] * rays[:, :2]
+    ground[~(rays[:, 2] < 0.0)] = np.nan
+    return ground
+
+
+def read_pose(message: object) -> list[float]:
+    """Read x, y, z, yaw of a nav_msgs/Odometry, variances of its velocities, and its speed."""
+    odometry: Any = message
+    p, q = odometry.pose.pose.position, odometry.pose.pose.orientation
+    x, y, z, w = (float(value) for value in (q.x, q.y, q.z, q.w))
+    yaw = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    twist, covariance = odometry.twist.twist, odometry.twist.covariance
+    doubts = [float(covariance[0]), float(covariance[7]), float(covariance[35])]
+    speed = math.hypot(float(twist.linear.x), float(twist.linear.y), float(twist.linear.z))
+    return [float(p.x), float(p.y), float(p.z), yaw, *doubts, speed]
+
+
+def read_fix(message: object) -> list[float] | None:
+    """Read a sensor_msgs/NavSatFix; None if it says that it has none."""
+    fix: Any = message
+    if int(fix.status.status) < 0:
+        return None
+    place = [float(fix.latitude), float(fix.longitude)]
+    if not (np.isfinite(place).all() and abs(place[0]) <= 90.0 and abs(place[1]) <= 360.0):
+        return None
+    height = float(fix.altitude) if math.isfinite(float(fix.altitude)) else 0.0
+    variances = [float(fix.position_covariance[0]), float(fix.position_covariance[4])]
+    if int(fix.position_covariance_type) == 0 or not all(value > 0.0 for value in variances):
+        variances = [UNSAID_FIX_VARIANCE] * 2
+    return [*place, height, *variances]

@@ -1,0 +1,153 @@
+"""What a dive says frame by frame, in columns; a row takes some 300 bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cable_tracker.arrays import FloatArray, IndexArray
+
+PROFILE_BINS = 12
+"""Places along the cable in one picture at which it is judged whether it can be seen."""
+
+ROW = np.dtype(
+    [
+        ("frame", "i8"),
+        ("stamp", "i8"),
+        ("status", "i1"),
+        ("presence", "f4"),
+        ("d", "f4"),
+        ("alpha", "f4"),
+        ("w", "f4"),
+        ("beta", "f4"),
+        ("offset", "f4"),
+        ("sigma_offset", "f4"),
+        ("heading", "f4"),
+        ("sigma_heading", "f4"),
+        ("diameter", "f4"),
+        ("reason", "i2"),
+        ("look", "f8"),
+        ("aside", "f8"),
+        ("aside_variance", "f8"),
+        ("aside_heading", "f8"),
+        ("heading_variance", "f8"),
+        ("half_view", "f4"),
+        ("altitude", "f4"),
+        ("profile_ahead", "f4", (PROFILE_BINS,)),
+        ("profile_score", "f4", (PROFILE_BINS,)),
+    ]
+)
+"""Columns: see `FrameTable`."""
+
+STATUSES = ("INITIALISING", "TRACKING", "LOST", "REFUSED")
+TRACKING = STATUSES.index("TRACKING")
+
+GROWTH = 4096
+
+Rows = npt.NDArray[Any]
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingSight:
+    """Another line that lies across the cable in one picture.
+
+    Attributes
+    ----------
+    row : int
+        Of the table.
+    ahead : float
+        x of the place where they cross, in the vehicle's level frame [m].
+    angle : float
+        Of the other line against the vehicle, in (-pi/2, pi/2] [rad].
+    """
+
+    row: int
+    ahead: float
+    angle: float
+
+
+@dataclass(slots=True, eq=False)
+class FrameTable:
+    """Rows of a dive.
+
+    The cable beside the vehicle is a line in its level frame: at x = `look`, where the camera
+    looks, it is at y = `aside`, with direction `heading`; `aside_variance`, `aside_heading` and
+    `heading_variance` are their covariance [m, rad]. All NaN where there are no metres; `reason`
+    says why, by its number in `reasons`. `half_view` is how far to either side the camera sees at
+    x = `look` [m]. `profile_score` says at x = `profile_ahead` how clearly both borders are there.
+
+    Attributes
+    ----------
+    reasons : list of str
+        Why there are no metres; the first is "".
+    crossings : list of CrossingSight
+        What lay across.
+    """
+
+    reasons: list[str] = field(default_factory=lambda: [""])
+    crossings: list[CrossingSight] = field(default_factory=list)
+    _rows: Rows = field(default_factory=lambda: np.zeros(GROWTH, ROW))
+    _count: int = 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    @property
+    def rows(self) -> Rows:
+        """All rows, dtype `ROW`, shape (N,)."""
+        return self._rows[: self._count]
+
+    def append(self) -> Any:  # noqa: ANN401  A row of a structured array has no type.
+        """Add an empty row, and return it to be filled."""
+        if self._count == len(self._rows):
+            self._rows = np.concatenate((self._rows, np.zeros(self._count, ROW)))
+        row = self._rows[self._count]
+        for name in ROW.names or ():
+            if ROW[name].base.kind == "f":
+                row[name] = np.nan
+        self._count += 1
+        return row
+
+    def reason_number(self, reason: str) -> int:
+        """Return the number of a reason, which is remembered."""
+        if reason not in self.reasons:
+            self.reasons.append(reason)
+        return self.reasons.index(reason)
+
+
+@dataclass(slots=True, eq=False)
+class Samples:
+    """Readings with stamps that grow, in columns.
+
+    Attributes
+    ----------
+    width : int
+        Numbers of a reading.
+    """
+
+    width: int
+    _stamps: list[int] = field(default_factory=list)
+    _values: list[float] = field(default_factory=list)
+    _blocks: list[tuple[npt.NDArray[np.int64], FloatArray]] = field(default_factory=list)
+
+    def add(self, stamp: int, values: Sequence[float]) -> None:
+        """Add a reading."""
+        self._stamps.append(stamp)
+        self._values.extend(values)
+        if len(self._stamps) >= GROWTH:
+            self._pack()
+
+    def _pack(self) -> None:
+        stamps = np.array(self._stamps, np.int64)
+        self._blocks.append((stamps, np.array(self._values).reshape(-1, self.width)))
+        self._stamps, self._values = [], []
+
+    def arrays(self) -> tuple[IndexArray, FloatArray]:
+        """Return stamps (N,) [ns] and readings (N, width)."""
+        self._pack()
+        stamps = np.concatenate([each for each, _ in self._blocks])
+        return stamps, np.concatenate([values for _, values in self._blocks])

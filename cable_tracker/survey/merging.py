@@ -1,0 +1,333 @@
+"""Routes of several dives over one cable put together, each counting by its covariance.
+
+The longest route is the axis. Each other one is laid beside it: at each point of the axis it says
+how far to the left it has the cable, and how sure it is. What reaches beyond the axis prolongs it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.survey.events import Event, EventKind, moved, runs
+from cable_tracker.survey.route import SPACING, DiveRoute
+
+REACH = 5.0
+"""Routes farther apart are not of one cable [m]; `SIGMAS` standard deviations if these are more."""
+
+SIGMAS = 4.0
+
+LEAST_OVERLAP = 5.0
+"""Dives that share less way are not of one route [m]."""
+
+DISAGREEMENT = 10.8
+"""Chi square of one degree of freedom that sound dives exceed once in a thousand times."""
+
+LEAST_DISAGREEMENT = 2.0
+"""Dives that disagree over a shorter way are no event [m]."""
+
+SAME_EVENT = 3.0
+"""Events of one kind in several dives are one if they are so near [m], or overlap."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacedRoute:
+    """A dive's route with its events, in a frame that it shares with others.
+
+    Attributes
+    ----------
+    recording : str
+        Which dive.
+    route : DiveRoute
+        In the common frame.
+    events : tuple of Event
+        Along it.
+    """
+
+    recording: str
+    route: DiveRoute
+    events: tuple[Event, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MergedRoute:
+    """The cable as all dives together have it; columns with one value for each point.
+
+    Attributes
+    ----------
+    along : FloatArray
+        Way from the beginning [m].
+    places : FloatArray
+        x, y, shape (N, 2) [m].
+    headings : FloatArray
+        From +x [rad].
+    sigmas : FloatArray
+        Standard deviation across the cable [m].
+    visible : FloatArray
+        Share of the dives that see it, 0 to 1.
+    diameters, asides : FloatArray
+        Means over the dives [m]; NaN where none can say.
+    dives : FloatArray
+        How many dives tell of the point.
+    events : tuple of Event
+        Along it.
+    recordings : tuple of str
+        The dives.
+    """
+
+    along: FloatArray
+    places: FloatArray
+    headings: FloatArray
+    sigmas: FloatArray
+    visible: FloatArray
+    diameters: FloatArray
+    asides: FloatArray
+    dives: FloatArray
+    events: tuple[Event, ...]
+    recordings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Beside:
+    """A route as seen from an axis of N points; NaN where it does not reach."""
+
+    recording: str
+    asides: FloatArray
+    variances: FloatArray
+    visible: FloatArray
+    diameters: FloatArray
+    vehicle: FloatArray
+
+
+def merge(routes: Sequence[PlacedRoute]) -> list[MergedRoute]:
+    """Merge routes of one frame; those that share no way stay routes of their own."""
+    left = sorted(routes, key=lambda each: -float(each.route.along[-1]))
+    merged = []
+    while left:
+        axis = _axis_of(left[0].route)
+        group, left = [left[0]], left[1:]
+        # What prolongs the axis may bring others within reach.
+        while True:
+            near = [each for each in left if _overlap(axis, each.route) >= LEAST_OVERLAP]
+            if not near:
+                break
+            for each in near:
+                axis = _prolonged(axis, each.route)
+            group += near
+            left = [each for each in left if each not in near]
+        merged.append(_merged(axis, group))
+    return merged
+
+
+def _axis_of(route: DiveRoute) -> FloatArray:
+    return route.places
+
+
+def _directions(axis: FloatArray) -> FloatArray:
+    steps = np.gradient(axis, axis=0)
+    length = np.maximum(np.hypot(*steps.T), 1e-9)
+    directions: FloatArray = steps / length[:, None]
+    return directions
+
+
+def _seen_from(axis: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return for places (M, 2) the way along an axis and the distance to its left, in points, [m].
+
+    Places beyond its ends have a way below 0 or above N - 1.
+    """
+    from_axis = np.empty((len(places), 2))
+    directions = _directions(axis)
+    block = 512
+    for begin in range(0, len(places), block):
+        part = places[begin : begin + block]
+        nearest = _nearest(axis, part)
+        apart = part - axis[nearest]
+        way = (apart * directions[nearest]).sum(axis=1) / SPACING
+        normal = np.column_stack((-directions[nearest, 1], directions[nearest, 0]))
+        from_axis[begin : begin + block, 0] = nearest + way
+        from_axis[begin : begin + block, 1] = (apart * normal).sum(axis=1)
+    return from_axis[:, 0], from_axis[:, 1]
+
+
+def _nearest(axis: FloatArray, places: FloatArray) -> IndexArray:
+    """Return the axis' nearest point for each place: of every 16th first, then of those around."""
+    stride = 16
+    coarse = axis[::stride]
+    away = ((places[:, None] - coarse[None]) ** 2).sum(axis=2)
+    begin = np.clip(away.argmin(axis=1) * stride - stride, 0, max(len(axis) - 2 * stride - 1, 0))
+    window = np.minimum(begin[:, None] + np.arange(2 * stride + 1), len(axis) - 1)
+    fine = ((places[:, None] - axis[window]) ** 2).sum(axis=2).argmin(axis=1)
+    nearest: IndexArray = window[np.arange(len(places)), fine]
+    return nearest
+
+
+def _overlap(axis: FloatArray, route: DiveRoute) -> float:
+    """Return the way that a route shares with an axis [m]."""
+    way, aside = _seen_from(axis, route.places)
+    reach = np.maximum(REACH, SIGMAS * route.total_sigmas)
+    shared = (way >= 0) & (way <= len(axis) - 1) & (np.abs(aside) <= reach)
+    return float(shared.sum()) * SPACING
+
+
+def _prolonged(axis: FloatArray, route: DiveRoute) -> FloatArray:
+    way, _ = _seen_from(axis, route.places)
+    places = route.places if way[-1] >= way[0] else route.places[::-1]
+    way = way if way[-1] >= way[0] else way[::-1]
+    before, after = places[way < -0.5], places[way > len(axis) - 0.5]
+    parts = [axis]
+    if len(before):
+        shift = axis[0] - _directions(axis)[0] * SPACING - before[-1]
+        parts.insert(0, before + shift)
+    if len(after):
+        shift = axis[-1] + _directions(axis)[-1] * SPACING - after[0]
+        parts.append(after + shift)
+    return np.concatenate(parts)
+
+
+def _beside(axis: FloatArray, placed: PlacedRoute) -> _Beside:
+    route = placed.route
+    way, aside = _seen_from(axis, route.places)
+    order = np.argsort(way, kind="stable")
+    way, asked = way[order], np.arange(len(axis), dtype=np.float64)
+    reaches = (asked >= way[0] - 0.5) & (asked <= way[-1] + 0.5)
+    visible = route.visible().astype(float)
+
+    def on_axis(values: FloatArray) -> FloatArray:
+        found = np.interp(asked, way, values[order])
+        return np.where(reaches, found, np.nan)
+
+    return _Beside(
+        placed.recording,
+        on_axis(aside),
+        on_axis(route.total_sigmas**2),
+        on_axis(visible),
+        on_axis(route.diameters),
+        on_axis(np.abs(route.asides)),
+    )
+
+
+def _merged(axis: FloatArray, group: Sequence[PlacedRoute]) -> MergedRoute:
+    beside = [_beside(axis, each) for each in group]
+    asides = np.array([each.asides for each in beside])
+    weights = 1.0 / np.array([each.variances for each in beside])
+    weights[~np.isfinite(asides)] = np.nan
+    total = np.nansum(weights, axis=0)
+    known = total > 0.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.where(known, np.nansum(weights * asides, axis=0) / total, 0.0)
+        sigma = np.sqrt(1.0 / total)
+        chi = np.nansum(weights * (asides - mean) ** 2, axis=0)
+    count = np.isfinite(asides).sum(axis=0)
+    excess = chi / np.maximum(count - 1, 1)
+    # Dives that disagree are less sure together than each of them says.
+    sigma = np.where(known, sigma * np.sqrt(np.maximum(excess, 1.0)), np.nan)
+    sigma = np.interp(np.arange(len(axis)), np.flatnonzero(known), sigma[known])
+    directions = _directions(axis)
+    normal = np.column_stack((-directions[:, 1], directions[:, 0]))
+    places = axis + mean[:, None] * normal
+    along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))))
+    merged = MergedRoute(
+        along=along,
+        places=places,
+        headings=np.unwrap(np.arctan2(*_directions(places).T[::-1])),
+        sigmas=sigma,
+        visible=_mean([each.visible for each in beside]),
+        diameters=_mean([each.diameters for each in beside]),
+        asides=_mean([each.vehicle for each in beside]),
+        dives=count.astype(np.float64),
+        events=(),
+        recordings=tuple(each.recording for each in group),
+    )
+    disagreements = _disagreements(merged, (count > 1) & (excess > DISAGREEMENT), asides, beside)
+    events = [*_events_of(merged, group), *disagreements]
+    events.sort(key=lambda event: (event.along, event.kind.value))
+    return _with_events(merged, tuple(events))
+
+
+def _with_events(route: MergedRoute, events: tuple[Event, ...]) -> MergedRoute:
+    return MergedRoute(
+        route.along, route.places, route.headings, route.sigmas, route.visible, route.diameters,
+        route.asides, route.dives, events, route.recordings,
+    )  # fmt: skip
+
+
+def _mean(columns: Sequence[FloatArray]) -> FloatArray:
+    values = np.array(columns)
+    count = np.isfinite(values).sum(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean: FloatArray = np.where(count > 0, np.nansum(values, axis=0) / count, np.nan)
+    return mean
+
+
+def _disagreements(
+    route: MergedRoute, apart: BoolArray, asides: FloatArray, beside: Sequence[_Beside]
+) -> list[Event]:
+    events = []
+    names = ", ".join(each.recording for each in beside)
+    for first, last in runs(apart):
+        start, end = float(route.along[first]), float(route.along[last - 1])
+        if end - start < LEAST_DISAGREEMENT:
+            continue
+        part = asides[:, first:last]
+        most = float(np.nanmax(np.nanmax(part, axis=0) - np.nanmin(part, axis=0)))
+        place = (float(route.places[first, 0]), float(route.places[first, 1]))
+        detail = f"up to {most:.2f} m apart, more than their covariances allow"
+        events.append(Event(EventKind.DISAGREEMENT, start, end, place, 0, -1, detail, names))
+    return events
+
+
+def _events_of(route: MergedRoute, group: Sequence[PlacedRoute]) -> list[Event]:
+    """Take the events of all dives to the merged route; what several dives saw is one."""
+    events = []
+    for placed in group:
+        for event in placed.events:
+            places = np.array([event.place, _place_at(placed.route, event.end)])
+            way, _ = _seen_from(route.places, places)
+            start, end = sorted(
+                float(np.interp(each, np.arange(len(route.along)), route.along)) for each in way
+            )
+            x, y = (float(np.interp(start, route.along, column)) for column in route.places.T)
+            events.append(moved(event, start, end, (x, y)))
+    return _joined(sorted(events, key=lambda each: (each.kind.value, each.along)))
+
+
+def _place_at(route: DiveRoute, along: float) -> tuple[float, float]:
+    x, y = (float(np.interp(along, route.along, column)) for column in route.places.T)
+    return x, y
+
+
+def _joined(events: Sequence[Event]) -> list[Event]:
+    groups: list[list[Event]] = []
+    for event in events:
+        for group in reversed(groups[-4:]):
+            first = group[0]
+            near = event.along - max(each.end for each in group) <= SAME_EVENT
+            if first.kind is event.kind and near and event.recording not in _names(group):
+                group.append(event)
+                break
+        else:
+            groups.append([event])
+    return [_one(group) for group in groups]
+
+
+def _names(group: Sequence[Event]) -> list[str]:
+    return [each.recording for each in group]
+
+
+def _one(group: Sequence[Event]) -> Event:
+    if len(group) == 1:
+        return group[0]
+    first = group[0]
+    along = float(np.median([each.along for each in group]))
+    end = float(np.median([each.end for each in group]))
+    nearest = min(group, key=lambda each: abs(each.along - along))
+    others = sorted(set(_names(group)) - {nearest.recording})
+    # The first is the one whose frame and picture are shown.
+    names = ", ".join([nearest.recording, *others])
+    return Event(
+        first.kind, along, max(end, along), nearest.place, nearest.stamp, nearest.frame,
+        nearest.detail, names,
+    )  # fmt: skip

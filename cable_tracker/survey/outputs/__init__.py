@@ -1,0 +1,1 @@
+"""What a survey writes: maps, tables, and a page."""

@@ -1,0 +1,83 @@
+"""`frames.parquet`: what the tracker and the smoother say of each frame."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from cable_tracker.survey.forwards import ForwardDive
+from cable_tracker.survey.frame_table import STATUSES
+from cable_tracker.survey.route import Course
+
+PLAIN = (
+    "frame", "stamp", "presence", "d", "alpha", "w", "beta", "offset", "heading",
+    "sigma_offset", "sigma_heading", "diameter", "altitude",
+)  # fmt: skip
+"""Columns that are written as they are [px, rad, m, ns]."""
+
+UNITS = {
+    "stamp": "ns", "d": "px", "alpha": "rad", "w": "px", "beta": "rad", "offset": "m",
+    "heading": "rad", "sigma_offset": "m", "sigma_heading": "rad", "diameter": "m",
+    "altitude": "m", "x": "m", "y": "m", "yaw": "rad", "smoothed_aside": "m",
+    "smoothed_heading": "rad", "smoothed_sigma": "m", "along": "m",
+}  # fmt: skip
+
+ROW_GROUP = 65536
+
+
+def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course | None) -> None:
+    """Write the table of a dive."""
+    rows = dive.table.rows
+    count = len(rows)
+    columns: dict[str, pa.Array] = {
+        "recording": pa.DictionaryArray.from_arrays(np.zeros(count, np.int32), [recording]),
+        "status": pa.DictionaryArray.from_arrays(rows["status"].astype(np.int32), list(STATUSES)),
+    }
+    for name in PLAIN:
+        columns[name] = pa.array(rows[name], from_pandas=rows[name].dtype.kind == "f")
+    columns["no_metres"] = pa.DictionaryArray.from_arrays(
+        rows["reason"].astype(np.int32), dive.table.reasons
+    )
+    places = np.full((count, 3), np.nan)
+    smoothed = np.full((count, 4), np.nan)
+    if course is not None:
+        places = course.poses.at(rows["stamp"])
+        cable = course.cable
+        sigma = np.sqrt(cable.covariances[:, 0, 0])
+        each = np.column_stack((cable.states[:, :2], sigma, cable.along))
+        for k, (first, last) in enumerate(zip(course.looks.first, course.looks.last, strict=True)):
+            smoothed[first:last] = each[k]
+    for name, column in zip(("x", "y", "yaw"), places.T, strict=True):
+        columns[name] = pa.array(column, from_pandas=True)
+    names = ("smoothed_aside", "smoothed_heading", "smoothed_sigma", "along")
+    for name, column in zip(names, smoothed.T, strict=True):
+        columns[name] = pa.array(column, from_pandas=True)
+    fields = [
+        pa.field(name, column.type, metadata={"unit": UNITS[name]} if name in UNITS else None)
+        for name, column in columns.items()
+    ]
+    table = pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields))
+    pq.write_table(table, path, row_group_size=ROW_GROUP, compression="zstd")
+
+
+def join_frames(parts: list[Path], path: Path) -> None:
+    """Put the tables of several dives into one file, a row group at a time."""
+    writer: pq.ParquetWriter | None = None
+    try:
+        for part in parts:
+            with pq.ParquetFile(part) as file:
+                for number in range(file.num_row_groups):
+                    table = file.read_row_group(number)
+                    table = table.set_column(0, "recording", table["recording"].cast(pa.string()))
+                    for name in ("status", "no_metres"):
+                        place = table.schema.get_field_index(name)
+                        table = table.set_column(place, name, table[name].cast(pa.string()))
+                    if writer is None:
+                        writer = pq.ParquetWriter(path, table.schema, compression="zstd")
+                    writer.write_table(table.cast(writer.schema))
+    finally:
+        if writer is not None:
+            writer.close()

@@ -1,0 +1,292 @@
+"""`route.gpkg`, `route.geojson` and `events.csv`: what geographic information systems read."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyogrio
+import shapely
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.sequences.estimates import format_stamp
+from cable_tracker.survey.events import Event
+from cable_tracker.survey.merging import MergedRoute
+from cable_tracker.survey.navigation import LocalFrame
+
+EARTH = "EPSG:4326"
+"""Longitude and latitude, WGS 84."""
+
+LOCAL = 'LOCAL_CS["metres in the frame of odometry",UNIT["metre",1]]'
+
+KILOMETRE_STEP = 0.1
+"""Between two kilometre points [km]; short routes have finer ones."""
+
+BAND_SIGMAS = 1.96
+"""Half width of the band that holds the cable in 95 % [standard deviations]."""
+
+MILLIMETRES, DEGREE_DIGITS = 3, 8
+
+EVENT_COLUMNS = (
+    "route", "kind", "kp_from_m", "kp_to_m", "length_m", "latitude", "longitude", "x_m", "y_m",
+    "stamp", "recording", "frame", "picture", "detail",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SurveyMap:
+    """Routes, and the frame they are in.
+
+    Attributes
+    ----------
+    routes : tuple of MergedRoute
+        In metres.
+    frame : LocalFrame or None
+        Where their origin lies on the earth; None: in the frame of odometry.
+    names : tuple of str
+        One for each route.
+    events_in_time : tuple of Event
+        Of recordings without metres.
+    """
+
+    routes: tuple[MergedRoute, ...]
+    frame: LocalFrame | None
+    names: tuple[str, ...]
+    events_in_time: tuple[Event, ...] = ()
+
+    def coordinates(self, places: FloatArray) -> FloatArray:
+        """Return what stands in a file for places (N, 2) [m]: longitude, latitude, or x, y."""
+        if self.frame is None:
+            return np.round(places, MILLIMETRES)
+        return np.round(self.frame.to_degrees(places)[:, ::-1], DEGREE_DIGITS)
+
+    @property
+    def crs(self) -> str:
+        """What the coordinates are in."""
+        return LOCAL if self.frame is None else EARTH
+
+
+def picture_name(event: Event) -> str:
+    """Return where the picture of an event lies in the output; empty without one."""
+    if event.frame < 0:
+        return ""
+    first = event.recording.split(", ")[0]
+    return f"recordings/{first}/pictures/{event.frame}.jpg"
+
+
+def band(route: MergedRoute) -> FloatArray:
+    """Return the outline of the band that holds the cable in 95 %, shape (2 N + 1, 2) [m]."""
+    normal = np.column_stack((-np.sin(route.headings), np.cos(route.headings)))
+    half = BAND_SIGMAS * route.sigmas[:, None]
+    outline = np.concatenate((route.places + half * normal, (route.places - half * normal)[::-1]))
+    return np.concatenate((outline, outline[:1]))
+
+
+def kilometre_points(route: MergedRoute) -> tuple[FloatArray, FloatArray]:
+    """Return ways along a route (K,) [m] and the places there (K, 2) [m]."""
+    step = 1000.0 * KILOMETRE_STEP
+    while route.along[-1] < 5 * step and step > 10.0:
+        step /= 10.0
+    along = np.arange(0.0, route.along[-1] + 1e-6, step)
+    places = np.column_stack([np.interp(along, route.along, column) for column in route.places.T])
+    return along, places
+
+
+def at_every_metre(route: MergedRoute) -> dict[str, FloatArray]:
+    """Return the columns of a route at every metre of its way."""
+    along = np.arange(0.0, np.floor(route.along[-1]) + 1.0)
+    columns = {
+        "x_m": route.places[:, 0],
+        "y_m": route.places[:, 1],
+        "heading_rad": route.headings,
+        "sigma_m": route.sigmas,
+        "visible": route.visible,
+        "diameter_m": route.diameters,
+        "vehicle_beside_m": route.asides,
+        "dives": route.dives,
+    }
+    found = {name: np.interp(along, route.along, values) for name, values in columns.items()}
+    return {"kp_m": along, **found}
+
+
+def _event_row(survey: SurveyMap, name: str, event: Event) -> list[object]:
+    latitude: object = ""
+    longitude: object = ""
+    if survey.frame is not None and np.isfinite(event.place).all():
+        degrees = survey.frame.to_degrees(np.array([event.place]))[0]
+        latitude, longitude = (round(float(value), DEGREE_DIGITS) for value in degrees)
+
+    def metres(value: float) -> object:
+        return round(value, MILLIMETRES) if np.isfinite(value) else ""
+
+    return [
+        name, event.kind.value, metres(event.along), metres(event.end),
+        metres(event.end - event.along), latitude, longitude, *map(metres, event.place),
+        format_stamp(event.stamp) if event.stamp else "", event.recording,
+        event.frame if event.frame >= 0 else "", picture_name(event), event.detail,
+    ]  # fmt: skip
+
+
+def event_rows(survey: SurveyMap) -> list[list[object]]:
+    """Return the lines of `events.csv`, columns `EVENT_COLUMNS`."""
+    rows = [
+        _event_row(survey, name, event)
+        for name, route in zip(survey.names, survey.routes, strict=True)
+        for event in route.events
+    ]
+    return rows + [_event_row(survey, "", event) for event in survey.events_in_time]
+
+
+def write_events(path: Path, survey: SurveyMap) -> None:
+    """Write `events.csv`."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(EVENT_COLUMNS)
+        writer.writerows(event_rows(survey))
+
+
+def write_geojson(path: Path, survey: SurveyMap) -> None:
+    """Write routes, kilometre points and events as features; one a line."""
+    features: list[dict[str, Any]] = []
+    for name, route in zip(survey.names, survey.routes, strict=True):
+        line = survey.coordinates(route.places).tolist()
+        table = {key: _finite(values) for key, values in at_every_metre(route).items()}
+        own = {"layer": "route", "name": name, "length_m": round(float(route.along[-1]), 3)}
+        own["recordings"] = list(route.recordings)
+        features.append(_feature("LineString", line, {**own, "every_metre": table}))
+        outline = survey.coordinates(band(route)).tolist()
+        features.append(_feature("Polygon", [outline], {"layer": "band_95", "name": name}))
+        along, places = kilometre_points(route)
+        for way, place in zip(along, survey.coordinates(places), strict=True):
+            features.append(
+                _feature("Point", place.tolist(), {"layer": "kp", "name": name, "kp_m": float(way)})
+            )
+        for event in route.events:
+            values = dict(zip(EVENT_COLUMNS, _event_row(survey, name, event), strict=True))
+            place = survey.coordinates(np.array([event.place]))[0].tolist()
+            features.append(_feature("Point", place, {"layer": "events", **values}))
+    content: dict[str, Any] = {"type": "FeatureCollection", "name": "cable"}
+    if survey.frame is None:
+        # RFC 7946 knows WGS 84 only: what is written is said in a member of our own.
+        content["coordinates"] = "metres in the frame of odometry, not on the earth"
+    with path.open("w", encoding="utf-8") as file:
+        file.write(json.dumps(content)[:-1] + ', "features": [\n')
+        file.write(",\n".join(json.dumps(feature) for feature in features))
+        file.write("\n]}\n")
+
+
+def _finite(values: FloatArray) -> list[float | None]:
+    return [round(float(value), 4) if np.isfinite(value) else None for value in values]
+
+
+def _feature(kind: str, coordinates: object, properties: dict[str, Any]) -> dict[str, Any]:
+    geometry = {"type": kind, "coordinates": coordinates}
+    return {"type": "Feature", "geometry": geometry, "properties": properties}
+
+
+def write_geopackage(path: Path, survey: SurveyMap) -> None:
+    """Write the layers route, band_95, every_metre, kp and events."""
+    routes = list(zip(survey.names, survey.routes, strict=True))
+    write = _LayerWriter(path, survey.crs)
+    write(
+        "route",
+        "LineString",
+        [shapely.LineString(survey.coordinates(route.places)) for _, route in routes],
+        {
+            "name": [name for name, _ in routes],
+            "length_m": [float(route.along[-1]) for _, route in routes],
+            "sigma_median_m": [float(np.median(route.sigmas)) for _, route in routes],
+            "recordings": [", ".join(route.recordings) for _, route in routes],
+        },
+    )
+    write(
+        "band_95",
+        "Polygon",
+        [shapely.Polygon(survey.coordinates(band(route))) for _, route in routes],
+        {"name": [name for name, _ in routes]},
+    )
+    for layer, gather in (("every_metre", _metre_layer), ("kp", _kp_layer)):
+        points, columns = gather(survey, routes)
+        write(layer, "Point", points, columns)
+    placed = [(name, event) for name, route in routes for event in route.events]
+    table = [_event_row(survey, name, event) for name, event in placed]
+    columns = {
+        column: [str(row[k]) if isinstance(row[k], str) else row[k] for row in table]
+        for k, column in enumerate(EVENT_COLUMNS)
+    }
+    points = [shapely.Point(survey.coordinates(np.array([event.place]))[0]) for _, event in placed]
+    write("events", "Point", points, columns)
+
+
+Layer = tuple[list[Any], dict[str, list[Any]]]
+
+
+def _metre_layer(survey: SurveyMap, routes: Sequence[tuple[str, MergedRoute]]) -> Layer:
+    points: list[Any] = []
+    columns: dict[str, list[Any]] = {}
+    for name, route in routes:
+        table = at_every_metre(route)
+        places = survey.coordinates(np.column_stack((table.pop("x_m"), table.pop("y_m"))))
+        points += list(shapely.points(places))
+        columns.setdefault("name", []).extend([name] * len(places))
+        for key, values in table.items():
+            columns.setdefault(key, []).extend(values.tolist())
+    return points, columns
+
+
+def _kp_layer(survey: SurveyMap, routes: Sequence[tuple[str, MergedRoute]]) -> Layer:
+    points: list[Any] = []
+    columns: dict[str, list[Any]] = {"name": [], "kp_m": [], "label": []}
+    for name, route in routes:
+        along, places = kilometre_points(route)
+        points += list(shapely.points(survey.coordinates(places)))
+        columns["name"] += [name] * len(along)
+        columns["kp_m"] += along.tolist()
+        columns["label"] += [f"KP {way / 1000:.3f}" for way in along]
+    return points, columns
+
+
+class _LayerWriter:
+    """Adds layers to one file."""
+
+    def __init__(self, path: Path, crs: str) -> None:
+        self._path = path
+        self._crs = crs
+        path.unlink(missing_ok=True)
+
+    def __call__(
+        self, layer: str, kind: str, shapes: Sequence[Any], columns: dict[str, list[Any]]
+    ) -> None:
+        if not shapes:
+            return
+        pyogrio.raw.write(
+            str(self._path),
+            geometry=shapely.to_wkb(np.array(shapes, dtype=object)),
+            field_data=[_column(values) for values in columns.values()],
+            fields=np.array(list(columns), dtype=object),
+            geometry_type=kind,
+            crs=self._crs,
+            layer=layer,
+            driver="GPKG",
+            append=self._path.exists(),
+        )
+
+
+def _column(values: list[Any]) -> Any:  # noqa: ANN401  Of any type that a column may have.
+    if all(isinstance(value, (int, float)) for value in values):
+        return np.array(values, np.float64)
+    return np.array([str(value) for value in values], dtype=object)
+
+
+Writer = Callable[[Path, SurveyMap], None]
+WRITERS: dict[str, Writer] = {
+    "route.gpkg": write_geopackage,
+    "route.geojson": write_geojson,
+    "events.csv": write_events,
+}
+"""Files of a survey that hold routes or events."""

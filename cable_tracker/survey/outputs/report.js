@@ -1,0 +1,242 @@
+// Map and profile of a survey. All data stand in the page; nothing is fetched.
+"use strict";
+(() => {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  if (!data.routes.length) return;
+  const map = document.getElementById("map"), profile = document.getElementById("profile");
+  const select = document.getElementById("route"), detail = document.getElementById("detail");
+  const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const alarming = new Set(["crossing", "bend", "dives disagree", "navigation", "width out of the ordinary"]);
+  let current = 0, view = null, chosen = -1;
+
+  const sharpened = (canvas) => {
+    const ratio = window.devicePixelRatio || 1, box = canvas.getBoundingClientRect();
+    const width = Math.round(box.width * ratio), height = Math.round(box.height * ratio);
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    const pen = canvas.getContext("2d");
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, box.width, box.height);
+    pen.font = "12px system-ui, sans-serif";
+    return [pen, box.width, box.height];
+  };
+  const extent = (values) => values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+  const nice = (span) => {
+    const power = 10 ** Math.floor(Math.log10(span));
+    return [1, 2, 5, 10].map((f) => f * power).find((step) => step >= span);
+  };
+  const kp = (metres) => `KP ${(metres / 1000).toFixed(3)}`;
+
+  const whole = () => {
+    const route = data.routes[current], box = map.getBoundingClientRect();
+    const [x0, x1] = extent(route.x), [y0, y1] = extent(route.y);
+    const scale = Math.min(box.width / (x1 - x0 + 4), box.height / (y1 - y0 + 4)) * 0.92;
+    view = { x: (x0 + x1) / 2, y: (y0 + y1) / 2, scale };
+  };
+  const toScreen = (x, y, width, height) => [
+    width / 2 + (x - view.x) * view.scale, height / 2 - (y - view.y) * view.scale];
+
+  const drawMap = () => {
+    const [pen, width, height] = sharpened(map);
+    if (!view) whole();
+    const route = data.routes[current], count = route.x.length;
+    const at = (k) => toScreen(route.x[k], route.y[k], width, height);
+    pen.beginPath();
+    const edge = (k, side) => {
+      const half = side * 1.96 * route.sigma[k];
+      return toScreen(route.x[k] - half * Math.sin(route.heading[k]),
+        route.y[k] + half * Math.cos(route.heading[k]), width, height);
+    };
+    for (let k = 0; k < count; k++) pen.lineTo(...edge(k, 1));
+    for (let k = count - 1; k >= 0; k--) pen.lineTo(...edge(k, -1));
+    pen.fillStyle = colour("--band");
+    pen.fill();
+    pen.lineWidth = 2.5;
+    pen.lineJoin = "round";
+    for (const seen of [true, false]) {
+      pen.beginPath();
+      for (let k = 1; k < count; k++) {
+        if ((route.visible[k] > 0.5) !== seen) continue;
+        pen.moveTo(...at(k - 1));
+        pen.lineTo(...at(k));
+      }
+      pen.setLineDash(seen ? [] : [5, 4]);
+      pen.strokeStyle = colour(seen ? "--route" : "--buried");
+      pen.stroke();
+    }
+    pen.setLineDash([]);
+    pen.fillStyle = colour("--dim");
+    const [ways, xs, ys] = route.kp;
+    let last = [-1e9, -1e9];
+    ways.forEach((way, k) => {
+      const [x, y] = toScreen(xs[k], ys[k], width, height);
+      if (Math.hypot(x - last[0], y - last[1]) < 70) return;
+      last = [x, y];
+      pen.beginPath();
+      pen.arc(x, y, 3, 0, 7);
+      pen.fill();
+      pen.fillText(kp(way), x + 6, y + 14);
+    });
+    data.events.forEach((event, k) => {
+      if (event.route !== current) return;
+      const [x, y] = toScreen(event.x, event.y, width, height);
+      pen.beginPath();
+      pen.arc(x, y, k === chosen ? 8 : 5, 0, 7);
+      pen.fillStyle = colour(alarming.has(event.kind) ? "--alarm" : "--buried");
+      pen.fill();
+      pen.strokeStyle = colour("--paper");
+      pen.lineWidth = 1.5;
+      pen.stroke();
+    });
+    const bar = nice(90 / view.scale);
+    pen.strokeStyle = pen.fillStyle = colour("--ink");
+    pen.lineWidth = 2;
+    pen.beginPath();
+    pen.moveTo(14, height - 14);
+    pen.lineTo(14 + bar * view.scale, height - 14);
+    pen.stroke();
+    pen.fillText(bar >= 1000 ? `${bar / 1000} km` : `${bar} m`, 16, height - 20);
+    if (data.onEarth) pen.fillText("N ↑", width - 34, 20);
+  };
+
+  const rows = [
+    ["diameter [m]", "diameter"], ["visible (share of dives)", "visible"],
+    ["vehicle beside [m]", "aside"], ["σ across [m]", "sigma"]];
+  const drawProfile = () => {
+    const [pen, width, height] = sharpened(profile);
+    const route = data.routes[current], left = 60, right = width - 12;
+    const end = route.along[route.along.length - 1], each = (height - 34) / rows.length;
+    const x = (way) => left + (right - left) * way / end;
+    for (const event of data.events) {
+      if (event.route !== current) continue;
+      pen.fillStyle = colour("--band");
+      pen.fillRect(x(event.from) - 1, 4, Math.max(2, x(event.to) - x(event.from)), height - 38);
+    }
+    if (chosen >= 0 && data.events[chosen].route === current) {
+      pen.fillStyle = colour("--alarm");
+      pen.fillRect(x(data.events[chosen].from) - 1, 4, 2, height - 38);
+    }
+    rows.forEach(([title, name], place) => {
+      const values = route[name], known = values.filter((value) => value !== null);
+      const top = 4 + place * each, bottom = top + each - 10;
+      const most = name === "visible" ? 1 : nice(Math.max(1e-3, ...extent(known).slice(1)));
+      pen.strokeStyle = colour("--line");
+      pen.lineWidth = 1;
+      pen.strokeRect(left, top, right - left, bottom - top);
+      pen.fillStyle = colour("--dim");
+      pen.fillText(most, 8, top + 12);
+      pen.fillText("0", 8, bottom);
+      pen.fillStyle = colour("--ink");
+      pen.fillText(title, left + 6, top + 13);
+      pen.beginPath();
+      let lifted = true;
+      values.forEach((value, k) => {
+        if (value === null) { lifted = true; return; }
+        const y = bottom - (bottom - top) * Math.min(value / most, 1);
+        if (lifted) pen.moveTo(x(route.along[k]), y); else pen.lineTo(x(route.along[k]), y);
+        lifted = false;
+      });
+      pen.strokeStyle = colour("--route");
+      pen.stroke();
+    });
+    pen.fillStyle = colour("--dim");
+    const step = nice(end / Math.max(2, (right - left) / 110));
+    for (let way = 0; way <= end; way += step) pen.fillText(kp(way), Math.min(x(way), right - 60), height - 10);
+  };
+
+  const draw = () => { drawMap(); drawProfile(); };
+  const choose = (k, centre = true) => {
+    const event = data.events[k];
+    if (!event) return;
+    chosen = k;
+    if (event.route !== current) { current = event.route; select.value = String(current); view = null; whole(); }
+    if (centre) {
+      const box = map.getBoundingClientRect();
+      view = { x: event.x, y: event.y, scale: Math.max(view.scale, Math.min(box.width, box.height) / 30) };
+    }
+    detail.replaceChildren();
+    const add = (tag, text) => { const node = document.createElement(tag); node.textContent = text; detail.append(node); };
+    add("h3", event.kind);
+    add("p", event.to > event.from ? `${kp(event.from)} to ${kp(event.to)}` : kp(event.from));
+    add("p", event.detail);
+    add("p", event.recording);
+    if (event.picture) {
+      const image = document.createElement("img");
+      image.src = event.picture;
+      image.alt = `The camera's picture at the event: ${event.kind}`;
+      detail.append(image);
+    }
+    document.querySelectorAll("tr.event").forEach((row) => row.classList.toggle("chosen", Number(row.dataset.event) === k));
+    draw();
+  };
+
+  data.routes.forEach((route, k) => select.add(new Option(route.name, String(k))));
+  select.addEventListener("change", () => { current = Number(select.value); whole(); draw(); });
+  document.getElementById("whole").addEventListener("click", () => { whole(); draw(); });
+  const zoom = (factor, x, y) => {
+    const box = map.getBoundingClientRect(), px = x ?? box.width / 2, py = y ?? box.height / 2;
+    const wx = view.x + (px - box.width / 2) / view.scale, wy = view.y - (py - box.height / 2) / view.scale;
+    view.scale *= factor;
+    view.x = wx - (px - box.width / 2) / view.scale;
+    view.y = wy + (py - box.height / 2) / view.scale;
+    drawMap();
+  };
+  document.getElementById("in").addEventListener("click", () => zoom(1.5));
+  document.getElementById("out").addEventListener("click", () => zoom(1 / 1.5));
+  map.addEventListener("wheel", (e) => { e.preventDefault(); zoom(Math.exp(-e.deltaY / 400), e.offsetX, e.offsetY); }, { passive: false });
+  let drag = null;
+  map.addEventListener("pointerdown", (e) => { drag = { x: e.offsetX, y: e.offsetY, moved: false }; map.setPointerCapture(e.pointerId); });
+  map.addEventListener("pointermove", (e) => {
+    const box = map.getBoundingClientRect();
+    const wx = view.x + (e.offsetX - box.width / 2) / view.scale, wy = view.y - (e.offsetY - box.height / 2) / view.scale;
+    document.getElementById("where").textContent = data.onEarth
+      ? `${wx.toFixed(2)} m east, ${wy.toFixed(2)} m north` : `x ${wx.toFixed(2)} m, y ${wy.toFixed(2)} m`;
+    if (!drag) return;
+    const dx = e.offsetX - drag.x, dy = e.offsetY - drag.y;
+    if (!drag.moved && Math.hypot(dx, dy) < 4) return;
+    view.x -= dx / view.scale;
+    view.y += dy / view.scale;
+    drag = { x: e.offsetX, y: e.offsetY, moved: true };
+    drawMap();
+  });
+  map.addEventListener("pointerup", (e) => {
+    const clicked = drag && !drag.moved;
+    drag = null;
+    if (!clicked) return;
+    const box = map.getBoundingClientRect();
+    let best = -1, nearest = 14;
+    data.events.forEach((event, k) => {
+      if (event.route !== current) return;
+      const [x, y] = toScreen(event.x, event.y, box.width, box.height);
+      const away = Math.hypot(x - e.offsetX, y - e.offsetY);
+      if (away < nearest) { nearest = away; best = k; }
+    });
+    if (best >= 0) choose(best, false);
+  });
+  profile.addEventListener("click", (e) => {
+    const route = data.routes[current], box = profile.getBoundingClientRect();
+    const way = (e.offsetX - 60) / (box.width - 72) * route.along[route.along.length - 1];
+    let best = -1, nearest = Infinity;
+    data.events.forEach((event, k) => {
+      if (event.route !== current) return;
+      const away = way < event.from ? event.from - way : way > event.to ? way - event.to : 0;
+      if (away < nearest) { nearest = away; best = k; }
+    });
+    if (best >= 0) choose(best);
+  });
+  document.querySelectorAll("tr.event").forEach((row) => {
+    const k = Number(row.dataset.event), event = data.events[k];
+    if (!event) return;
+    if (event.picture) {
+      const image = document.createElement("img");
+      image.loading = "lazy";
+      image.src = event.picture;
+      image.alt = "";
+      row.cells[0].append(image);
+    }
+    row.addEventListener("click", () => { choose(k); map.scrollIntoView({ block: "center", behavior: "smooth" }); });
+    row.addEventListener("keydown", (e) => { if (e.key === "Enter") choose(k); });
+  });
+  window.addEventListener("resize", draw);
+  whole();
+  draw();
+})();

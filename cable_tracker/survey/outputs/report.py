@@ -1,0 +1,165 @@
+"""`report.html`: one page with map, profile, events and pictures, which needs no network."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.survey.merging import MergedRoute
+from cable_tracker.survey.outputs.maps import (
+    EVENT_COLUMNS,
+    SurveyMap,
+    event_rows,
+    kilometre_points,
+    picture_name,
+)
+
+MOST_POINTS = 8000
+"""Points of a route in the page; a longer one is thinned out."""
+
+MOST_PICTURES = 400
+"""Pictures in the page; the others lie beside it."""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingRow:
+    """One recording in the table of the report.
+
+    Attributes
+    ----------
+    name : str
+        Of the recording.
+    state : str
+        "done", or why not.
+    frames, tracked : int
+        Frames, and in how many the cable is claimed.
+    seconds : float
+        Length.
+    notes : tuple of str
+        What the user should know.
+    """
+
+    name: str
+    state: str
+    frames: int = 0
+    tracked: int = 0
+    seconds: float = 0.0
+    notes: tuple[str, ...] = ()
+
+
+def write_report(
+    path: Path, survey: SurveyMap, recordings: Sequence[RecordingRow], title: str
+) -> None:
+    """Write the page; pictures are looked for beside it."""
+    data = {
+        "onEarth": survey.frame is not None,
+        "routes": [
+            _route_data(survey, name, route)
+            for name, route in zip(survey.names, survey.routes, strict=True)
+        ],
+        "events": _event_data(survey, path.parent),
+    }
+    environment = Environment(
+        loader=PackageLoader("cable_tracker.survey", "outputs"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    script = files("cable_tracker.survey.outputs").joinpath("report.js").read_text("utf-8")
+    page = environment.get_template("report.html.j2").render(
+        title=title,
+        recordings=recordings,
+        events=event_rows(survey),
+        columns=EVENT_COLUMNS,
+        on_earth=survey.frame is not None,
+        datum=_datum(survey),
+        routes=[
+            _summary(name, route) for name, route in zip(survey.names, survey.routes, strict=True)
+        ],
+        # "</script>" inside a text must not end the script.
+        data=json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
+        script=script,
+    )
+    path.write_text(page, encoding="utf-8")
+
+
+def _datum(survey: SurveyMap) -> str:
+    if survey.frame is None:
+        return ""
+    return f"{survey.frame.latitude:.7f}, {survey.frame.longitude:.7f}"
+
+
+def _summary(name: str, route: MergedRoute) -> Mapping[str, object]:
+    return {
+        "name": name,
+        "length": f"{route.along[-1]:.1f}",
+        "visible": f"{100 * float(np.nanmean(route.visible > 0.5)):.1f}",
+        "sigma": f"{float(np.median(route.sigmas)):.3f}",
+        "worst": f"{float(np.max(route.sigmas)):.3f}",
+        "dives": ", ".join(route.recordings),
+    }
+
+
+def _numbers(values: FloatArray, digits: int) -> list[float | None]:
+    return [round(float(value), digits) if np.isfinite(value) else None for value in values]
+
+
+def _route_data(survey: SurveyMap, name: str, route: MergedRoute) -> dict[str, Any]:
+    stride = max(1, -(-len(route.along) // MOST_POINTS))
+    chosen = np.unique(np.append(np.arange(0, len(route.along), stride), len(route.along) - 1))
+    along, places = kilometre_points(route)
+    return {
+        "name": name,
+        "along": _numbers(route.along[chosen], 2),
+        "x": _numbers(route.places[chosen, 0], 3),
+        "y": _numbers(route.places[chosen, 1], 3),
+        "heading": _numbers(route.headings[chosen], 4),
+        "sigma": _numbers(_worst(route.sigmas, chosen), 3),
+        "visible": _numbers(route.visible[chosen], 2),
+        "diameter": _numbers(route.diameters[chosen], 4),
+        "aside": _numbers(route.asides[chosen], 3),
+        "kp": [_numbers(along, 1), _numbers(places[:, 0], 2), _numbers(places[:, 1], 2)],
+    }
+
+
+def _worst(values: FloatArray, chosen: FloatArray) -> FloatArray:
+    """Return the largest value from each chosen point to the next: thinning hides no doubt."""
+    largest: FloatArray = np.maximum.reduceat(values, np.asarray(chosen, np.int64))
+    return largest
+
+
+def _event_data(survey: SurveyMap, folder: Path) -> list[dict[str, Any]]:
+    found = []
+    left = MOST_PICTURES
+    for number, route in enumerate(survey.routes):
+        for event in route.events:
+            picture = ""
+            name = picture_name(event)
+            if name and left and (folder / name).is_file():
+                data = base64.b64encode((folder / name).read_bytes()).decode("ascii")
+                picture = f"data:image/jpeg;base64,{data}"
+                left -= 1
+            found.append(
+                {
+                    "route": number,
+                    "kind": event.kind.value,
+                    "from": round(event.along, 2),
+                    "to": round(event.end, 2),
+                    "x": round(event.place[0], 3),
+                    "y": round(event.place[1], 3),
+                    "detail": event.detail,
+                    "recording": event.recording,
+                    "picture": picture,
+                }
+            )
+    return found

@@ -1,0 +1,347 @@
+"""From one recording to its routes and events, and to a folder that holds them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.errors import FrameError, OutputError, RecordingError
+from cable_tracker.metric.recorded import recorded_vehicle
+from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.source import open_source
+from cable_tracker.survey.events import Event, EventKind, Limits, find_events
+from cable_tracker.survey.forwards import (
+    ForwardDive,
+    ForwardSettings,
+    read_fix,
+    track_forwards,
+)
+from cable_tracker.survey.frame_table import TRACKING
+from cable_tracker.survey.merging import PlacedRoute
+from cable_tracker.survey.navigation import (
+    Georeference,
+    LocalFrame,
+    Poses,
+    georeference,
+    joined_poses,
+)
+from cable_tracker.survey.outputs.frames import write_frames
+from cable_tracker.survey.route import Course, DiveRoute, Profile, make_routes
+from cable_tracker.survey.smoothing import look_steps, smooth
+
+FRAMES, ROUTES, SUMMARY, PICTURES = "frames.parquet", "routes.npz", "dive.json", "pictures"
+
+THUMBNAIL = 240
+"""Width of the pictures of events [px]."""
+
+JPEG_QUALITY = 75
+
+LATE = 2.0
+"""Clocks of camera and navigation that differ by more cannot be brought together [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SurveySettings:
+    """How to survey a recording.
+
+    Attributes
+    ----------
+    forward : ForwardSettings
+        How to track.
+    limits : Limits
+        What is worth an event.
+    datum : (float, float) or None
+        Latitude and longitude of the local frame's origin [deg]; None: the frame of odometry.
+    pictures : bool
+        Whether to keep a picture of each event.
+    """
+
+    forward: ForwardSettings = field(default_factory=ForwardSettings)
+    limits: Limits = field(default_factory=Limits)
+    datum: tuple[float, float] | None = None
+    pictures: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SurveyedDive:
+    """What has come of one recording.
+
+    Attributes
+    ----------
+    name : str
+        Of the recording.
+    routes : tuple of PlacedRoute
+        One for each connected piece; in the local frame if `on_earth`, else in that of odometry.
+    events : tuple of Event
+        Those that have no route: found and lost, of a recording without metres.
+    on_earth : bool
+        Whether the routes are in the local frame of the datum.
+    notes : tuple of str
+        What the user should know.
+    frames, tracked : int
+        How many there are, and in how many the cable is claimed.
+    seconds : float
+        Length of the recording.
+    """
+
+    name: str
+    routes: tuple[PlacedRoute, ...]
+    events: tuple[Event, ...]
+    on_earth: bool
+    notes: tuple[str, ...]
+    frames: int
+    tracked: int
+    seconds: float
+
+
+def find_datum(paths: Sequence[Path], settings: ForwardSettings) -> tuple[float, float] | None:
+    """Return the first place on the earth that any of the recordings states [deg]; None: none."""
+    for path in paths:
+        try:
+            with open_source(path, topic=settings.topic, rate=settings.rate) as recording:
+                vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
+        except RecordingError:
+            continue
+        if vehicle.source is None or Instrument.FIX not in vehicle.source.found.topics:
+            continue
+        for message in vehicle.source.messages():
+            if message.instrument is Instrument.FIX:
+                fix = read_fix(message.message)
+                if fix is not None:
+                    return fix[0], fix[1]
+    return None
+
+
+def survey_recording(
+    path: Path,
+    folder: Path,
+    settings: SurveySettings,
+    advance: Callable[[int], None] = lambda count: None,
+) -> SurveyedDive:
+    """Track a recording, smooth it, find its events, and write all of it into a new folder.
+
+    Raises
+    ------
+    RecordingError
+        Nothing can be read of the recording.
+    OutputError
+        The folder cannot be written.
+    """
+    dive = track_forwards(path, settings.forward, advance)
+    surveyed, course = analyse(dive, settings)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_frames(folder / FRAMES, surveyed.name, dive, course)
+        _write_summary(folder, surveyed)
+        if settings.pictures:
+            _write_pictures(path, settings.forward, folder / PICTURES, surveyed)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written ({error.strerror or error})") from error
+    return surveyed
+
+
+def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, Course | None]:
+    """Smooth a tracked dive and find its events; the course is None without metres."""
+    rows = dive.table.rows
+    notes = list(dive.notes)
+    poses = joined_poses(dive.poses)
+    places = poses.at(rows["stamp"])
+    notes += _faults(dive, poses, places)
+    course, routes, on_earth = None, [], False
+    if np.isfinite(places).any() and np.isfinite(rows["aside"]).any():
+        looks = look_steps(rows, places)
+        course = Course(poses, looks, smooth(looks))
+        earth = _on_earth(dive, poses, settings.datum, notes)
+        on_earth = earth is not None
+        placing = None if earth is None else _placing(earth)
+        turn = 0.0 if earth is None else earth.turn
+        routes = make_routes(looks, course.cable, rows, placing, turn)
+    name = dive.path.name
+    placed = tuple(
+        PlacedRoute(name, each, tuple(find_events(dive, course, each, settings.limits)))
+        for each in routes
+        if course is not None
+    )
+    seconds = float(rows["stamp"][-1] - rows["stamp"][0]) / 1e9
+    tracked = int((rows["status"] == TRACKING).sum())
+    events = () if placed else tuple(_events_in_time(dive))
+    return (
+        SurveyedDive(
+            name, placed, events, on_earth, tuple(notes), len(rows), tracked, max(seconds, 0.0)
+        ),
+        course,
+    )
+
+
+def _placing(
+    earth: Georeference,
+) -> Callable[[FloatArray, IndexArray], tuple[FloatArray, FloatArray]]:
+    return earth.apply
+
+
+def _on_earth(
+    dive: ForwardDive, poses: Poses, datum: tuple[float, float] | None, notes: list[str]
+) -> Georeference | None:
+    if datum is None:
+        return None
+    earth = georeference(poses, dive.fixes, LocalFrame(*datum))
+    if earth is None:
+        notes.append(
+            "too few fixes, or over too short a way, to lay the dive on the earth; its route is in"
+            " the frame of odometry and is not merged"
+        )
+    elif earth.left_out:
+        notes.append(f"{earth.left_out} fixes lie far off the way and do not count")
+    return earth
+
+
+def _faults(dive: ForwardDive, poses: Poses, places: FloatArray) -> list[str]:
+    """Say why there is no route, or why it has gaps."""
+    rows = dive.table.rows
+    notes = []
+    if not len(poses.stamps):
+        notes.append("there is no odometry: the cable is known in pixels only, and has no route")
+    elif not np.isfinite(places).any():
+        apart = abs(float(rows["stamp"][0] - poses.stamps[0])) / 1e9
+        notes.append(
+            f"no odometry of the pictures' time: their clocks are {apart:.0f} s apart; set all"
+            " clocks alike"
+        )
+    elif not np.isfinite(places).all():
+        share = float((~np.isfinite(places).all(axis=1)).mean())
+        notes.append(f"odometry was silent, or on another clock, in {share:.0%} of the frames")
+    if poses.jumps:
+        notes.append(f"odometry began anew or jumped {len(poses.jumps)} times; the way was joined")
+    steps = np.diff(rows["stamp"]) / 1e9
+    if len(steps) and (steps.min(initial=0.0) < 0.0 or steps.max(initial=0.0) > LATE):
+        notes.append("the clock of the camera jumps; the tracker starts anew there")
+    missing = rows["reason"][(rows["status"] == TRACKING)]
+    counts = np.bincount(missing, minlength=1) if len(missing) else np.zeros(1, int)
+    for number in np.flatnonzero(counts[1:]) + 1:
+        share = counts[number] / len(missing)
+        notes.append(f"no metres in {share:.0%} of the claims: {dive.table.reasons[number]}")
+    return notes
+
+
+def _events_in_time(dive: ForwardDive) -> list[Event]:
+    """Return when the cable was found and lost, of a dive without metres."""
+    rows = dive.table.rows
+    claimed = rows["status"] == TRACKING
+    edges = np.flatnonzero(np.diff(claimed.astype(np.int8), prepend=0))
+    nowhere = (float("nan"), float("nan"))
+    return [
+        Event(
+            EventKind.FOUND if claimed[k] else EventKind.LOST,
+            float("nan"), float("nan"), nowhere, int(rows["stamp"][k]), int(rows["frame"][k]),
+            "in pixels only", dive.path.name,
+        )
+        for k in edges
+    ]  # fmt: skip
+
+
+def _write_pictures(
+    path: Path, settings: ForwardSettings, folder: Path, surveyed: SurveyedDive
+) -> None:
+    """Keep a small picture of the frame of each event."""
+    wanted = {
+        event.frame for placed in surveyed.routes for event in placed.events if event.frame >= 0
+    } | {event.frame for event in surveyed.events}
+    if not wanted:
+        return
+    folder.mkdir(exist_ok=True)
+    with open_source(
+        path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True
+    ) as recording:
+        last = max(wanted)
+        try:
+            for frame in recording.frames(min(wanted)):
+                if frame.index in wanted:
+                    try:
+                        picture = decode_bgr(frame.image)
+                    except FrameError:
+                        continue
+                    height = max(1, round(picture.shape[0] * THUMBNAIL / picture.shape[1]))
+                    small = cv2.resize(picture, (THUMBNAIL, height), interpolation=cv2.INTER_AREA)
+                    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
+                    data = cv2.imencode(".jpg", small, quality)[1].tobytes()
+                    (folder / f"{frame.index}.jpg").write_bytes(data)
+                if frame.index >= last:
+                    return
+        except RecordingError:
+            # Where it breaks off stands in the notes already.
+            return
+
+
+def _write_summary(folder: Path, surveyed: SurveyedDive) -> None:
+    arrays: dict[str, Any] = {}
+    for number, placed in enumerate(surveyed.routes):
+        for name in DiveRoute.__dataclass_fields__:
+            if name != "profile":
+                arrays[f"{number}_{name}"] = getattr(placed.route, name)
+        for name in Profile.__dataclass_fields__:
+            arrays[f"{number}_profile_{name}"] = getattr(placed.route.profile, name)
+    np.savez(folder / ROUTES, **arrays)
+    content = {
+        "name": surveyed.name,
+        "on_earth": surveyed.on_earth,
+        "notes": list(surveyed.notes),
+        "frames": surveyed.frames,
+        "tracked": surveyed.tracked,
+        "seconds": surveyed.seconds,
+        "routes": [[asdict(event) for event in each.events] for each in surveyed.routes],
+        "events": [asdict(event) for event in surveyed.events],
+    }
+    (folder / SUMMARY).write_text(json.dumps(content), encoding="utf-8")
+
+
+def read_surveyed(folder: Path) -> SurveyedDive:
+    """Read what `survey_recording` has written.
+
+    Raises
+    ------
+    RecordingError
+        The folder holds no such thing.
+    """
+    try:
+        content = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+        routes = []
+        with np.load(folder / ROUTES) as arrays:
+            for number, events in enumerate(content["routes"]):
+                routes.append(_placed(content["name"], arrays, number, events))
+        return SurveyedDive(
+            content["name"], tuple(routes), tuple(_event(each) for each in content["events"]),
+            bool(content["on_earth"]), tuple(content["notes"]), int(content["frames"]),
+            int(content["tracked"]), float(content["seconds"]),
+        )  # fmt: skip
+    except (OSError, KeyError, ValueError, TypeError) as error:
+        raise RecordingError(
+            f"{folder}: holds no surveyed dive ({error}); survey the recording again"
+        ) from error
+
+
+def _placed(name: str, arrays: Any, number: int, events: list[dict[str, Any]]) -> PlacedRoute:  # noqa: ANN401
+    profile = Profile(
+        float(arrays[f"{number}_profile_start"]),
+        arrays[f"{number}_profile_seen"],
+        arrays[f"{number}_profile_in_view"],
+    )
+    columns = {
+        field_name: arrays[f"{number}_{field_name}"]
+        for field_name in DiveRoute.__dataclass_fields__
+        if field_name not in ("profile", "start")
+    }
+    route = DiveRoute(start=float(arrays[f"{number}_start"]), profile=profile, **columns)
+    return PlacedRoute(name, route, tuple(_event(each) for each in events))
+
+
+def _event(content: dict[str, Any]) -> Event:
+    x, y = content["place"]
+    return Event(**{**content, "kind": EventKind(content["kind"]), "place": (float(x), float(y))})

@@ -1,0 +1,347 @@
+"""The way backwards: a cable lies still, so that what comes later tells of what was before.
+
+Where the camera looks, the cable has a place beside the look line, a direction and a curvature.
+From one look to the next the vehicle moves as odometry has it, and the cable goes on as a curve
+whose curvature forgets itself over some metres. Each tracked frame measures place and direction.
+Their errors are far from independent: consecutive pictures show nearly the same piece of cable,
+with the same growth on it. They count together as about one measurement for each `CORRELATION` of
+way.
+
+Forwards this is a Kalman filter, backwards the smoother of Rauch, Tung and Striebel. Claims that do
+not fit to what lies before and behind lose their weight, as with Student's t.
+
+Gaussians instead of smoothed particles: by the time that a cable is claimed the tracker has settled
+on one place, what is smoothed lies in a plane in metres, and stretches of a hundred metres without
+a claim are bridged with a covariance, where particles would have died out.
+
+References
+----------
+H. E. Rauch, F. Tung and C. T. Striebel (1965), "Maximum likelihood estimates of linear dynamic
+systems".
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.compilation import compiled
+from cable_tracker.survey.frame_table import TRACKING, Rows
+
+STEP = 0.05
+"""Looks that are nearer together than this are taken as one [m]."""
+
+LONGEST_STEP = 2.0
+"""Looks that are farther apart do not belong together [m]."""
+
+CORRELATION = 1.0
+"""Way over which the errors of claims are alike [m]."""
+
+BEND, BEND_LENGTH = 0.05, 6.0
+"""Standard deviation of the curvature [1/m], and way over which it forgets itself [m]."""
+
+ROUGHNESS = 1e-4
+"""What odometry adds to the variance of the place, per second [m²/s]."""
+
+YAW_SIGMA = math.radians(0.2)
+"""Doubt about each yaw of odometry [rad]."""
+
+FLOOR = 0.01
+"""No claim is taken to be better than this [m]."""
+
+HEADING_FLOOR = math.radians(0.5)
+"""The same of its direction; a straight line in a picture of a bent cable [rad]."""
+
+DEGREES = 4.0
+"""Degrees of freedom of Student's t."""
+
+ROUNDS = 3
+LEAST_SCALE, MOST_SCALE = 0.5, 8.0
+"""By how much the tracker's standard deviations may be corrected at most, by what they miss."""
+
+FIRST = (4.0, math.radians(30.0) ** 2, BEND**2)
+"""Variances of place, direction and curvature where nothing is known [m², rad², 1/m²]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Looks:
+    """Where the camera looked, step by step, and what it claimed.
+
+    Attributes
+    ----------
+    places : FloatArray
+        Where the look line is in the dive's frame, and its direction, shape (S, 3) [m, rad].
+    stamps : FloatArray
+        Int64, shape (S,) [ns].
+    claims : FloatArray
+        Place beside the look line and direction from it, shape (S, 2) [m, rad]; NaN without.
+    covariances : FloatArray
+        Of place, both, direction, shape (S, 3).
+    breaks : BoolArray
+        Whether a step does not go on from the one before, shape (S,).
+    first, last : FloatArray
+        Rows of the table that a step stands for, shape (S,): from, and up to but without.
+    """
+
+    places: FloatArray
+    stamps: IndexArray
+    claims: FloatArray
+    covariances: FloatArray
+    breaks: BoolArray
+    first: IndexArray
+    last: IndexArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SmoothedCable:
+    """The cable at each look.
+
+    Attributes
+    ----------
+    along : FloatArray
+        Way along the cable since the first look, shape (S,) [m]; smaller where the vehicle went
+        back.
+    states : FloatArray
+        Place beside the look line, direction from it, curvature, shape (S, 3) [m, rad, 1/m].
+    covariances : FloatArray
+        Shape (S, 3, 3).
+    weights : FloatArray
+        How much each claim counted, 0 to about 1, shape (S,); 0 without a claim.
+    scale : float
+        By how much the tracker's standard deviations were too small.
+    piece : FloatArray
+        Number of the connected piece that a look belongs to, shape (S,).
+    """
+
+    along: FloatArray
+    states: FloatArray
+    covariances: FloatArray
+    weights: FloatArray
+    scale: float
+    piece: IndexArray
+
+
+def look_steps(rows: Rows, poses: FloatArray) -> Looks:
+    """Put frames together into steps of at least `STEP`.
+
+    Parameters
+    ----------
+    rows : Rows
+        Of a `FrameTable`, shape (N,).
+    poses : FloatArray
+        x, y, yaw of the vehicle in each frame, shape (N, 3); NaN where it is not known.
+    """
+    look = rows["look"].copy()
+    known = np.isfinite(look)
+    usual = float(np.median(look[known])) if known.any() else 0.0
+    look[~known] = usual
+    yaw = poses[:, 2]
+    places = np.column_stack(
+        (poses[:, 0] + look * np.cos(yaw), poses[:, 1] + look * np.sin(yaw), yaw)
+    )
+    usable = np.flatnonzero(np.isfinite(places).all(axis=1))
+    starts = _starts(places[usable, :2], STEP)
+    count = len(starts)
+    ends = np.append(starts[1:], len(usable))
+    claims, covariances = np.full((count, 2), np.nan), np.full((count, 3), np.nan)
+    columns = ("aside", "heading", "aside_variance", "aside_heading", "heading_variance")
+    table = np.column_stack([rows[name].astype(np.float64) for name in columns])
+    tracked = (rows["status"] == TRACKING) & np.isfinite(table).all(axis=1)
+    for number, (start, end) in enumerate(zip(starts, ends, strict=True)):
+        members = usable[start:end]
+        members = members[tracked[members]]
+        if not len(members):
+            continue
+        seen = _in_frame(places[usable[start]], places[members], table[members, :2])
+        claims[number] = np.median(seen, axis=0)
+        covariances[number] = table[members, 2:].mean(axis=0)
+    own = places[usable[starts]]
+    gaps = np.hypot(*np.diff(own[:, :2], axis=0, prepend=own[:1, :2]).T)
+    breaks = gaps > LONGEST_STEP
+    if count:
+        breaks[0] = True
+    rows_at = np.append(usable, usable[-1] + 1 if len(usable) else 0)
+    return Looks(
+        own,
+        rows["stamp"][usable[starts]],
+        claims,
+        covariances,
+        breaks,
+        usable[starts],
+        rows_at[ends],
+    )
+
+
+def _in_frame(reference: FloatArray, places: FloatArray, claims: FloatArray) -> FloatArray:
+    """Return claims (K, 2) made at places (K, 3) as seen from one place (3,), shape (K, 2)."""
+    turn = places[:, 2] - reference[2]
+    cos, sin = math.cos(reference[2]), math.sin(reference[2])
+    apart = places[:, :2] - reference[:2]
+    x = apart[:, 0] * cos + apart[:, 1] * sin - claims[:, 0] * np.sin(turn)
+    y = -apart[:, 0] * sin + apart[:, 1] * cos + claims[:, 0] * np.cos(turn)
+    heading = claims[:, 1] + turn
+    return np.column_stack((y - x * np.tan(heading), heading))
+
+
+@compiled
+def _starts(places: FloatArray, step: float) -> IndexArray:
+    """Return the first of each run of places (N, 2) that are nearer together than a step."""
+    starts = np.empty(len(places), np.int64)
+    count = 0
+    for k in range(len(places)):
+        if count > 0:
+            last = starts[count - 1]
+            dx, dy = places[k, 0] - places[last, 0], places[k, 1] - places[last, 1]
+            if dx * dx + dy * dy < step * step:
+                continue
+        starts[count] = k
+        count += 1
+    return starts[:count]
+
+
+def smooth(looks: Looks) -> SmoothedCable:
+    """Smooth the claims of a dive in both directions."""
+    claimed = np.isfinite(looks.claims).all(axis=1)
+    weights = np.where(claimed, 1.0, 0.0)
+    scale = 1.0
+    along, states, covariances = np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3, 3))
+    steps = np.hypot(*np.diff(looks.places[:, :2], axis=0, prepend=looks.places[:1, :2]).T)
+    seconds = np.diff(looks.stamps, prepend=looks.stamps[:1]) / 1e9
+    shared = CORRELATION / np.clip(steps, STEP, CORRELATION)
+    for _ in range(ROUNDS):
+        noise = (_noise(looks.covariances, scale).T * shared).T
+        along, states, covariances = _both_ways(
+            looks.places, seconds, looks.claims, noise, weights, looks.breaks
+        )
+        off = looks.claims - states[:, :2]
+        plain = _noise(looks.covariances, scale)
+        far = off[:, 0] ** 2 / plain[:, 0] + off[:, 1] ** 2 / plain[:, 2]
+        if claimed.any():
+            miss = math.sqrt(float(np.median(far[claimed])) / 1.386)
+            scale = float(np.clip(scale * miss, LEAST_SCALE, MOST_SCALE))
+            far = far / max(miss, 1e-9) ** 2
+        weights[claimed] = (DEGREES + 2.0) / (DEGREES + far[claimed])
+    piece = np.cumsum(looks.breaks).astype(np.int64) - 1
+    return SmoothedCable(along, states, covariances, weights, scale, piece)
+
+
+def _noise(covariances: FloatArray, scale: float) -> FloatArray:
+    noise: FloatArray = scale**2 * covariances
+    noise[:, 0] += FLOOR**2
+    noise[:, 2] += HEADING_FLOOR**2 + YAW_SIGMA**2
+    return noise
+
+
+@compiled
+def _moved(place: FloatArray, after: FloatArray, state: FloatArray) -> FloatArray:
+    """Return a cable's state at the next look line, and the way to it: y, h, kappa, s."""
+    turn = after[2] - place[2]
+    cos, sin = math.cos(turn), math.sin(turn)
+    dx, dy = after[0] - place[0], after[1] - place[1]
+    c0, s0 = math.cos(place[2]), math.sin(place[2])
+    ahead, aside = dx * c0 + dy * s0, -dx * s0 + dy * c0
+    bx = -ahead * cos + (state[0] - aside) * sin
+    by = ahead * sin + (state[0] - aside) * cos
+    heading = state[1] - turn
+    slope = math.cos(heading)
+    result = np.empty(4)
+    if abs(slope) < 0.2:
+        result[:] = np.nan
+        return result
+    way = -bx / slope
+    result[0] = by + way * math.sin(heading) + 0.5 * state[2] * way * way / slope
+    result[1] = heading + state[2] * way
+    result[2] = state[2]
+    result[3] = way
+    return result
+
+
+@compiled
+def _transition(before: FloatArray, moved: FloatArray) -> FloatArray:
+    """Return how small changes of y, h, kappa go on from one look line to the next, (3, 3)."""
+    way = moved[3]
+    slope = math.cos(moved[1] - before[2] * way)
+    move = np.zeros((3, 3))
+    move[0, 0] = math.cos(before[1]) / slope
+    move[0, 1] = way / slope
+    move[0, 2] = 0.5 * way * way / slope
+    move[1, 1] = 1.0
+    move[1, 2] = way
+    move[2, 2] = math.exp(-abs(way) / BEND_LENGTH)
+    return move
+
+
+@compiled
+def _bending(way: float) -> FloatArray:
+    """Return what a curvature that changes at random adds over a way, (3, 3)."""
+    size = abs(way)
+    fresh = BEND * BEND * (1.0 - math.exp(-2.0 * size / BEND_LENGTH))
+    noise = np.empty((3, 3))
+    noise[0, 0] = fresh * size**4 / 20.0
+    noise[0, 1] = noise[1, 0] = fresh * size * size * way / 8.0
+    noise[0, 2] = noise[2, 0] = fresh * size * size / 6.0
+    noise[1, 1] = fresh * size * size / 3.0
+    noise[1, 2] = noise[2, 1] = fresh * way / 2.0
+    noise[2, 2] = fresh
+    return noise
+
+
+@compiled
+def _claimed(
+    mean: FloatArray, spread: FloatArray, claim: FloatArray, noise: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return mean (3,) and covariance (3, 3) after a claim (2,) with noise r00, r01, r11."""
+    s00, s01 = spread[0, 0] + noise[0], spread[0, 1] + noise[1]
+    s11 = spread[1, 1] + noise[2]
+    inverse = np.array([[s11, -s01], [-s01, s00]]) / (s00 * s11 - s01 * s01)
+    gain = np.ascontiguousarray(spread[:, :2]) @ inverse
+    after = spread - gain @ np.ascontiguousarray(spread[:2, :])
+    return mean + gain @ (claim - mean[:2]), 0.5 * (after + after.T)
+
+
+@compiled
+def _both_ways(  # noqa: PLR0917
+    places: FloatArray,
+    seconds: FloatArray,
+    claims: FloatArray,
+    noise: FloatArray,
+    weights: FloatArray,
+    breaks: BoolArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Filter forwards and smooth backwards; see `smooth`."""
+    count = len(places)
+    means, spreads = np.zeros((count, 3)), np.zeros((count, 3, 3))
+    means_before, spreads_before = np.zeros((count, 3)), np.zeros((count, 3, 3))
+    moves, along = np.zeros((count, 3, 3)), np.zeros(count)
+    is_new = breaks.copy()
+    mean, spread = np.zeros(3), np.zeros((3, 3))
+    moved = np.zeros(4)
+    for k in range(count):
+        if not is_new[k]:
+            moved = _moved(places[k - 1], places[k], mean)
+            is_new[k] = not np.isfinite(moved[3])
+        if is_new[k]:
+            mean, spread = np.zeros(3), np.diag(np.array(FIRST))
+            along[k] = along[k - 1] if k > 0 else 0.0
+        else:
+            moves[k] = _transition(mean, moved)
+            spread = moves[k] @ spread @ moves[k].T + _bending(moved[3])
+            spread[0, 0] += ROUGHNESS * max(seconds[k], 0.0)
+            mean = moved[:3].copy()
+            mean[2] *= moves[k, 2, 2]
+            along[k] = along[k - 1] + moved[3]
+        means_before[k], spreads_before[k] = mean, spread
+        if weights[k] > 0.0:
+            mean, spread = _claimed(mean, spread, claims[k], noise[k] / weights[k])
+        means[k], spreads[k] = mean, spread
+    for k in range(count - 2, -1, -1):
+        if is_new[k + 1]:
+            continue
+        back = spreads[k] @ moves[k + 1].T @ np.linalg.inv(spreads_before[k + 1])
+        means[k] += back @ (means[k + 1] - means_before[k + 1])
+        spread = spreads[k] + back @ (spreads[k + 1] - spreads_before[k + 1]) @ back.T
+        spreads[k] = 0.5 * (spread + spread.T)
+    return along, means, spreads

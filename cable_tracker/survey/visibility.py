@@ -1,0 +1,105 @@
+"""Where along the cable in a picture its borders can be seen.
+
+The tracker says whether there is a cable; where the sand begins it does not say. So the cable is
+cut out of the picture and straightened, and at several places along it the steps of brightness at
+both borders are compared with those of the bottom and of the cable itself.
+"""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.geometry import segment_inside
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.survey.frame_table import PROFILE_BINS
+
+COLUMNS, ROWS_PER_BIN = 48, 4
+"""Size of the straightened cable [px]; its borders lie at a quarter and three quarters."""
+
+LEFT, RIGHT = COLUMNS // 4, 3 * COLUMNS // 4
+TOLERANCE = 2
+"""A border is looked for so far to either side of where it is claimed [px of the strip]."""
+
+SMOOTHING = (5, 1)
+"""Columns and rows over which brightness is averaged before steps are taken."""
+
+LEAST_STEP = 0.5
+"""Steps of a bottom without any texture, so that nothing is divided by 0 [grey levels]."""
+
+SHORTEST = 8.0
+"""A cable that is seen over a shorter way is not judged [px]."""
+
+
+def border_profile(image: Image, state: CableState) -> tuple[FloatArray, FloatArray] | None:
+    """Judge along a claimed cable whether its borders are there.
+
+    Parameters
+    ----------
+    image : Image
+        Grey levels, shape (H, W).
+    state : CableState
+        The claim [px, rad].
+
+    Returns
+    -------
+    (FloatArray, FloatArray) or None
+        Places along the line from its foot point, shape (B,) [px], and for each how many times the
+        usual step of brightness the weaker border has, shape (B,); None where too little is inside.
+    """
+    height, width = image.shape
+    segment = segment_inside(state.angle, state.distance, (width, height))
+    if segment is None or not state.width > 1.0:
+        return None
+    sine, cosine = math.sin(state.angle), math.cos(state.angle)
+    low, high = sorted(-x * sine + y * cosine for x, y in segment)
+    if high - low < SHORTEST:
+        return None
+    strip = _straightened(image, state, low, high)
+    steps = np.abs(strip[:, 2:] - strip[:, :-2])
+    bins = strip.reshape(PROFILE_BINS, ROWS_PER_BIN, COLUMNS).mean(axis=1)
+    slopes = bins[:, 2:] - bins[:, :-2]
+    left = _strongest(slopes, LEFT - 1)
+    right = _strongest(slopes, RIGHT - 1)
+    usual = float(np.median(np.abs(slopes))) + 0.25 * float(np.median(steps)) + LEAST_STEP
+    # Two borders of one cable rise and fall: steps of the same sign are no cable.
+    weaker = np.where(left * right < 0.0, np.minimum(np.abs(left), np.abs(right)), 0.0)
+    edges = np.linspace(high, low, PROFILE_BINS + 1)
+    return (edges[:-1] + edges[1:]) / 2, weaker / usual
+
+
+def _straightened(image: Image, state: CableState, low: float, high: float) -> FloatArray:
+    """Cut the cable out: its direction becomes the column's, both borders become straight."""
+    height, width = image.shape
+    sine, cosine = math.sin(state.angle), math.cos(state.angle)
+    normal, along = np.array([cosine, sine]), np.array([-sine, cosine])
+    corners = []
+    for place in (high, low):
+        half = max(state.width / 2 - place * math.tan(state.skew), 1.0)
+        foot = state.distance * normal + place * along
+        corners += [foot - half * normal, foot + half * normal]
+    points = np.array(corners) * [1.0, -1.0] + [(width - 1) / 2, (height - 1) / 2]
+    rows = PROFILE_BINS * ROWS_PER_BIN
+    ends = np.array([[LEFT, 0], [RIGHT, 0], [LEFT, rows - 1], [RIGHT, rows - 1]])
+    mapping = cv2.getPerspectiveTransform(ends.astype(np.float32), points.astype(np.float32))
+    picture = image if image.dtype == np.uint8 else image.astype(np.float32)
+    strip = cv2.warpPerspective(
+        picture,
+        mapping,
+        (COLUMNS, rows),
+        flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    smooth: FloatArray = cv2.blur(strip.astype(np.float32), SMOOTHING).astype(np.float64)
+    return smooth
+
+
+def _strongest(slopes: FloatArray, column: int) -> FloatArray:
+    """Return the slope of the largest size near a column, for each bin."""
+    near = slopes[:, column - TOLERANCE : column + TOLERANCE + 1]
+    place = np.abs(near).argmax(axis=1)
+    strongest: FloatArray = near[np.arange(len(near)), place]
+    return strongest

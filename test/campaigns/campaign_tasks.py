@@ -1,0 +1,68 @@
+"""Tasks that worker processes can load: pickled by their names, as those of the package are."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from cable_tracker.errors import RecordingError
+
+
+@dataclass(frozen=True)
+class Square:
+    """Writes the square of a number."""
+
+    number: int
+    parameter: str = "usual"
+    wait: float = 0.0
+
+    @property
+    def name(self) -> str:
+        return f"number_{self.number}"
+
+    def fingerprint(self) -> str:
+        return f"{self.number} {self.parameter}"
+
+    def run(self, folder: Path, advance: Callable[[int], None]) -> None:
+        time.sleep(self.wait)
+        (folder / "square.txt").write_text(str(self.number**2))
+        advance(1)
+
+
+@dataclass(frozen=True)
+class Failing(Square):
+    """Cannot be done."""
+
+    def run(self, folder: Path, advance: Callable[[int], None]) -> None:
+        raise RecordingError(f"{self.name}: holds no frames")
+
+
+@dataclass(frozen=True)
+class KillsItsWorkerOnce(Square):
+    """Ends its own process the first time that it is done."""
+
+    traces: str = ""
+
+    def run(self, folder: Path, advance: Callable[[int], None]) -> None:
+        trace = Path(self.traces) / self.name
+        if not trace.exists():
+            trace.write_text("")
+            os.kill(os.getpid(), signal.SIGKILL)
+        super().run(folder, advance)
+
+
+@dataclass(frozen=True)
+class Work:
+    """Gives a small result back."""
+
+    number: int
+
+    def run(self, advance: Callable[[], None]) -> int:
+        if self.number < 0:
+            raise RecordingError("a negative number")
+        advance()
+        return self.number**2

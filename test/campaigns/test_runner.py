@@ -1,0 +1,169 @@
+"""With a real scheduler and two worker processes on loopback."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("distributed")
+pytestmark = pytest.mark.filterwarnings("default")
+
+from campaign_tasks import Failing, KillsItsWorkerOnce, Square, Work  # noqa: E402
+from distributed import LocalCluster  # noqa: E402
+
+from cable_tracker.campaigns.cluster import ClusterSettings  # noqa: E402
+from cable_tracker.campaigns.runner import run_all, run_campaign  # noqa: E402
+from cable_tracker.campaigns.task import TaskState, fingerprint_of_files  # noqa: E402
+from cable_tracker.errors import ParameterError, RecordingError  # noqa: E402
+
+HERE = Path(__file__).parent
+ALONE = ClusterSettings()
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """Two worker processes that know the tasks of these tests."""
+    before = os.environ.get("PYTHONPATH", "")
+    os.environ["PYTHONPATH"] = f"{HERE}{os.pathsep}{before}"
+    try:
+        with LocalCluster(
+            n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
+            silence_logs=50,
+        ) as running:  # fmt: skip
+            yield running
+    finally:
+        os.environ["PYTHONPATH"] = before
+
+
+@pytest.fixture
+def both(cluster) -> ClusterSettings:
+    return ClusterSettings(scheduler=cluster.scheduler_address)
+
+
+def states(outcomes):
+    return [outcome.state for outcome in outcomes]
+
+
+def test_results_lie_on_the_disk_in_folders_of_their_own(both, tmp_path):
+    outcomes = run_campaign([Square(n) for n in range(6)], tmp_path, both)
+    assert states(outcomes) == [TaskState.DONE] * 6
+    assert [(tmp_path / f"number_{n}/square.txt").read_text() for n in range(6)] == [
+        str(n * n) for n in range(6)
+    ]
+
+
+def test_what_fails_is_a_row_that_says_why(both, tmp_path):
+    outcomes = run_campaign([Square(1), Failing(2), Square(3)], tmp_path, both)
+    assert states(outcomes) == [TaskState.DONE, TaskState.FAILED, TaskState.DONE]
+    assert outcomes[1].reason == "number_2: holds no frames"
+    assert not (tmp_path / "number_2").exists()
+
+
+def test_tasks_of_a_killed_worker_are_done_by_others(both, tmp_path):
+    traces = tmp_path / "traces"
+    traces.mkdir()
+    tasks = [Square(1), KillsItsWorkerOnce(2, traces=str(traces)), Square(3)]
+    outcomes = run_campaign(tasks, tmp_path / "results", both)
+    assert states(outcomes) == [TaskState.DONE] * 3
+
+
+def test_many_tiny_tasks_all_come_to_their_end(both, tmp_path):
+    counted = []
+    outcomes = run_campaign(
+        [Square(n) for n in range(1000)], tmp_path, both, advance=counted.append
+    )
+    assert states(outcomes) == [TaskState.DONE] * 1000
+
+
+def test_results_that_are_sent_back_come_in_order(both):
+    assert run_all([Work(n) for n in range(5)], settings=both) == [0, 1, 4, 9, 16]
+
+
+def test_the_first_error_ends_work_that_is_sent_back(both):
+    with pytest.raises(RecordingError, match="a negative number"):
+        run_all([Work(1), Work(-1)], settings=both)
+
+
+def test_resuming_does_only_what_is_missing_or_has_changed(tmp_path):
+    run_campaign([Square(1), Square(2)], tmp_path, ALONE)
+    again = [Square(1), Square(2, parameter="another"), Square(3)]
+    assert states(run_campaign(again, tmp_path, ALONE, resume=True)) == [
+        TaskState.KEPT, TaskState.DONE, TaskState.DONE,
+    ]  # fmt: skip
+
+
+def test_another_version_does_everything_again(tmp_path, monkeypatch):
+    run_campaign([Square(1)], tmp_path, ALONE)
+    monkeypatch.setattr("cable_tracker.campaigns.runner.__version__", "999.0")
+    assert states(run_campaign([Square(1)], tmp_path, ALONE, resume=True)) == [TaskState.DONE]
+
+
+def test_what_a_killed_client_left_is_kept(cluster, tmp_path):
+    program = (
+        "from pathlib import Path\n"
+        "from campaign_tasks import Square\n"
+        "from cable_tracker.campaigns.cluster import ClusterSettings\n"
+        "from cable_tracker.campaigns.runner import run_campaign\n"
+        f"settings = ClusterSettings(scheduler={cluster.scheduler_address!r})\n"
+        "tasks = [Square(n, wait=0.0 if n < 2 else 300.0) for n in range(4)]\n"
+        f"run_campaign(tasks, Path({str(tmp_path)!r}), settings)\n"
+    )
+    path = f"{HERE}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+    client = subprocess.Popen(
+        [sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": path}
+    )
+    try:
+        deadline = time.monotonic() + 240.0
+        while not all((tmp_path / f"number_{n}/square.txt").exists() for n in range(2)):
+            assert time.monotonic() < deadline and client.poll() is None
+            time.sleep(0.1)
+    finally:
+        client.kill()
+        client.wait()
+    # The same tasks as before but for their waiting, which is no part of what they are.
+    outcomes = run_campaign([Square(n) for n in range(4)], tmp_path, ALONE, resume=True)
+    assert states(outcomes) == [TaskState.KEPT] * 2 + [TaskState.DONE] * 2
+
+
+def test_workers_of_another_version_are_refused_with_words(both, tmp_path, monkeypatch):
+    monkeypatch.setattr("cable_tracker.campaigns.cluster.__version__", "999.0")
+    with pytest.raises(ParameterError, match=r"this is cable_tracker 999\.0, but .* has .*install"):
+        run_campaign([Square(1), Square(2)], tmp_path, both)
+
+
+def test_a_worker_of_another_version_that_comes_later_does_nothing(both, tmp_path, monkeypatch):
+    monkeypatch.setattr("cable_tracker.campaigns.runner.__version__", "999.0")
+    outcomes = run_campaign([Square(1), Square(2)], tmp_path, both)
+    assert states(outcomes) == [TaskState.FAILED] * 2
+    assert "install one version" in outcomes[0].reason
+
+
+def test_no_scheduler_is_said(tmp_path, monkeypatch):
+    monkeypatch.setattr("cable_tracker.campaigns.cluster.CONNECT_TIMEOUT", 1.0)
+    with pytest.raises(ParameterError, match=r"none answers at tcp://127\.0\.0\.1:9"):
+        run_campaign([Square(1)], tmp_path, ClusterSettings(scheduler="tcp://127.0.0.1:9"))
+
+
+def test_two_recordings_of_one_name_are_refused(tmp_path):
+    with pytest.raises(ParameterError, match="two recordings are called number_1"):
+        run_campaign([Square(1), Square(1)], tmp_path, ALONE)
+
+
+def test_a_file_that_is_written_to_has_another_fingerprint(tmp_path):
+    (tmp_path / "bag").mkdir()
+    (tmp_path / "bag/0.mcap").write_bytes(b"one")
+    before = fingerprint_of_files(tmp_path / "bag")
+    assert before == fingerprint_of_files(tmp_path / "bag")
+    (tmp_path / "bag/0.mcap").write_bytes(b"longer")
+    assert fingerprint_of_files(tmp_path / "bag") != before
+
+
+@pytest.mark.parametrize("workers", [0, 257])
+def test_a_number_of_workers_that_cannot_be_is_refused(workers):
+    with pytest.raises(ParameterError, match="workers"):
+        ClusterSettings(workers=workers)

@@ -1,0 +1,64 @@
+import numpy as np
+import pytest
+
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.recorded import recorded_vehicle
+from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
+from cable_tracker.sequences.source import open_source
+from cable_tracker.simulation.survey_bag import write_survey_bag
+from cable_tracker.simulation.survey_dive import SurveySettings
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory):
+    path = tmp_path_factory.mktemp("recorded") / "dive"
+    write_survey_bag(path, SurveySettings(length=1.5, image_size=(64, 48), rate=5.0))
+    return path
+
+
+def claim(frame) -> CableEstimate:
+    state = frame.truth or CableState(0.0, 0.0, 5.0, 0.0)
+    return CableEstimate(
+        frame.stamp, TrackingStatus.TRACKING, state, np.eye(8) * 1e-6, 100.0, 1.0, (64, 48)
+    )
+
+
+def measured(bag, choice=None):
+    results = []
+    with open_source(bag) as recording, recorded_vehicle(recording, choice).metres() as metres:
+        for frame in recording.frames():
+            metres.advance(frame)
+            results.append(metres.measure(claim(frame)))
+    return results
+
+
+def test_the_true_cable_is_found_beside_the_vehicle_in_every_frame(bag):
+    results = measured(bag)
+    assert len(results) > 5
+    assert all(isinstance(result, CrossTrack) for result in results)
+    assert all(abs(result.offset) < 0.6 and -2.5 < result.depth < -1.5 for result in results)
+    diameters = [result.diameter for result in results]
+    assert np.median(diameters) == pytest.approx(0.16, rel=0.2)
+
+
+def test_without_an_altitude_the_reason_is_said(bag):
+    choice = InstrumentChoice({Instrument.ALTITUDE: "none"})
+    for result in measured(bag, choice):
+        assert isinstance(result, Withheld) and result.reason is Reason.NO_ALTITUDE
+
+
+def test_what_is_said_shortly_after_a_frame_is_known(bag):
+    with open_source(bag) as recording, recorded_vehicle(recording).metres() as metres:
+        frame = next(recording.frames())
+        messages = metres.advance(frame)
+    latest = max(message.stamp for message in messages)
+    assert frame.stamp < latest <= frame.received + 250_000_000
+
+
+def test_a_recording_that_is_no_bag_has_no_instruments(tmp_path):
+    (tmp_path / "0.png").write_bytes(b"")
+    with open_source(tmp_path) as recording:
+        assert recorded_vehicle(recording).metres() is None

@@ -1,0 +1,38 @@
+import math
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.metric.frames import Mounting
+from cable_tracker.metric.settings import (
+    camera_parameters,
+    default_values,
+    instrument_settings,
+)
+
+angles = st.floats(-math.pi, math.pi)
+
+
+@given(roll=angles, pitch=st.floats(-1.5, 1.5), yaw=angles)
+def test_a_mounting_from_tf_looks_where_the_camera_looks(roll, pitch, yaw):
+    rotation = Mounting(roll=roll, pitch=pitch, yaw=yaw).rotation
+    values = default_values() | camera_parameters(rotation, np.array([0.1, -0.2, 0.3]))
+    mounting = instrument_settings(values).metric.mounting
+    np.testing.assert_allclose(mounting.rotation, rotation, atol=1e-6)
+    np.testing.assert_allclose(mounting.position, [0.1, -0.2, 0.3])
+
+
+@given(yaw=angles)
+def test_straight_down_has_a_mounting_too(yaw):
+    rotation = Mounting(pitch=math.pi / 2, yaw=yaw).rotation
+    values = default_values() | camera_parameters(rotation, np.zeros(3))
+    np.testing.assert_allclose(
+        instrument_settings(values).metric.mounting.rotation, rotation, atol=1e-6
+    )
+
+
+def test_the_defaults_look_straight_down_without_an_altitude():
+    settings = instrument_settings(default_values())
+    assert settings.metric.mounting.pitch == math.pi / 2
+    assert settings.fixed_altitude == 0.0

@@ -1,0 +1,51 @@
+import pytest
+
+from cable_tracker.errors import ParameterError
+from cable_tracker.metric.vehicle import describe_vehicle, read_vehicle_file
+
+CALIBRATION = """
+image_width: 320
+image_height: 240
+camera_name: eye
+distortion_model: plumb_bob
+camera_matrix: {rows: 3, cols: 3, data: [280, 0, 159.5, 0, 281, 119.5, 0, 0, 1]}
+distortion_coefficients: {rows: 1, cols: 5, data: [0.1, 0, 0, 0, 0]}
+"""
+
+
+def written(tmp_path, text):
+    path = tmp_path / "vehicle.yaml"
+    path.write_text(text)
+    return path
+
+
+def test_a_vehicle_file_gives_mounting_and_calibration(tmp_path):
+    file = read_vehicle_file(
+        written(tmp_path, "camera_pitch: 70\naltimeter_z: -0.2\n" + CALIBRATION)
+    )
+    assert file.values == {"camera_pitch": 70.0, "altimeter_z": -0.2}
+    assert file.calibration.focal == (280.0, 281.0)
+    assert file.calibration.coefficients[0] == 0.1
+
+
+def test_what_the_file_does_not_say_is_as_always(tmp_path):
+    vehicle = describe_vehicle(
+        None, "", read_vehicle_file(written(tmp_path, "cable_height: 0.1\n"))
+    )
+    assert vehicle.values["cable_height"] == 0.1
+    assert vehicle.values["camera_pitch"] == 90.0
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("camera_pich: 70\n", "camera_pich: no such parameter"),
+        ("camera_pitch: 900\n", "camera_pitch"),
+        ("camera_pitch: steep\n", "camera_pitch"),
+        ("image_width: 320\n", "calibration is not complete"),
+        (CALIBRATION.replace("0, 0, 1]", "0]"), "camera_matrix has 7 numbers"),
+    ],
+)
+def test_a_wrong_file_is_refused_with_the_reason(tmp_path, text, words):
+    with pytest.raises(ParameterError, match=words):
+        read_vehicle_file(written(tmp_path, text))

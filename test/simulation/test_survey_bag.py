@@ -1,0 +1,51 @@
+import json
+
+import numpy as np
+import pytest
+
+from cable_tracker.metric.recorded import recorded_vehicle
+from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.source import open_source
+from cable_tracker.simulation.survey_bag import (
+    ORIGIN,
+    TRUTH,
+    Earth,
+    to_east_north,
+    write_survey_bag,
+)
+from cable_tracker.simulation.survey_dive import SurveySettings
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory):
+    path = tmp_path_factory.mktemp("survey") / "dive"
+    write_survey_bag(path, SurveySettings(length=1.5, image_size=(64, 48), rate=5.0))
+    return path
+
+
+def test_the_bag_holds_all_instruments(bag):
+    with open_source(bag) as recording:
+        vehicle = recorded_vehicle(recording)
+    assert set(vehicle.source.found.topics) == set(Instrument)
+    assert not vehicle.notes
+
+
+def test_mounting_and_heights_are_known_from_the_bag_alone(bag):
+    with open_source(bag) as recording:
+        values = recorded_vehicle(recording).vehicle.values
+    assert values["camera_pitch"] == pytest.approx(70.0)
+    assert values["altitude_is_vertical"] is True
+    assert values["cable_height"] > 0.0
+
+
+def test_the_truth_of_the_course_lies_beside_it(bag):
+    truth = json.loads((bag / TRUTH).read_text())
+    world, east_north = np.array(truth["world"]), np.array(truth["east_north"])
+    np.testing.assert_allclose(to_east_north(world), east_north)
+    assert truth["origin"] == list(ORIGIN)
+
+
+def test_the_origin_of_the_world_lies_where_it_is_said_to():
+    fix = Earth().fix(np.zeros(2), 0.0)
+    assert (fix.latitude, fix.longitude) == pytest.approx(ORIGIN, abs=1e-9)
+    assert fix.height == pytest.approx(0.0, abs=1e-6)

@@ -1,0 +1,61 @@
+import math
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+import pytest
+
+from cable_tracker.errors import ParameterError
+from cable_tracker.simulation.survey_dive import (
+    TICKS,
+    SurveyDive,
+    SurveySettings,
+    cable_points,
+    survey_cable,
+    usual_survey,
+)
+
+SMALL = SurveySettings(seed=3, length=4.0, image_size=(64, 48), rate=5.0)
+
+
+def test_every_manieth_tick_has_a_picture_and_an_altitude():
+    ticks = list(islice(SurveyDive(SMALL).ticks(), 3 * TICKS))
+    assert [tick.picture is not None for tick in ticks] == ([True] + [False] * (TICKS - 1)) * 3
+    assert all((tick.altitude is None) == (tick.picture is None) for tick in ticks)
+
+
+def test_the_vehicle_stays_over_the_cable_to_its_end():
+    ticks = list(SurveyDive(SMALL).ticks())
+    tube = survey_cable(SMALL.cable_seed)
+    course = cable_points(tube, np.arange(-3.0, 8.0, 0.05))[0][:, :2]
+    for tick in ticks:
+        away = np.hypot(*(course - tick.motion.position[:2]).T).min()
+        assert away < 0.6
+    assert ticks[-1].motion.position[0] > SMALL.length - 0.5
+
+
+def test_dives_over_one_cable_differ_in_all_but_the_cable():
+    first, second = (next(SurveyDive(replace(SMALL, seed=seed)).ticks()) for seed in (1, 2))
+    assert not np.array_equal(first.imu.angles, second.imu.angles)
+    np.testing.assert_array_equal(first.motion.position, second.motion.position)
+
+
+def test_the_same_seed_gives_the_same_dive():
+    first, second = (list(islice(SurveyDive(SMALL).ticks(), 6)) for _ in range(2))
+    for a, b in zip(first, second, strict=True):
+        np.testing.assert_array_equal(a.odometry.position, b.odometry.position)
+
+
+def test_a_usual_survey_has_a_burial_in_50_m_and_a_crossing_in_100_m():
+    settings = usual_survey(200.0, seed=5)
+    assert len(settings.buried) == 4 and len(settings.crossings) == 2
+    assert all(0 < each.end - each.start < 10 for each in settings.buried)
+    assert usual_survey(200.0, seed=6).buried == settings.buried
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"length": 0.0}, {"altitude": 0.0}, {"speed": math.inf}, {"rate": 0.0}, {"seed": -1}]
+)
+def test_settings_that_cannot_be_are_refused(wrong):
+    with pytest.raises(ParameterError):
+        SurveySettings(**wrong)

@@ -1,0 +1,52 @@
+import pytest
+
+from cable_tracker.campaigns.cluster import ClusterSettings
+from cable_tracker.campaigns.task import TaskState
+from cable_tracker.simulation.survey_bag import write_survey_bag
+from cable_tracker.simulation.survey_dive import SurveySettings as Simulated
+from cable_tracker.survey.campaign import run_survey
+from cable_tracker.survey.events import Limits
+from cable_tracker.survey.recording import SurveySettings, read_surveyed
+
+ALONE = ClusterSettings()
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory):
+    path = tmp_path_factory.mktemp("dives") / "dive"
+    write_survey_bag(path, Simulated(length=3.0, rate=5.0, image_size=(160, 120), current=0.0))
+    return path
+
+
+@pytest.fixture(scope="module")
+def surveyed(bag, tmp_path_factory):
+    broken = bag.parent / "broken.mcap"
+    broken.write_bytes(b"no bag")
+    output = tmp_path_factory.mktemp("map")
+    return output, run_survey([bag, broken], output, SurveySettings(), ALONE), [bag, broken]
+
+
+def test_a_dive_becomes_a_route_and_a_broken_one_a_row(surveyed):
+    output, result, _ = surveyed
+    assert [outcome.state for outcome in result.outcomes] == [TaskState.DONE, TaskState.FAILED]
+    assert "broken.mcap" in result.rows[1].state
+    (route,) = result.routes
+    assert route.along[-1] == pytest.approx(3.0, abs=1.5)
+    for name in ("route.gpkg", "route.geojson", "events.csv", "frames.parquet", "report.html"):
+        assert (output / name).stat().st_size > 0
+
+
+def test_what_was_written_is_read_back(surveyed):
+    output, result, _ = surveyed
+    dive = read_surveyed(output / "recordings/dive")
+    assert dive.on_earth and dive.frames == result.rows[0].frames
+    assert dive.routes[0].route.along[-1] > 1.0
+
+
+def test_resuming_keeps_what_is_there_and_does_what_has_changed(surveyed):
+    output, _, paths = surveyed
+    again = run_survey(paths, output, SurveySettings(), ALONE, resume=True)
+    assert [each.state for each in again.outcomes] == [TaskState.KEPT, TaskState.FAILED]
+    other = SurveySettings(limits=Limits(least_burial=3.0))
+    changed = run_survey(paths, output, other, ALONE, resume=True)
+    assert changed.outcomes[0].state is TaskState.DONE

@@ -1,0 +1,97 @@
+import numpy as np
+import pytest
+from survey_dives import Plan, make_dive
+
+from cable_tracker.survey.events import EventKind
+from cable_tracker.survey.forwards import ForwardDive
+from cable_tracker.survey.frame_table import CrossingSight
+from cable_tracker.survey.recording import SurveySettings, analyse
+
+
+def events(dive: ForwardDive, kind: EventKind):
+    surveyed, _ = analyse(dive, SurveySettings())
+    return [each for placed in surveyed.routes for each in placed.events if each.kind is kind]
+
+
+def test_a_dive_without_anything_odd_has_no_events_but_that_it_was_found():
+    surveyed, _ = analyse(make_dive(Plan()), SurveySettings())
+    (placed,) = surveyed.routes
+    assert [event.kind for event in placed.events] == [EventKind.FOUND]
+
+
+def test_the_ends_of_a_buried_stretch_are_known_to_a_few_decimetres():
+    (event,) = events(make_dive(Plan(hidden=((15.0, 21.0),))), EventKind.BURIED)
+    # The route begins where the camera looked first.
+    assert event.along + 0.7 == pytest.approx(15.0, abs=0.5)
+    assert event.end + 0.7 == pytest.approx(21.0, abs=0.5)
+
+
+def test_short_gaps_are_no_events():
+    assert not events(make_dive(Plan(hidden=((15.0, 15.5),))), EventKind.BURIED)
+
+
+def test_the_cable_is_lost_and_found_again():
+    dive = make_dive(Plan(hidden=((15.0, 21.0),)))
+    assert len(events(dive, EventKind.FOUND)) == 2
+    assert len(events(dive, EventKind.LOST)) == 1
+
+
+def test_a_vehicle_far_beside_is_out_of_view_and_too_far():
+    dive = make_dive(Plan(hidden=((15.0, 21.0),)))
+    rows = dive.table.rows
+    rows["half_view"] = 0.05
+    assert events(dive, EventKind.OUT_OF_VIEW)
+    assert not events(dive, EventKind.BURIED)
+
+
+def test_a_thick_place_is_out_of_the_ordinary():
+    dive = make_dive(Plan())
+    rows = dive.table.rows
+    rows["diameter"][300:360] = 0.3
+    (event,) = events(dive, EventKind.WIDTH)
+    assert "0.300" in event.detail and event.end - event.along == pytest.approx(2.5, abs=1.0)
+
+
+def test_a_line_across_that_is_seen_often_is_a_crossing():
+    dive = make_dive(Plan())
+    for row in range(300, 312):
+        ahead = 0.7 + 0.05 * (306 - row)
+        dive.table.crossings.append(CrossingSight(row, ahead, 1.0))
+    dive.table.crossings.append(CrossingSight(100, 0.7, 1.2))
+    (event,) = events(dive, EventKind.CROSSING)
+    assert event.along == pytest.approx(15.3, abs=0.5)
+
+
+def test_a_sharp_bend_is_told_with_its_radius():
+    dive = make_dive(Plan(bend=0.25, noise=0.005))
+    assert any("radius" in event.detail for event in events(dive, EventKind.BEND))
+
+
+def test_an_odometry_that_jumps_is_an_event():
+    dive = make_dive(Plan())
+    stamps, values = dive.poses.arrays()
+    values[200:, 0] += 30.0
+    again = ForwardDive(dive.path, dive.table)
+    for stamp, value in zip(stamps, values, strict=True):
+        again.poses.add(int(stamp), list(value))
+    assert len(events(again, EventKind.NAVIGATION)) == 1
+
+
+def test_without_odometry_there_are_times_instead_of_places():
+    dive = make_dive(Plan(hidden=((15.0, 21.0),)))
+    bare = ForwardDive(dive.path, dive.table)
+    surveyed, course = analyse(bare, SurveySettings())
+    assert course is None and not surveyed.routes
+    assert [event.kind for event in surveyed.events] == [
+        EventKind.FOUND, EventKind.LOST, EventKind.FOUND,
+    ]  # fmt: skip
+    assert any("pixels only" in note for note in surveyed.notes)
+
+
+def test_clocks_that_are_far_apart_are_said():
+    dive = make_dive(Plan())
+    rows = dive.table.rows
+    rows["stamp"] += np.int64(3600e9)
+    surveyed, _ = analyse(dive, SurveySettings())
+    assert not surveyed.routes
+    assert any("3600 s apart" in note or "360" in note for note in surveyed.notes)

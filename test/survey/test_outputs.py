@@ -1,0 +1,111 @@
+import csv
+import json
+
+import numpy as np
+import pyarrow.parquet as pq
+import pyogrio
+import pytest
+from survey_dives import Plan, make_dive
+
+from cable_tracker.survey.merging import merge
+from cable_tracker.survey.navigation import LocalFrame
+from cable_tracker.survey.outputs.frames import join_frames, write_frames
+from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap, write_events
+from cable_tracker.survey.outputs.report import RecordingRow, write_report
+from cable_tracker.survey.recording import SurveySettings, analyse
+
+FRAME = LocalFrame(54.25, 7.9)
+
+
+@pytest.fixture(scope="module")
+def survey() -> SurveyMap:
+    surveyed, _ = analyse(make_dive(Plan(hidden=((15.0, 21.0),))), SurveySettings())
+    return SurveyMap(tuple(merge(surveyed.routes)), FRAME, ("route 1",))
+
+
+@pytest.fixture(scope="module")
+def written(survey, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("map")
+    for name, write in WRITERS.items():
+        write(folder / name, survey)
+    return folder
+
+
+def test_gdal_reads_all_layers_of_the_geopackage(written, survey):
+    layers = dict(pyogrio.list_layers(written / "route.gpkg"))
+    assert layers == {
+        "route": "LineString", "band_95": "Polygon", "every_metre": "Point", "kp": "Point",
+        "events": "Point",
+    }  # fmt: skip
+    info = pyogrio.read_info(written / "route.gpkg", layer="every_metre")
+    assert info["crs"] == "EPSG:4326"
+    assert info["features"] == int(survey.routes[0].along[-1]) + 1
+
+
+def test_every_metre_has_a_standard_deviation(written):
+    _, _, _, columns = pyogrio.raw.read(
+        written / "route.gpkg", layer="every_metre", columns=["kp_m", "sigma_m"]
+    )
+    assert np.diff(columns[0]) == pytest.approx(1.0)
+    assert (columns[1] > 0.0).all()
+
+
+def test_the_route_lies_where_the_datum_is(written):
+    box = pyogrio.read_info(written / "route.gpkg", layer="route", force_total_bounds=True)
+    west, south, _, _ = box["total_bounds"]
+    assert (south, west) == pytest.approx((54.25, 7.9), abs=1e-3)
+
+
+def test_gdal_reads_the_geojson(written):
+    info = pyogrio.read_info(written / "route.geojson")
+    features = json.loads((written / "route.geojson").read_text())["features"]
+    assert info["features"] == len(features)
+    layers = {feature["properties"]["layer"] for feature in features}
+    assert layers == {"route", "band_95", "kp", "events"}
+
+
+def test_events_are_a_table_with_places_and_pictures(written):
+    rows = list(csv.DictReader((written / "events.csv").read_text().splitlines()))
+    (buried,) = [row for row in rows if row["kind"] == "buried or overgrown"]
+    assert float(buried["length_m"]) == pytest.approx(6.0, abs=0.6)
+    assert float(buried["latitude"]) == pytest.approx(54.25, abs=1e-3)
+    assert buried["picture"].startswith("recordings/dive/pictures/")
+
+
+def test_without_a_place_on_the_earth_there_are_metres(survey, tmp_path):
+    local = SurveyMap(survey.routes, None, survey.names)
+    for name, write in WRITERS.items():
+        write(tmp_path / name, local)
+    assert "EPSG" not in str(pyogrio.read_info(tmp_path / "route.gpkg", layer="route")["crs"])
+    assert "not on the earth" in (tmp_path / "route.geojson").read_text()
+
+
+def test_a_survey_without_routes_writes_its_tables_all_the_same(tmp_path):
+    nothing = SurveyMap((), None, ())
+    write_events(tmp_path / "events.csv", nothing)
+    write_report(tmp_path / "report.html", nothing, [RecordingRow("a", "failed: no frames")], "x")
+    assert "failed: no frames" in (tmp_path / "report.html").read_text()
+
+
+def test_the_report_fetches_nothing_and_cannot_be_broken_by_a_name(survey, tmp_path):
+    rows = [RecordingRow("</script><b>dive", "done", 10, 9, 1.0, ("<i>note</i>",))]
+    write_report(tmp_path / "report.html", survey, rows, "Cable")
+    page = (tmp_path / "report.html").read_text()
+    assert "http:" not in page and "https:" not in page and 'src="' not in page
+    assert "</script><b>" not in page and "<i>note" not in page
+
+
+def test_frames_of_several_dives_are_one_table(tmp_path):
+    parts = []
+    for name in ("a", "b"):
+        dive = make_dive(Plan(length=10.0))
+        _, course = analyse(dive, SurveySettings())
+        parts.append(tmp_path / f"{name}.parquet")
+        write_frames(parts[-1], name, dive, course)
+    join_frames(parts, tmp_path / "frames.parquet")
+    table = pq.read_table(tmp_path / "frames.parquet")
+    assert table.num_rows == 400
+    assert set(table["recording"].to_pylist()) == {"a", "b"}
+    assert table.schema.field("smoothed_aside").metadata == {b"unit": b"m"}
+    aside, smoothed = (np.array(table[name].to_pylist(), float) for name in ("x", "smoothed_aside"))
+    assert np.isfinite(aside).all() and np.isfinite(smoothed).mean() > 0.9

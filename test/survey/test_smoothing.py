@@ -1,0 +1,74 @@
+import numpy as np
+import pytest
+from survey_dives import Plan, make_dive, poses_of, true_aside
+
+from cable_tracker.survey.smoothing import look_steps, smooth
+
+
+def smoothed(plan: Plan):
+    dive = make_dive(plan)
+    rows = dive.table.rows
+    looks = look_steps(rows, poses_of(dive).at(rows["stamp"]))
+    cable = smooth(looks)
+    where = looks.places.copy()
+    where[:, 0] -= 0.7 * np.cos(where[:, 2])
+    where[:, 1] -= 0.7 * np.sin(where[:, 2])
+    truth = np.array([true_aside(pose, plan.bend)[0] for pose in where])
+    return looks, cable, truth
+
+
+def rms(values) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def test_claims_become_better_by_what_lies_before_and_behind():
+    looks, cable, truth = smoothed(Plan(noise=0.05))
+    known = np.isfinite(looks.claims[:, 0])
+    assert rms((cable.states[:, 0] - truth)[known]) < 0.7 * rms((looks.claims[:, 0] - truth)[known])
+
+
+def test_a_buried_stretch_is_bridged_with_honest_doubt():
+    looks, cable, truth = smoothed(Plan(hidden=((15.0, 22.0),)))
+    gap = ~np.isfinite(looks.claims[:, 0])
+    sigma = np.sqrt(cable.covariances[:, 0, 0])
+    assert gap.sum() > 50
+    assert rms((cable.states[:, 0] - truth)[gap]) < 0.15
+    assert sigma[gap].max() > 3 * sigma[~gap].max()
+    assert np.mean(np.abs(cable.states[:, 0] - truth) < 1.96 * sigma) > 0.85
+
+
+def test_wrong_claims_lose_their_weight():
+    looks, cable, truth = smoothed(Plan(wrong=((20.0, 20.6),)))
+    off = np.abs(looks.claims[:, 0] - truth) > 0.4
+    assert off.any()
+    assert cable.weights[off].max() < 0.2
+    assert rms((cable.states[:, 0] - truth)[off]) < 0.1
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_regions_hold_the_cable_about_as_often_as_they_say(seed):
+    _, cable, truth = smoothed(Plan(length=80.0, noise=0.03, seed=seed))
+    sigma = np.sqrt(cable.covariances[:, 0, 0])
+    held = np.mean(np.abs(cable.states[:, 0] - truth) < 1.96 * sigma)
+    assert 0.8 < held <= 1.0
+
+
+def test_the_way_along_the_cable_is_its_length():
+    _, cable, _ = smoothed(Plan())
+    assert cable.along[-1] - cable.along[0] == pytest.approx(40.0, rel=0.03)
+
+
+def test_a_gap_in_the_navigation_ends_a_piece():
+    dive = make_dive(Plan())
+    rows = dive.table.rows
+    poses = poses_of(dive).at(rows["stamp"])
+    poses[300:420] = np.nan
+    cable = smooth(look_steps(rows, poses))
+    assert set(cable.piece) == {0, 1}
+
+
+def test_a_vehicle_that_stands_still_is_one_look():
+    dive = make_dive(Plan(length=5.0))
+    rows = dive.table.rows
+    poses = np.tile([1.0, 2.0, 0.1], (len(rows), 1))
+    assert len(look_steps(rows, poses).places) == 1

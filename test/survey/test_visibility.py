@@ -1,0 +1,42 @@
+import numpy as np
+import pytest
+
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.survey.visibility import border_profile
+
+WIDTH, HEIGHT = 320, 240
+
+
+def picture(rng, *, covered_above: int = 0) -> np.ndarray:
+    """A bright upright cable 40 px wide on a dark noisy bottom, covered down to a row."""
+    image = 60.0 + 8.0 * rng.standard_normal((HEIGHT, WIDTH))
+    image[covered_above:, 140:180] += 60.0
+    return np.clip(image, 0, 255).astype(np.uint8)
+
+
+STATE = CableState(0.0, 0.0, 40.0, 0.0)
+
+
+def test_a_cable_that_is_there_is_seen_all_along():
+    along, scores = border_profile(picture(np.random.default_rng(0)), STATE)
+    assert (scores > 2.0).all()
+    assert along[0] > along[-1]
+
+
+def test_where_the_sand_begins_it_is_seen_no_longer():
+    along, scores = border_profile(picture(np.random.default_rng(0), covered_above=120), STATE)
+    assert (scores[along > 20] < 1.6).all()
+    assert (scores[along < -20] > 2.0).all()
+
+
+def test_a_claim_beside_the_cable_is_not_seen():
+    beside = CableState(90.0, 0.0, 40.0, 0.0)
+    _, scores = border_profile(picture(np.random.default_rng(0)), beside)
+    assert np.median(scores) < 1.6
+
+
+@pytest.mark.parametrize(
+    "state", [CableState(400.0, 0.0, 40.0, 0.0), CableState(0.0, 0.0, 0.5, 0.0)]
+)
+def test_what_lies_outside_or_has_no_width_is_not_judged(state):
+    assert border_profile(picture(np.random.default_rng(0)), state) is None
