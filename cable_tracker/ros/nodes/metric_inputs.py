@@ -19,21 +19,20 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.metric.aiding import MotionAiding
-from cable_tracker.metric.altitude import Altimeter
-from cable_tracker.metric.cross_track import CrossTrack, MetricSettings
-from cable_tracker.metric.frames import Mounting
+from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.instruments import Instruments, InstrumentSettings
-from cable_tracker.metric.motion import Odometry
-from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
-from cable_tracker.ros import qos
-from cable_tracker.ros.messages.metric_messages import (
+from cable_tracker.metric.messages import (
     make_cross_track,
     read_attitude,
     read_camera_info,
     read_range,
     read_twist,
 )
+from cable_tracker.metric.motion import Odometry
+from cable_tracker.metric.settings import instrument_settings
+from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
+from cable_tracker.ros import qos
 from cable_tracker.sequences.messages import Message, MessageFactory, make_header, stamp_of
 
 INSTRUMENTS = ("altitude", "imu", "odometry")
@@ -106,26 +105,7 @@ class MetricInputs:
         return float(cast(float, self._values[name]))
 
     def _settings(self) -> InstrumentSettings:
-        number = self._number
-        mounting = Mounting(
-            number("camera_x"),
-            number("camera_y"),
-            number("camera_z"),
-            math.radians(number("camera_roll")),
-            math.radians(number("camera_pitch")),
-            math.radians(number("camera_yaw")),
-        )
-        return InstrumentSettings(
-            metric=MetricSettings(mounting, number("look_ahead"), number("cable_height")),
-            altimeter=Altimeter(
-                number("altimeter_z"),
-                bool(self._values["altitude_is_vertical"]),
-                number("altitude_sigma"),
-            ),
-            fixed_altitude=number("fixed_altitude"),
-            timeout=number("instrument_timeout"),
-            level_sigma=math.radians(number("level_sigma")),
-        )
+        return instrument_settings(self._values)
 
     def apply(self, values: Mapping[str, object]) -> None:
         """Take what is given of `METRIC_PARAMETERS`, by name."""

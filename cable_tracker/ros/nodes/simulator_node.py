@@ -13,9 +13,9 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, Range
 
 from cable_tracker.errors import RosError
+from cable_tracker.metric.messages import make_cross_track
 from cable_tracker.node_parameter_tables import SIMULATOR_PARAMETERS
 from cable_tracker.ros import node_parameters, qos
-from cable_tracker.ros.messages.metric_messages import make_cross_track
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.messages.vehicle_messages import (
     BASE,

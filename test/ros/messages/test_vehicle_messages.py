@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.metric.frames import roll_and_pitch, rotations_of
-from cable_tracker.ros.messages.metric_messages import (
+from cable_tracker.metric.messages import (
     read_attitude,
     read_camera_info,
     read_range,

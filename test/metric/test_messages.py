@@ -12,7 +12,7 @@ from std_msgs.msg import Header
 
 from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
-from cable_tracker.ros.messages.metric_messages import (
+from cable_tracker.metric.messages import (
     make_cross_track,
     read_attitude,
     read_camera_info,
