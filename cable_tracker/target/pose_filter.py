@@ -299,7 +299,9 @@ class PoseFilter:
     def _look(self, frame: WorkingFrame, known: _Known) -> _Look:
         share = self._parameters.first_look_share
         bins = bins_of(frame.channels, known.appearance.bins.lookups)
-        hues = HueModel(bins, known.appearance.hue_roots(share), self._parameters.hue_weight)
+        p = self._parameters
+        weight = p.hue_weight if frame.is_coloured else p.grey_hue_weight
+        hues = HueModel(bins, known.appearance.hue_roots(share), weight)
         return _Look(frame, bins, looked_up(bins, known.appearance.log_ratios(share)), hues)
 
     def _scores(self, look: _Look, states: FloatArray) -> FloatArray:
@@ -456,7 +458,8 @@ class PoseFilter:
         assert self._known is not None
         p = self._parameters
         clutter = clutter_of(
-            self._scores(look, self._random_places(look, drawn, scores)), p.clutter_share
+            self._scores(look, self._random_places(look, drawn, scores)),
+            p.clutter_share if look.frame.is_coloured else p.grey_clutter_share,
         )
         ratios = clutter.log_ratios(scores, self._known.usual, p.score_spread)
         ratios = np.clip(ratios, -p.evidence_limit, p.evidence_limit)

@@ -95,6 +95,9 @@ class TargetParameters(ParameterSet):
     hue_weight: float = number(
         1.5, "", 0.0, 100.0, "Score of a region whose hues are all shared as the target's are."
     )
+    grey_hue_weight: float = number(
+        4.0, "", 0.0, 100.0, "The same in grey pictures, of grey levels and texture."
+    )
     sharpness: float = number(
         10.0, "", 0.1, 1000.0, "Log-weight of a particle per unit of its region's score."
     )
@@ -140,6 +143,9 @@ class TargetParameters(ParameterSet):
     )
     clutter_share: float = number(
         0.01, "", 1e-6, 1.0, "Share of clutter that has any score at all, like the target's or not."
+    )
+    grey_clutter_share: float = number(
+        0.1, "", 1e-6, 1.0, "The same in grey pictures, where more looks like the target."
     )
     score_spread: float = number(
         0.15, "", 0.01, 10.0, "Least spread of the target's usual score, as a share of it."
