@@ -47,6 +47,7 @@ setup(
         "matplotlib>=3.6",
         "lz4>=4",
         "av>=12",
+        "pillow>=10.2",
         "mcap>=1.1",
         "PyYAML>=6",
         "rich>=13",
