@@ -5,7 +5,7 @@ References
 R. Grompone von Gioi, J. Jakubowicz, J.-M. Morel and G. Randall (2010), "LSD: A Fast Line Segment
 Detector with a False Detection Control".
 
-What somebody would try today before anything else. The constants were chosen on simulated dives of
+The first thing to try with OpenCV today. The constants were chosen on simulated dives of
 the seeds 100 to 109.
 """
 
