@@ -54,6 +54,7 @@ setup(
         "pyproj>=3.6",
         "shapely>=2",
         "av>=12",
+        "pillow>=10.2",
         "mcap>=1.1",
         "PyYAML>=6",
         "rich>=13",

@@ -1,4 +1,4 @@
-"""Array types used in signatures all over the package."""
+"""Array types used in signatures all over the package, and grey levels of eight bits."""
 
 from typing import Any, TypeAlias
 
@@ -16,3 +16,16 @@ BoolArray: TypeAlias = NDArray[np.bool_]
 
 Image: TypeAlias = NDArray[Any]
 """Pixels, (H, W) grey or (H, W, 3) blue-green-red; dtype said where it matters."""
+
+
+def eight_bits(image: Image) -> Image:
+    """Return grey levels 0..255 as uint8: rounded and clipped, or the image itself if it is uint8.
+
+    Parameters
+    ----------
+    image : Image
+        Any shape, finite.
+    """
+    if image.dtype == np.uint8:
+        return image
+    return np.clip(np.rint(image), 0, 255).astype(np.uint8)

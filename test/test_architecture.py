@@ -8,7 +8,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "cable_tracker"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
-EVERYBODY_MAY_IMPORT = {"arrays", "compilation", "errors", "libraries"}
+ALL_MAY_IMPORT = {"arrays", "compilation", "errors", "libraries"}
 MAY_IMPORT = {
     "arrays": set(),
     "compilation": set(),
@@ -66,7 +66,7 @@ ROS_PACKAGES = {
 
 
 USES_GLOBAL_STATE = {"library_filters.py": {"RandomState", "get_state", "set_state"}}
-"""Rivals in the benchmark know no generator; theirs is kept apart from everybody else's."""
+"""Rivals in the benchmark know no generator; theirs is kept apart from all others'."""
 
 
 @cache
@@ -109,7 +109,7 @@ def test_what_a_part_may_import_stands_below_it():
 
 @pytest.mark.parametrize("part", MAY_IMPORT)
 def test_imports_run_one_way(part):
-    assert parts_imported_by(part) <= MAY_IMPORT[part] | EVERYBODY_MAY_IMPORT | {part}
+    assert parts_imported_by(part) <= MAY_IMPORT[part] | ALL_MAY_IMPORT | {part}
 
 
 def tops_imported_by(path: Path) -> set[str]:

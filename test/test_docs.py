@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,36 @@ def test_links_lead_somewhere(page):
         target = (page.parent / name).resolve() if name else page
         assert target.exists(), link
         assert not anchor or anchor in anchors_of(target), link
+
+
+FOLDERS = ("cable_tracker", "test", "docs", "config", "launch")
+
+
+def paths_named_in(text: str) -> Iterator[str]:
+    """Yield the words in typewriter face that name a file of a kind that is kept here."""
+    for quoted in re.findall(r"`([^`\n]+)`", text):
+        for word in quoted.split():
+            path = word.partition("::")[0]
+            named = re.fullmatch(r"(?:[\w.-]+/)+[\w.-]+\.(?:py|md|yaml|xml|json|csv)", path)
+            if named or re.fullmatch(rf"(?:{'|'.join(FOLDERS)})/[\w./-]*", path):
+                yield path
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_files_and_folders_that_are_named_exist(page):
+    for path in paths_named_in(page.read_text(encoding="utf-8")):
+        # In test/fuzz/examples a folder stands for each target.
+        candidates = (ROOT / path.removesuffix("/TARGET"), ROOT / "cable_tracker" / path)
+        assert any(candidate.exists() for candidate in candidates), path
+
+
+def test_a_path_that_leads_nowhere_is_found():
+    assert list(
+        paths_named_in("`cable/no.py` and `test/x.py::test_it`, `a/b`, `estimates.csv`")
+    ) == [
+        "cable/no.py",
+        "test/x.py",
+    ]
 
 
 def test_the_readme_is_short_and_the_index_names_every_page():

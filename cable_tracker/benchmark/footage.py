@@ -94,7 +94,7 @@ def enlarged(image: Image, size: tuple[int, int]) -> Image:
 
 
 def at_rest(truth: CableState, width: int) -> CableState:
-    """Return where a cable runs in a wider frame, without its rates, which nobody is told."""
+    """Return where a cable runs in a wider frame, with its rates set to zero."""
     scale = width / RENDERED_SIZE[0]
     return CableState(truth.distance * scale, truth.angle, truth.width * scale, truth.skew)
 

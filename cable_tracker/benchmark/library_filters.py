@@ -6,7 +6,7 @@ with multinomial resampling below half of the effective sample size. Neither is 
 comparing.
 
 Both draw from NumPy's global random state and take no generator. It is set before and put back
-after every frame, so that the same seed gives the same estimates and nobody else's numbers change.
+after every frame, so the same seed gives the same estimates, and other code draws as before.
 """
 
 from __future__ import annotations

@@ -68,13 +68,8 @@ def chosen_parameters(
     parameters = filter_parameters(base, values, node_only)
     if seed is not None:
         parameters = parameters.replaced({"seed": seed})
-    if parameters.initial_width_maximum > parameters.width_maximum:
-        messages.print(
-            f"note: initial_width_maximum = {parameters.initial_width_maximum:g} is above"
-            f" width_maximum = {parameters.width_maximum:g}: nothing wider than that is followed;"
-            " raise width_maximum too",
-            soft_wrap=True,
-        )
+    for remark in parameters.remarks():
+        messages.print(f"note: {remark}", soft_wrap=True)
     return parameters
 
 

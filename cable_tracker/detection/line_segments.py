@@ -5,7 +5,7 @@ References
 R. Grompone von Gioi, J. Jakubowicz, J.-M. Morel and G. Randall (2010), "LSD: A Fast Line Segment
 Detector with a False Detection Control".
 
-What somebody would try today before anything else. The constants were chosen on simulated dives of
+The first thing to try with OpenCV today. The constants were chosen on simulated dives of
 the seeds 100 to 109.
 """
 
@@ -16,7 +16,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import gradient_of
@@ -84,7 +84,7 @@ def _brightened(pixels: Image) -> Image:
     """
     bright = max(float(np.percentile(pixels[::2, ::2], BRIGHT)), 1.0)
     gain = float(np.clip(255.0 / bright, 1.0, LARGEST_GAIN))
-    return np.clip(np.rint(pixels * np.float32(gain)), 0, 255).astype(np.uint8)
+    return eight_bits(pixels * np.float32(gain))
 
 
 def _make_finder() -> Any:  # noqa: ANN401

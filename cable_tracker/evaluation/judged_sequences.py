@@ -9,9 +9,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Protocol
 
-import numpy as np
-
-from cable_tracker.arrays import Image
+from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.evaluation.trace import UNKNOWN_VISIBILITY
@@ -230,9 +228,7 @@ class RecordingSequence(ChosenRecording):
 
 
 def _judged(frame: Frame, visibility: float) -> JudgedFrame:
-    image = decode_grey(frame.image)
-    if image.dtype != np.uint8:
-        image = np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    image = eight_bits(decode_grey(frame.image))
     return JudgedFrame(frame.index, frame.stamp, image, frame.truth, visibility)
 
 

@@ -483,7 +483,7 @@ def cable_returns(trace: Trace) -> list[CableReturn]:
     """Return the returns of a cable that was in view before, in order.
 
     Left out are those after which the cable leaves, or the run ends, before `RETURN_SECONDS` are
-    over: nobody knows whether it would have been found.
+    over, because it might still have been found.
     """
     right = trace.useful
     back = trace.visible & (trace.visibility >= CLEARLY_BACK)

@@ -239,6 +239,14 @@ def format_number(value: float, unit: str) -> str:
     return f"{value:.{decimals}f}".replace("-", "−")
 
 
+def median_and_range(spread: Spread, unit: str) -> str:
+    """Write the median of several runs, and where they differ their range."""
+    median, low, high = (
+        format_number(value, unit) for value in (spread.median, spread.minimum, spread.maximum)
+    )
+    return median if low == high else f"{median} ({low} – {high})"
+
+
 def make_cell(spread: Spread, unit: str) -> Cell:
     """Write a number over several runs: its mean, and where the runs differ their range."""
     text = format_number(spread.mean, unit)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable, Iterable, Sequence
 
@@ -11,6 +9,7 @@ import numpy as np
 
 from cable_tracker.evaluation.metric_table import METRIC_TABLE, metric_spread
 from cable_tracker.evaluation.runs import RunResult
+from cable_tracker.sequences.csv_text import csv_text
 from cable_tracker.sequences.estimates import format_stamp
 
 FRAME_HEADINGS = (
@@ -51,18 +50,10 @@ def _text(value: float) -> str:
     return "" if math.isnan(value) else f"{value:.6g}"
 
 
-def _csv(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(headings)
-    writer.writerows(rows)
-    return buffer.getvalue()
-
-
 def runs_csv(results: Iterable[RunResult]) -> str:
     """Return a table with one row for each run and a column for each number about it."""
     headings = ("sequence", "method", "seed", "start", *(spec.heading for spec in METRIC_TABLE))
-    return _csv(headings, (_run_row(result) for result in results))
+    return csv_text(headings, (_run_row(result) for result in results))
 
 
 def _run_row(result: RunResult) -> list[str]:
@@ -72,7 +63,7 @@ def _run_row(result: RunResult) -> list[str]:
 
 def summary_csv(results: Sequence[RunResult]) -> str:
     """Return a table with one row for each number of each method on each sequence, over seeds."""
-    return _csv(SUMMARY_HEADINGS, _summary_rows(results))
+    return csv_text(SUMMARY_HEADINGS, _summary_rows(results))
 
 
 def _summary_rows(results: Sequence[RunResult]) -> Iterable[Sequence[str]]:
@@ -97,7 +88,7 @@ def _summary_rows(results: Sequence[RunResult]) -> Iterable[Sequence[str]]:
 def frames_csv(results: Iterable[RunResult]) -> str:
     """Return a table with one row for each frame of each run."""
     rows = (row for result in results for row in _frame_rows(result))
-    return _csv(FRAME_HEADINGS, rows)
+    return csv_text(FRAME_HEADINGS, rows)
 
 
 def _frame_rows(result: RunResult) -> Iterable[Sequence[str]]:

@@ -10,7 +10,7 @@ from contextlib import ExitStack, suppress
 
 import numpy as np
 
-from cable_tracker.arrays import Image
+from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.parameters.parameters import (
@@ -235,7 +235,7 @@ class RecordingSession:
         """Show the first frame at once: the first time on a machine, compiling takes a while."""
         frame = self._frames.frame(0)
         with suppress(FrameError):
-            self._grey = _eight_bits(decode_grey(frame.image))
+            self._grey = eight_bits(decode_grey(frame.image))
         self._publish(self._snapshot(frame, WARMING_UP))
         warm_up(self._parameters)
         self._go_to(0)
@@ -329,7 +329,7 @@ class RecordingSession:
         self._position = frame.index
         try:
             grey = decode_grey(frame.image)
-            self._grey = _eight_bits(grey)
+            self._grey = eight_bits(grey)
             if not self._is_enabled:
                 self._publish(self._snapshot(frame, DISABLED))
                 return
@@ -423,9 +423,3 @@ class RecordingSession:
         """Track the frame that is shown once more, with a tracker that knows nothing of it."""
         self._memory.forget_from(self._position)
         self._track(self._frames.frame(self._position))
-
-
-def _eight_bits(image: Image) -> Image:
-    if image.dtype == np.uint8:
-        return image
-    return np.clip(np.rint(image), 0, 255).astype(np.uint8)

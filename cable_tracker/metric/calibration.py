@@ -248,7 +248,7 @@ def camera_for(
     """Return the camera that images of a size come from, or why there is none.
 
     A calibration of another size is scaled if the aspect is the same. Otherwise the image may have
-    been cut, and nobody can tell where.
+    been cropped at an unknown place.
     """
     if calibration is None:
         return Withheld(

@@ -78,7 +78,7 @@ class History:
         if after == len(self._stamps):
             return Reading(before, (stamp - before_stamp) / NANOSECONDS)
         share = (stamp - before_stamp) / (self._stamps[after] - before_stamp)
-        # Between two infinite values there is none; whoever asks finds that it is not finite.
+        # Between two infinite values the result is NaN, which callers check for.
         with np.errstate(invalid="ignore"):
             return Reading(before + share * (self._values[after] - before), 0.0)
 

@@ -86,7 +86,7 @@ class SeaBedTexture:
         self._before: Image | None = None
 
     def compare(self, image: Image, mapping: FloatArray | None) -> TextureMotion | None:
-        """Keep a picture, and return how it differs from the one before; None: nobody can tell.
+        """Keep a picture, and return how it differs from the one before; None: unknown.
 
         Parameters
         ----------

@@ -11,6 +11,7 @@ import sqlite3
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
+from functools import cache
 from pathlib import Path
 from shutil import disk_usage
 from typing import Protocol
@@ -128,8 +129,11 @@ ROS1_UNPACKERS: Mapping[str, Callable[[bytes], bytes]] = {
 }
 
 
+@cache
 def limit_rosbags() -> None:
     """Let rosbags unpack chunks with our functions; its own know no limit, nor an option for one.
+
+    Done before the first bag is opened, for all readers of the process.
 
     Raises
     ------

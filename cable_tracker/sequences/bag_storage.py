@@ -72,8 +72,6 @@ class BagStorage(Protocol):
         ...
 
 
-limit_rosbags()
-
 _WALKERS: dict[str, Callable[[Path], Iterator[StoredMessage]]] = {
     ".mcap": mcap_recovery.read_messages,
     ".db3": sqlite_recovery.read_messages,
@@ -126,6 +124,7 @@ class RosbagsStorage:
             self.duration = max(0, reader.duration) / NANOSECONDS
 
     def _open(self) -> Reader1 | Reader2:
+        limit_rosbags()
         return Reader1(self._path) if is_ros1(self._path) else Reader2(self._path)
 
     def _check_limits(self) -> None:

@@ -8,8 +8,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
-
+from cable_tracker.arrays import eight_bits
 from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.bag_writer import BagWriter, MessageSink
@@ -44,7 +43,7 @@ def in_format(frame: Frame, image_format: ImageFormat) -> Frame:
         The frame cannot be decoded.
     """
     if image_format is ImageFormat.GREY:
-        grey = np.clip(np.rint(decode_grey(frame.image)), 0, 255).astype(np.uint8)
+        grey = eight_bits(decode_grey(frame.image))
         return replace(frame, image=raw_from_array(grey, "mono8"))
     if image_format is ImageFormat.JPEG:
         return replace(frame, image=encode_jpeg(decode_bgr(frame.image), JPEG_QUALITY))

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_tracker.arrays import Image
+from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.errors import FrameError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.sequences.frame import CompressedImage, RawImage
@@ -287,8 +287,8 @@ def decode_bgr(image: RawImage | CompressedImage) -> Image:
         return _convert(pixels, pixel_format.to_bgr)
     if pixel_format.dtype == "u2":
         pixels = _convert(pixels, pixel_format.to_bgr)
-        return np.rint(_to_255(pixels)).astype(np.uint8)
-    return _convert(np.rint(_to_255(pixels)).astype(np.uint8), pixel_format.to_bgr)
+        return eight_bits(_to_255(pixels))
+    return _convert(eight_bits(_to_255(pixels)), pixel_format.to_bgr)
 
 
 def raw_from_array(picture: Image, encoding: str) -> RawImage:

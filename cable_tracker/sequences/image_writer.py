@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import cv2
-import numpy as np
 
-from cable_tracker.arrays import Image
+from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.errors import OutputError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
@@ -31,7 +30,7 @@ def _is_sequence(path: Path) -> bool:
 
 def _picture(image: RawImage | CompressedImage) -> Image:
     if isinstance(image, RawImage) and image.encoding in _GREY_ENCODINGS:
-        return np.rint(decode_grey(image)).astype(np.uint8)
+        return eight_bits(decode_grey(image))
     return decode_bgr(image)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, Image
+from cable_tracker.arrays import BoolArray, FloatArray, Image, eight_bits
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.clutter import Streak, draw_streak, streak_cover
 from cable_tracker.simulation.laid_cable import CableSkin, LaidCable
@@ -245,7 +245,7 @@ class SceneRenderer:
         if self._look.noise > 0:
             grain = self._rng.standard_normal(light.shape, dtype=np.float32)
             grey += np.float32(self._look.noise) * grain
-        picture: Image = np.clip(np.rint(grey), 0, 255).astype(np.uint8)
+        picture = eight_bits(grey)
         if self._look.jpeg_quality is None:
             return picture
         _, data = cv2.imencode(".jpg", picture, (cv2.IMWRITE_JPEG_QUALITY, self._look.jpeg_quality))

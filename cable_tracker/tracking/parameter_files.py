@@ -145,6 +145,18 @@ def format_values(
     return "\n".join(lines) + "\n"
 
 
+def write_node_parameters(path: Path, parameters: Mapping[str, ParameterValue]) -> None:
+    """Write values for whichever node is started with the file, as `--params-file` takes it.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
+    content = {"/**": {ROS_KEY: dict(parameters)}}
+    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+
+
 def _scalar(value: ParameterValue) -> str:
     """Write a value so that YAML and ROS read it back; what is no plain word is quoted."""
     if isinstance(value, bool):

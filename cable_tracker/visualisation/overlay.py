@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import image_to_pixel, project_borders, segment_inside
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
@@ -160,7 +160,7 @@ def _as_bgr(image: Image) -> Image:
         raise FrameError(f"image: shape is {image.shape}; give (H, W) grey or (H, W, 3) colour")
     if image.dtype != np.uint8:
         finite = np.nan_to_num(image, nan=0.0, posinf=255.0, neginf=0.0)
-        image = np.clip(np.rint(finite), 0, 255).astype(np.uint8)
+        image = eight_bits(finite)
     if image.ndim == 2:
         return cv2.cvtColor(np.ascontiguousarray(image), cv2.COLOR_GRAY2BGR)
     return np.array(image, order="C")

@@ -39,7 +39,7 @@ def test_all_take_turns_beside_the_yardstick():
 
 
 class Clock:
-    """Stands for the module `time`: it goes on only when somebody works."""
+    """Stands for the module `time`: it goes on only when something works."""
 
     def __init__(self):
         self.now = 1000.0

@@ -39,7 +39,18 @@ def test_unknown_names_are_refused():
         chosen_parameters(None, given_values(None, ["wdith=3"]), None)
 
 
-@pytest.mark.parametrize(("width", "is_noted"), [(200.0, True), (160.0, False)])
-def test_a_search_for_wider_things_than_are_followed_is_noted(capsys, width, is_noted):
-    chosen_parameters(None, {"initial_width_maximum": width}, None)
-    assert ("raise width_maximum too" in capsys.readouterr().err) == is_noted
+@pytest.mark.parametrize(
+    ("values", "note"),
+    [
+        ({"initial_width_maximum": 200.0}, "raise width_maximum too"),
+        ({"initial_width_minimum": 4.0}, "lower width_minimum too"),
+    ],
+)
+def test_a_search_for_what_is_not_followed_is_noted(capsys, values, note):
+    chosen_parameters(None, values, None)
+    assert note in capsys.readouterr().err
+
+
+def test_a_search_within_the_limits_is_not_noted(capsys):
+    chosen_parameters(None, {"initial_width_maximum": 160.0, "initial_width_minimum": 8.0}, None)
+    assert "note" not in capsys.readouterr().err

@@ -105,7 +105,7 @@ NUMBERS = count()
 
 @pytest.fixture
 def namespace() -> str:
-    """A namespace in which nobody else's nodes live."""
+    """A namespace in which no other nodes live."""
     return f"/test_{os.getpid()}_{next(NUMBERS)}"
 
 
@@ -120,7 +120,7 @@ def context(domain: int) -> Iterator[Any]:
 
 
 class World:
-    """Nodes that are spun together in this thread, and somebody who listens to them."""
+    """Nodes that are spun together in this thread, and a listener."""
 
     def __init__(self, context: Any, namespace: str) -> None:
         self.context = context

@@ -212,6 +212,18 @@ class TestRuntime:
         set_one(node, "width_maximum", -1.0)
         assert "parameters changed" not in capfd.readouterr().err
 
+    def test_a_search_for_wider_things_than_are_followed_is_warned_of_once(
+        self, world: Any, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.tracker(initial_width_maximum=200.0)
+        assert "raise width_maximum too" in capfd.readouterr().err
+        assert set_one(node, "distance_variance", 5.0).successful
+        assert "width_maximum too" not in capfd.readouterr().err
+        assert set_one(node, "width_maximum", 150.0).successful
+        assert "above width_maximum = 150" in capfd.readouterr().err
+        assert set_one(node, "initial_width_maximum", 150.0).successful
+        assert "width_maximum too" not in capfd.readouterr().err
+
     def test_one_bad_value_of_a_set_changes_nothing(self, world: Any) -> None:
         node = world.tracker()
         before = values_of(node)

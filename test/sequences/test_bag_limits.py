@@ -5,6 +5,8 @@ from __future__ import annotations
 import bz2
 import sqlite3
 import struct
+import subprocess
+import sys
 import tracemalloc
 from collections import namedtuple
 from collections.abc import Callable
@@ -252,7 +254,16 @@ def test_a_database_whose_rows_have_no_end_is_refused(tmp_path):
         check_database(path)
 
 
+def test_importing_the_readers_leaves_rosbags_as_it_is():
+    script = (
+        "import cable_tracker.sequences.bag_storage, rosbags.rosbag1.reader as one;"
+        "assert one.decompressors['bz2'].__module__ != 'cable_tracker.sequences.bag_limits'"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
+
+
 def test_rosbags_still_unpacks_through_our_functions():
+    bag_limits.limit_rosbags()
     assert bag_limits.storage_mcap.DECOMPRESSORS["zstd"] is unpack_zstd
     assert bag_limits.rosbag1_reader.decompressors["bz2"] is unpack_bz2
     assert {Reader1.__module__, Reader2.__module__} == {

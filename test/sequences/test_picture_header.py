@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import struct
+import zlib
 
 import cv2
 import numpy as np
@@ -32,11 +33,54 @@ def test_comments_in_a_pnm_are_skipped():
     assert (header.width, header.height) == (12, 34)
 
 
-def test_big_endian_tiff_is_read():
-    entries = [(256, 3, 1, 5 << 16), (257, 4, 1, 7)]
-    directory = struct.pack(">H", 2) + b"".join(struct.pack(">HHII", *entry) for entry in entries)
-    header = read_picture_header(memoryview(b"MM\0*" + struct.pack(">I", 8) + directory))
+def tiff_file(order: str, *entries: tuple[int, int, int, int]) -> bytes:
+    magic = b"II*\0" if order == "<" else b"MM\0*"
+    directory = b"".join(struct.pack(f"{order}HHII", *entry) for entry in entries)
+    count = struct.pack(f"{order}H", len(entries))
+    return magic + struct.pack(f"{order}I", 8) + count + directory + bytes(4)
+
+
+WIDTH, HEIGHT, GREY = (256, 4, 1, 5), (257, 4, 1, 7), (262, 4, 1, 1)
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_tiffs_of_either_byte_order_are_read(order):
+    header = read_picture_header(memoryview(tiff_file(order, WIDTH, HEIGHT, GREY)))
     assert (header.width, header.height) == (5, 7)
+
+
+def test_a_tiff_that_says_two_sizes_is_refused():
+    data = tiff_file("<", (256, 4, 1, 1_000_000), WIDTH, HEIGHT, GREY)
+    with pytest.raises(FrameError, match="header of the TIFF"):
+        read_picture_header(memoryview(data))
+
+
+def png_of_size(width: int, height: int) -> bytes:
+    data = bytearray(picture_file(".png"))
+    data[16:24] = struct.pack(">II", width, height)
+    data[29:33] = struct.pack(">I", zlib.crc32(data[12:29]))
+    return bytes(data)
+
+
+@pytest.mark.parametrize(("width", "height"), [(8001, 8000), (100_000, 100_000), (2**31 - 1, 1)])
+def test_a_picture_of_too_many_pixels_is_refused_without_a_warning(width, height):
+    with pytest.raises(FrameError, match=f"claims {width} x {height} pixels"):
+        read_picture_header(memoryview(png_of_size(width, height)))
+
+
+def test_the_size_is_that_of_the_pixels_as_stored_not_as_turned_by_exif():
+    picture = picture_file(".jpg")
+    turned = b"Exif\0\0" + tiff_file(">", (274, 3, 1, 6 << 16))
+    whole = picture[:2] + b"\xff\xe1" + struct.pack(">H", len(turned) + 2) + turned + picture[2:]
+    header = read_picture_header(memoryview(whole))
+    assert (header.width, header.height) == (37, 23)
+
+
+def test_damaged_exif_is_no_reason_to_refuse_a_picture():
+    picture = picture_file(".jpg")
+    broken = b"Exif\0\0MM\0*\xff\xff\xff"
+    whole = picture[:2] + b"\xff\xe1" + struct.pack(">H", len(broken) + 2) + broken + picture[2:]
+    assert read_picture_header(memoryview(whole)).kind == "JPEG"
 
 
 def test_an_end_padded_with_zeros_is_still_an_end():
@@ -50,6 +94,8 @@ def test_the_end_of_a_thumbnail_is_not_the_end_of_the_picture():
     assert read_picture_header(memoryview(whole)).width == 300
     with pytest.raises(FrameError, match="truncated"):
         read_picture_header(memoryview(whole[:-2]))
+    with pytest.raises(FrameError, match="truncated"):
+        read_picture_header(memoryview(whole[:-2] + bytes(100)))
 
 
 @pytest.mark.parametrize("suffix", [".jpg", ".png"])

@@ -303,8 +303,8 @@ class TrackerParameters(ParameterSet):
         """Refuse parts that do not go together."""
         if self.filter == "multi_hypothesis" and self.observation != "likelihood_ratio":
             raise ParameterError(
-                "filter = multi_hypothesis needs observation = likelihood_ratio;"
-                " set filter = bootstrap too"
+                "filter = multi_hypothesis needs observation = likelihood_ratio, and observation ="
+                f" {self.observation} needs filter = bootstrap; set both together"
             )
         if 0.0 < self.diffusion_degrees_of_freedom < 1.0:
             raise ParameterError(
@@ -317,6 +317,27 @@ class TrackerParameters(ParameterSet):
                 "detector_share + search_share + refinement_share must not exceed"
                 f" {MAXIMUM_SHARES:g}, not {shares:g}: the rest follows the cable"
             )
+
+    def remarks(self) -> tuple[str, ...]:
+        """Say which values are accepted but hardly meant, one sentence each.
+
+        A search that begins outside the limits of a particle is no contradiction, because one
+        limit alone may be changed: what lies outside is brought to the limit.
+        """
+        remarks = []
+        if self.initial_width_maximum > self.width_maximum:
+            remarks.append(
+                f"initial_width_maximum = {self.initial_width_maximum:g} is above width_maximum ="
+                f" {self.width_maximum:g}: nothing wider than that is followed;"
+                " raise width_maximum too"
+            )
+        if self.initial_width_minimum < self.width_minimum:
+            remarks.append(
+                f"initial_width_minimum = {self.initial_width_minimum:g} is below width_minimum ="
+                f" {self.width_minimum:g}: nothing narrower than that is followed;"
+                " lower width_minimum too"
+            )
+        return tuple(remarks)
 
 
 PARAMETER_TABLE: tuple[ParameterSpec, ...] = parameter_table(TrackerParameters)

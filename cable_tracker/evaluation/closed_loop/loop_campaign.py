@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
@@ -10,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cable_tracker.evaluation.closed_loop.loop_table import LoopSummary, format_cell
+from cable_tracker.evaluation.closed_loop.loop_table import LoopSummary, format_cell, write_records
+from cable_tracker.sequences.csv_text import csv_text
 
 RUNS, METHODS_TABLE = "runs.csv", "methods.csv"
 
@@ -128,22 +128,17 @@ def _totals(method: str, outcomes: Sequence[LoopOutcome]) -> MethodTotals:
 def write_runs(path: Path, outcomes: Sequence[LoopOutcome]) -> None:
     """Write one line for each run as CSV; of a run that failed, the reason alone."""
     names = [field.name for field in fields(LoopSummary) if field.name != "seed"]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["method", "seed", *names, "failure"])
-        for outcome in outcomes:
-            cells = [
-                "" if outcome.summary is None else format_cell(getattr(outcome.summary, name))
-                for name in names
-            ]
-            writer.writerow([outcome.method, outcome.seed, *cells, outcome.failure])
+    rows = []
+    for outcome in outcomes:
+        cells = [
+            "" if outcome.summary is None else format_cell(getattr(outcome.summary, name))
+            for name in names
+        ]
+        rows.append([outcome.method, outcome.seed, *cells, outcome.failure])
+    text = csv_text(["method", "seed", *names, "failure"], rows)
+    path.write_text(text, encoding="utf-8", newline="")
 
 
 def write_methods(path: Path, totals: Sequence[MethodTotals]) -> None:
     """Write one line for each method as CSV."""
-    names = [field.name for field in fields(MethodTotals)]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(names)
-        for each in totals:
-            writer.writerow([format_cell(getattr(each, name)) for name in names])
+    write_records(path, MethodTotals, totals)

@@ -13,6 +13,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.csv_text import csv_text
 
 TABLE, SUMMARY = "loop.csv", "summary.csv"
 
@@ -230,23 +231,21 @@ def _highest(errors: FloatArray, percent: float) -> float:
     return float(np.percentile(np.abs(errors), percent)) if errors.size else math.nan
 
 
+def write_records(path: Path, kind: type, records: Sequence[object]) -> None:
+    """Write dataclasses of one kind as CSV, a column for each field; what is not known is empty."""
+    names = [field.name for field in fields(kind)]
+    rows = ([format_cell(getattr(record, name)) for name in names] for record in records)
+    path.write_text(csv_text(names, rows), encoding="utf-8", newline="")
+
+
 def write_rows(path: Path, rows: Sequence[LoopRow]) -> None:
     """Write the table of a run as CSV; what is not known is empty."""
-    names = [field.name for field in fields(LoopRow)]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(names)
-        for row in rows:
-            writer.writerow([format_cell(getattr(row, name)) for name in names])
+    write_records(path, LoopRow, rows)
 
 
 def write_summary(path: Path, summary: LoopSummary) -> None:
     """Write the judgement of a run as CSV, one line below the names."""
-    names = [field.name for field in fields(LoopSummary)]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(names)
-        writer.writerow([format_cell(getattr(summary, name)) for name in names])
+    write_records(path, LoopSummary, [summary])
 
 
 def read_summary(path: Path) -> LoopSummary:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass
 from pathlib import Path
 
+from cable_tracker.sequences.csv_text import csv_text
 from cable_tracker.visualisation.files import write_bytes
 
 TABLE_CSV, TABLE_MARKDOWN = "table.csv", "table.md"
@@ -74,11 +73,7 @@ class ExperimentResult:
 
 def table_csv(table: ResultTable) -> str:
     """Return a table as CSV."""
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(table.headings)
-    writer.writerows([_for_machines(cell) for cell in row] for row in table.rows)
-    return buffer.getvalue()
+    return csv_text(table.headings, ([_for_machines(cell) for cell in row] for row in table.rows))
 
 
 def _for_machines(cell: str) -> str:

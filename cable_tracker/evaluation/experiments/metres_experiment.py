@@ -24,7 +24,7 @@ from cable_tracker.evaluation.experiments.flights import (
 from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metrics import state_errors
-from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.report import median_and_range
 from cable_tracker.evaluation.spread import spread_of
 from cable_tracker.evaluation.trace import LOST_ANGLE, LOST_DISTANCE
 from cable_tracker.evaluation.workers import run_tasks
@@ -165,7 +165,11 @@ class MetresExperiment:
 
 def _row(name: str, runs: Sequence[FloatArray]) -> tuple[str, ...]:
     numbers = np.array([_numbers(errors) for errors in runs])
-    return (name, str(len(runs)), *(_median_and_range(column) for column in numbers.T))
+    return (
+        name,
+        str(len(runs)),
+        *(median_and_range(spread_of(column), "") for column in numbers.T),
+    )
 
 
 def _numbers(errors: FloatArray) -> tuple[float, ...]:
@@ -199,11 +203,3 @@ def _rms(values: FloatArray) -> float:
 
 def _percentile_95(values: FloatArray) -> float:
     return float(np.percentile(np.abs(values), 95)) if len(values) else math.nan
-
-
-def _median_and_range(values: FloatArray) -> str:
-    spread = spread_of(values)
-    median, low, high = (
-        format_number(value, "") for value in (spread.median, spread.minimum, spread.maximum)
-    )
-    return median if low == high else f"{median} ({low} – {high})"

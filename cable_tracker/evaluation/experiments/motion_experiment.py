@@ -13,7 +13,7 @@ from cable_tracker.evaluation.experiments.experiment_result import ExperimentRes
 from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
-from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.report import format_number, median_and_range
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start
 from cable_tracker.evaluation.workers import run_tasks
 
@@ -186,7 +186,7 @@ class MotionExperiment:
             str(lost),
             str(_lost_frames(without)) if without else "–",
             format_number(100.0 * lost / max(visible, 1), "%"),
-            *(_median_and_range("lost", group) for group in groups),
+            *(_metric_text("lost", group) for group in groups),
             *(_mean_of_medians(metric, groups) for metric in METRICS),
         )
 
@@ -206,13 +206,9 @@ def _lost_frames(runs: Sequence[RunResult]) -> int:
     return sum(int(run.trace.lost.sum()) for run in runs)
 
 
-def _median_and_range(metric: str, runs: Sequence[RunResult]) -> str:
+def _metric_text(metric: str, runs: Sequence[RunResult]) -> str:
     spec = METRICS_BY_NAME[metric]
-    spread = metric_spread(spec, [run.metrics for run in runs])
-    median, low, high = (
-        format_number(value, spec.unit) for value in (spread.median, spread.minimum, spread.maximum)
-    )
-    return median if low == high else f"{median} ({low} – {high})"
+    return median_and_range(metric_spread(spec, [run.metrics for run in runs]), spec.unit)
 
 
 def _mean_of_medians(metric: str, groups: Sequence[Sequence[RunResult]]) -> str:

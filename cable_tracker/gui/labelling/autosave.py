@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.label_file import write_atomically
 from cable_tracker.gui.labelling.labels import NO_CABLE, FrameLabel, Labels, flagged_label
+from cable_tracker.sequences.csv_text import csv_text
 from cable_tracker.sequences.frame_source import one_line
 
 HEADER = ("frame", "stamp", "flag", "d", "alpha", "w", "beta")
@@ -30,12 +30,11 @@ def write_autosave(path: Path, labels: Labels, stamps: Mapping[int, int]) -> Non
     OSError
         They cannot be written; what lay there is as it was.
     """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(HEADER)
-    for frame, label in sorted(labels.items()):
-        writer.writerow((frame, stamps.get(frame, ""), label.flag, *_places(label)))
-    write_atomically(path, text.getvalue(), waits=False)
+    rows = (
+        (frame, stamps.get(frame, ""), label.flag, *_places(label))
+        for frame, label in sorted(labels.items())
+    )
+    write_atomically(path, csv_text(HEADER, rows), waits=False)
 
 
 def _places(label: FrameLabel) -> Iterator[str]:

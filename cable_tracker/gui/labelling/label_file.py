@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import hashlib
-import io
 import os
 from collections.abc import Mapping
 from contextlib import suppress
@@ -21,6 +20,7 @@ from cable_tracker.gui.labelling.labels import (
     flagged_label,
 )
 from cable_tracker.gui.labelling.names import FrameNames
+from cable_tracker.sequences.csv_text import csv_text
 from cable_tracker.sequences.frame_source import one_line
 from cable_tracker.sequences.sequence_file import (
     Label,
@@ -184,11 +184,8 @@ def format_label_file(
         if label.state is not None:
             labels.append(place)
         rows.append((frame, content.stamps.get(frame, ""), label.flag, place))
-    flags = io.StringIO()
-    writer = csv.writer(flags, lineterminator="\n")
-    writer.writerow(FLAGS_HEADER)
-    writer.writerows(rows)
-    return format_labels(labels, allow_outside=allow_outside), flags.getvalue()
+    flags = csv_text(FLAGS_HEADER, rows)
+    return format_labels(labels, allow_outside=allow_outside), flags
 
 
 def write_atomically(path: Path, text: str, *, waits: bool = True) -> None:

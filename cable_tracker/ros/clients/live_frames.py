@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from cable_tracker.arrays import eight_bits
 from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
@@ -139,12 +140,12 @@ def _snapshot(number: int, stamp: int, parts: _Parts) -> Snapshot:
     state = read_state(parts.state)
     sigma = read_sigma(parts.state)
     cloud = read_cloud(parts.cloud) if parts.cloud is not None else None
-    grey = decode_grey(parts.image)
+    grey = eight_bits(decode_grey(parts.image))
     return Snapshot(
         number=number,
         frame=None,
         stamp=stamp,
-        grey=grey if grey.dtype == np.uint8 else np.clip(grey, 0, 255).astype(np.uint8),
+        grey=grey,
         status=parts.status() or ("TRACKING" if state is not None else "NO REPORT"),
         reason=facts.get("event", ""),
         state=state,

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-import rclpy
-import yaml
-from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
 
 from cable_tracker.cable.model.initial_state_text import RANDOM, format_initial_state
 from cable_tracker.cable.model.state import CableState
@@ -22,6 +18,7 @@ from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder
 from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import local_environment, use_local_environment
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.convert import write_truth
@@ -34,6 +31,7 @@ from cable_tracker.sequences.messages import (
     read_state,
 )
 from cable_tracker.sequences.source import Source
+from cable_tracker.tracking.parameter_files import write_node_parameters
 
 FRAME_TIMEOUT = 60.0
 END_TIMEOUT = 10.0
@@ -94,7 +92,9 @@ def track_recording_over_ros(
     namespace = f"/cable_tracker_{os.getpid()}"
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        recorder, executor = stack.enter_context(_recorder(namespace))
+        recorder, executor = stack.enter_context(
+            client_node(lambda context: Recorder(context, namespace))
+        )
         tracker = stack.enter_context(
             _node("tracker", namespace, folder, _tracker_parameters(source, request), [])
         )
@@ -112,21 +112,6 @@ def track_recording_over_ros(
         damage = run.record_all(source, advance)
         run.finish(damage)
     return damage
-
-
-@contextmanager
-def _recorder(namespace: str) -> Iterator[tuple[Recorder, SingleThreadedExecutor]]:
-    context = Context()
-    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
-    executor = SingleThreadedExecutor(context=context)
-    recorder = Recorder(context, namespace)
-    executor.add_node(recorder)
-    try:
-        yield recorder, executor
-    finally:
-        executor.shutdown()
-        recorder.destroy_node()
-        rclpy.try_shutdown(context=context)
 
 
 def _tracker_parameters(source: Source, request: RecordingRequest) -> dict[str, ParameterValue]:
@@ -150,7 +135,7 @@ def _node(
     arguments: list[str],
 ) -> NodeProcess:
     file = folder / f"{name}.yaml"
-    file.write_text(yaml.safe_dump({"/**": {"ros__parameters": parameters}}), encoding="utf-8")
+    write_node_parameters(file, parameters)
     return NodeProcess(
         name,
         [

@@ -79,6 +79,7 @@ class TrackerNode(CameraNode):
         runtime = node_parameters.declare_all(self, TRACKER_RUNTIME_PARAMETERS)
         self._instrument_reliability = str(start["instrument_reliability"])
         self._tracker = self._make_tracker(values.replaced(given))
+        self._warn_of_remarks(())
         self._apply_runtime_values(runtime)
         specs = {spec.name: spec for spec in TRACKER_RUNTIME_PARAMETERS} | dict(PARAMETERS_BY_NAME)
         node_parameters.watch(self, specs, self._validate_parameters, self._apply_parameters)
@@ -102,10 +103,18 @@ class TrackerNode(CameraNode):
     def _apply_parameters(self, values: Mapping[str, object]) -> None:
         filter_values = {name: values[name] for name in values.keys() & PARAMETERS_BY_NAME.keys()}
         if filter_values:
+            before = self._tracker.parameters.remarks()
             changed = self._tracker.parameters.replaced(filter_values)
             self._tracker.configure(changed, make_proposer(changed))
             self._warm_up_for_change()
+            self._warn_of_remarks(before)
         self._apply_runtime_values(values)
+
+    def _warn_of_remarks(self, known: tuple[str, ...]) -> None:
+        """Log what is hardly meant about the filter's parameters, unless it was said before."""
+        for remark in self._tracker.parameters.remarks():
+            if remark not in known:
+                self.get_logger().warning(remark)
 
     def _apply_runtime_values(self, values: Mapping[str, object]) -> None:
         if "initial_state" in values:

@@ -5,18 +5,14 @@ from __future__ import annotations
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import cv2
 import numpy as np
-import rclpy
-import yaml
-from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.parameters.parameters import ParameterValue
@@ -35,11 +31,13 @@ from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.evaluation.methods import BASELINES
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import local_environment, use_local_environment
 from cable_tracker.ros.rigs.loop_recorder import LoopRecorder, SeenFrame
 from cable_tracker.simulation.dive import CABLE_RADIUS
 from cable_tracker.simulation.live_world import MOUNTING, LiveSettings, cable_course
 from cable_tracker.simulation.tube import SETTLED
+from cable_tracker.tracking.parameter_files import write_node_parameters
 from cable_tracker.visualisation.overlay import draw_overlay
 from cable_tracker.visualisation.video import VideoWriter
 
@@ -150,7 +148,11 @@ def run_loop(
     namespace = f"/cable_tracker_loop_{os.getpid()}"
     with output_folder(path, TABLE, overwrite=overwrite) as folder, ExitStack() as stack:
         parameters = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        recorder, executor = stack.enter_context(_recorder(namespace, request.with_video))
+        recorder, executor = stack.enter_context(
+            client_node(
+                lambda context: LoopRecorder(context, namespace, with_images=request.with_video)
+            )
+        )
         video = stack.enter_context(VideoWriter(folder / VIDEO)) if request.with_video else None
         starter = _Starter(namespace, parameters)
         run = _Run(request, recorder, executor, video, advance)
@@ -165,23 +167,6 @@ def run_loop(
         )
         run.follow()
         return run.write(folder)
-
-
-@contextmanager
-def _recorder(
-    namespace: str, with_images: bool
-) -> Iterator[tuple[LoopRecorder, SingleThreadedExecutor]]:
-    context = Context()
-    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
-    executor = SingleThreadedExecutor(context=context)
-    recorder = LoopRecorder(context, namespace, with_images=with_images)
-    executor.add_node(recorder)
-    try:
-        yield recorder, executor
-    finally:
-        executor.shutdown()
-        recorder.destroy_node()
-        rclpy.try_shutdown(context=context)
 
 
 def _tracker_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
@@ -240,7 +225,7 @@ class _Starter:
     def start(self, name: str, parameters: dict[str, ParameterValue]) -> NodeProcess:
         """Return a node's process, which begins when its context is entered."""
         file = self.folder / f"{name}.yaml"
-        file.write_text(yaml.safe_dump({"/**": {"ros__parameters": parameters}}), encoding="utf-8")
+        write_node_parameters(file, parameters)
         return NodeProcess(
             name,
             [

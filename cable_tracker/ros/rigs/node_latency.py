@@ -6,19 +6,17 @@ import math
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import rclpy
-import yaml
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import Image, JointState
 from std_srvs.srv import Trigger
 
@@ -34,9 +32,11 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import local_environment, use_local_environment
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages import Message, make_header, make_image, stamp_of
+from cable_tracker.tracking.parameter_files import write_node_parameters
 
 BLOCK = 30
 """Frames that one of the competitors gets before it is the next one's turn."""
@@ -141,7 +141,7 @@ def measure_node(
     os.environ.setdefault(DOMAIN_VARIABLE, str(DOMAIN))
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        node, executor = stack.enter_context(_probe())
+        node, executor = stack.enter_context(client_node(_probe))
         bench = _Bench(trial, node, executor, advance)
         bench.echo = bench.start(stack, "echo", [], "cable_tracker.ros.rigs.echo_node")
         bench.tracker = bench.start(
@@ -150,19 +150,8 @@ def measure_node(
         return bench.run()
 
 
-@contextmanager
-def _probe() -> Iterator[tuple[Node, SingleThreadedExecutor]]:
-    context = Context()
-    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
-    executor = SingleThreadedExecutor(context=context)
-    node = Node("latency_probe", namespace=f"/bench_{os.getpid()}", context=context)
-    executor.add_node(node)
-    try:
-        yield node, executor
-    finally:
-        executor.shutdown()
-        node.destroy_node()
-        rclpy.try_shutdown(context=context)
+def _probe(context: Context) -> Node:
+    return Node("latency_probe", namespace=f"/bench_{os.getpid()}", context=context)
 
 
 def _parameter_file(trial: NodeTrial, folder: Path) -> Path:
@@ -173,7 +162,7 @@ def _parameter_file(trial: NodeTrial, folder: Path) -> Path:
         "input_timeout": 3600.0,
     }
     file = folder / "tracker.yaml"
-    file.write_text(yaml.safe_dump({"/**": {"ros__parameters": parameters}}), encoding="utf-8")
+    write_node_parameters(file, parameters)
     return file
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.simulation.dive import SimulatedFrame
@@ -106,7 +106,7 @@ def simulate_strip(
         seen: Image = cv2.GaussianBlur(ground + step * cover, (0, 0), BLUR * scale)
         grain: Image = rng.standard_normal(seen.shape, np.float32)
         seen = seen + np.float32(noise) * grain
-        picture: Image = np.clip(np.rint(seen), 0, 255).astype(np.uint8)
+        picture = eight_bits(seen)
         truth = CableState.from_array(wrap_states(state[None, :])[0])
         yield SimulatedFrame(make_frame(index, picture, truth), 1.0)
         state[0] += DRIFT * scale * rng.standard_normal()

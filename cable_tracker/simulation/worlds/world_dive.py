@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.sequences.frame import Frame, RawImage
@@ -194,7 +194,7 @@ class WorldDive:
         seen = cv2.GaussianBlur(seen, (0, 0), max(self._blur, 0.3))
         grain: Image = self._grain.standard_normal(seen.shape, np.float32)
         seen = seen + np.float32(self._noise) * grain
-        picture: Image = np.clip(np.rint(seen), 0, 255).astype(np.uint8)
+        picture = eight_bits(seen)
         self._overlaid.put_on(picture, index)
         return self._recorder.record(picture)
 

@@ -12,6 +12,7 @@ from cable_tracker.cable.parameters.parameters import (
     ParameterSpec,
     TrackerParameters,
 )
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
 
 EACH = pytest.mark.parametrize("spec", PARAMETER_TABLE, ids=lambda spec: spec.name)
@@ -146,3 +147,34 @@ def test_any_set_of_values_is_taken_or_refused_with_a_reason(values):
         assert "\n" not in str(error)
     else:
         assert {name: getattr(replaced, name) for name in values} == values
+
+
+@pytest.mark.parametrize(
+    "values", [{"observation": "responses"}, {"observation": "responses", "seed": 3}]
+)
+def test_a_filter_and_an_observation_that_do_not_go_together_are_refused_with_both_ways_out(values):
+    needs = "multi_hypothesis needs observation = likelihood_ratio, .*responses needs .*bootstrap"
+    with pytest.raises(ParameterError, match=f"{needs}; set both together$"):
+        TrackerParameters().replaced(values)
+    bootstrap = TrackerParameters(filter="bootstrap", observation="responses")
+    with pytest.raises(ParameterError, match=needs):
+        bootstrap.replaced({"filter": "multi_hypothesis"})
+
+
+@pytest.mark.parametrize(
+    ("values", "remark"),
+    [
+        ({"initial_width_maximum": 200.0}, "raise width_maximum too"),
+        ({"width_maximum": 100.0}, "raise width_maximum too"),
+        ({"initial_width_minimum": 4.0}, "lower width_minimum too"),
+        ({"width_minimum": 20.0}, "lower width_minimum too"),
+    ],
+)
+def test_a_search_outside_the_limits_is_accepted_with_a_remark(values, remark):
+    (said,) = TrackerParameters().replaced(values).remarks()
+    assert remark in said
+
+
+@pytest.mark.parametrize("name", ["default", "thesis"])
+def test_of_the_presets_nothing_is_remarked(name):
+    assert preset(name).remarks() == ()

@@ -612,7 +612,7 @@ class TestServicesAndStatus:
         node.on_reset(Trigger.Request(), Trigger.Response())
         node.on_enable(SetBool.Request(data=False), SetBool.Response())
         expected = ["INITIALISING", "TRACKING", "LOST", "INITIALISING", "DISABLED"]
-        # The first is sent while nobody listens yet.
+        # The first is sent before there is a subscriber.
         world.spin(lambda: [status for status, _ in diagnostics(node)][-4:] == expected[1:])
 
     def test_diagnostics_come_with_their_period_and_hold_the_figures(

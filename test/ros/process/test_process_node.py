@@ -250,12 +250,12 @@ class TestRunNode:
         printed = io.StringIO()
         with redirect_stderr(printed):
             code = run_node(
-                lambda context: Worker(1, RosError("nobody answers"), context=context),
+                lambda context: Worker(1, RosError("no answer"), context=context),
                 [],
                 StopRequest(),
             )
         assert code == 2
-        assert printed.getvalue() == "error: nobody answers\n"
+        assert printed.getvalue() == "error: no answer\n"
 
     def test_what_the_middleware_refuses_is_one_line_and_exit_code_2(
         self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path

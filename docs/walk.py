@@ -1,0 +1,97 @@
+"""Follow one frame through the code, from the message to `centreline`, and count.
+
+    python docs/walk.py
+
+A tracker node with the default preset is given the frames of a simulated dive until it tracks; the
+calls of Python functions of this package during the next one, until `centreline` is published, are
+printed in their order, each file and function once, and counted. What compiled code does inside is
+not counted: profilers of Python do not see it.
+"""
+
+from __future__ import annotations
+
+import sys
+from itertools import pairwise
+from pathlib import Path
+from types import FrameType
+
+import rclpy
+from rclpy.context import Context
+from rclpy.serialization import serialize_message
+from rclpy.signals import SignalHandlerOptions
+
+from cable_tracker import arrays
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.nodes.tracker_node import TrackerNode
+from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.messages import make_header, make_image
+from cable_tracker.simulation.scenario import SimulationSettings, simulate
+
+PACKAGE = Path(arrays.__file__).parent
+FRAMES = 60
+
+
+class Walk:
+    """Calls of functions of this package until `centreline` is published, in order."""
+
+    def __init__(self) -> None:
+        self.calls: list[tuple[str, str]] = []
+        self._is_over = False
+
+    def __call__(self, frame: FrameType, event: str, _argument: object) -> None:
+        """Note a call, as `sys.setprofile` tells it."""
+        path = Path(frame.f_code.co_filename)
+        if self._is_over or not path.is_relative_to(PACKAGE):
+            return
+        if event == "call":
+            self.calls.append((str(path.relative_to(PACKAGE)), frame.f_code.co_qualname))
+        self._is_over = (
+            event == "return" and frame.f_code is TrackerOutputs.publish_centreline.__code__
+        )
+
+
+def serialised(frame: Frame) -> bytes:
+    """Return a frame as the middleware hands it to the node."""
+    factory = RclpyMessages()
+    header = make_header(factory, frame.stamp, "camera")
+    message: bytes = serialize_message(make_image(factory, frame.image, header))
+    return message
+
+
+def walk_of_last(messages: list[bytes], context: Context) -> Walk:
+    """Track on all messages, and follow the last one."""
+    node = TrackerNode(context=context)
+    node.wait_until_warm()
+    for message in messages[:-1]:
+        node.on_image(message, {})
+    if node.status != TrackingStatus.TRACKING.value:
+        sys.exit("the cable was not found; nothing to follow")
+    walk = Walk()
+    sys.setprofile(walk)
+    node.on_image(messages[-1], {})
+    sys.setprofile(None)
+    node.destroy_node()
+    return walk
+
+
+def main() -> None:
+    """Print the walk."""
+    frames = simulate(SimulationSettings(frame_count=FRAMES))
+    messages = [serialised(frame) for frame in frames]
+    context = Context()
+    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        calls = walk_of_last(messages, context).calls
+    finally:
+        rclpy.try_shutdown(context=context)
+    for path, function in dict.fromkeys(calls):
+        print(f"{path}: {function}")
+    switches = sum(before[0] != after[0] for before, after in pairwise(calls))
+    files = {path for path, _ in calls}
+    print(f"{len(calls)} calls, {len(files)} files, {switches} switches of file")
+
+
+if __name__ == "__main__":
+    main()

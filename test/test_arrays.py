@@ -1,0 +1,14 @@
+import numpy as np
+
+from cable_tracker.arrays import eight_bits
+
+
+def test_grey_levels_are_rounded_and_clipped():
+    levels = eight_bits(np.array([[-3.0, 0.4, 0.6], [254.6, 255.4, 300.0]], np.float32))
+    assert levels.dtype == np.uint8
+    assert levels.tolist() == [[0, 0, 1], [255, 255, 255]]
+
+
+def test_eight_bits_stay_as_they_are():
+    image = np.arange(6, dtype=np.uint8).reshape(2, 3)
+    assert eight_bits(image) is image
