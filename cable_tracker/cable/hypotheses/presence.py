@@ -102,15 +102,14 @@ class NullLevels(NamedTuple):
 
 def frame_odds(score: float) -> float:
     """Return the log-likelihood ratio of a score, cable against none [nats]."""
-    score = min(score, HIGHEST_SCORE)
+    # Below its mode the law falls so steeply that it would speak for a cable.
+    score = min(max(score, EMPTY_MODE), HIGHEST_SCORE)
     place = (score - EMPTY_MODE) / EMPTY_SCALE
     empty = -place - math.exp(min(-place, 50.0)) - math.log(EMPTY_SCALE)
     deviation = (score - CABLE_MEAN) / CABLE_SPREAD
     cable = -0.5 * deviation**2 - math.log(CABLE_SPREAD * math.sqrt(2 * math.pi))
     seen = (1.0 - HIDDEN_SHARE) * math.exp(min(cable - empty, 50.0))
-    return (
-        min(math.log(seen + HIDDEN_SHARE), LARGEST_ODDS) if score > 0.0 else math.log(HIDDEN_SHARE)
-    )
+    return min(math.log(seen + HIDDEN_SHARE), LARGEST_ODDS)
 
 
 @compiled_inside

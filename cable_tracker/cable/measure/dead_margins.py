@@ -9,6 +9,9 @@ from cable_tracker.arrays import Image
 FLAT = 3.0
 """Grey levels as near as this are one."""
 
+BRIGHTEST = 24.0
+"""Bars are black: a flat bottom beside a strip is none [grey levels]."""
+
 OUTERMOST_SHARE, LATER_SHARE = 0.9, 0.5
 """A margin is one grey level in so much of its outermost line, and of each further one: captions
 may be written on it."""
@@ -16,7 +19,7 @@ may be written on it."""
 FEWEST_LINES = 2
 """Thinner margins are left."""
 
-LARGEST_SHARE = 0.4
+LARGEST_SHARE = 0.25
 """What is flat beyond this share of the picture, from one side, is no margin but the scene."""
 
 BESIDE = 2
@@ -47,6 +50,8 @@ def dead_lines(lines: Image) -> int:
     most = int(LARGEST_SHARE * len(lines))
     outermost = lines[0].astype(np.float32)
     level = float(np.median(outermost))
+    if level > BRIGHTEST:
+        return 0
     count, share = 0, OUTERMOST_SHARE
     while count <= most:
         apart = np.abs(lines[count].astype(np.float32) - level)

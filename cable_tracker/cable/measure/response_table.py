@@ -180,7 +180,8 @@ class ResponseTable:
         """Log-likelihood ratios of a point that shows nothing at all, by class, shape (4,)."""
         nothing = np.zeros(1, np.float32)
         ratios = self.look_up(PointMeasures(nothing, nothing, nothing))
-        return ratios.reshape(2, CLASSES).mean(axis=0).astype(np.float64)
+        means: FloatArray = ratios.reshape(2, CLASSES).mean(axis=0).astype(np.float64)
+        return means
 
     @property
     def edges_of_both(self) -> Image:

@@ -68,7 +68,7 @@ def borders_cross_inside(pose: FloatArray, image_size: tuple[float, float]) -> b
     along = math.copysign(0.5 * pose[2] / math.tan(skew), pose[3])
     cos, sin = math.cos(pose[1]), math.sin(pose[1])
     x, y = pose[0] * cos - along * sin, pose[0] * sin + along * cos
-    return abs(x) < 0.5 * image_size[0] and abs(y) < 0.5 * image_size[1]
+    return bool(abs(x) < 0.5 * image_size[0] and abs(y) < 0.5 * image_size[1])
 
 
 @compiled_inside
