@@ -82,7 +82,7 @@ from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
-GIVEN_PRESENCE = 0.9
+GIVEN_PRESENCE = 0.95
 """Probability that there is a cable where it was told that there is one."""
 
 LEAST_PRESENCE = 1e-3

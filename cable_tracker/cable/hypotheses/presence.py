@@ -60,7 +60,7 @@ LARGEST_ODDS = 6.0
 NEW_ODDS = math.log(0.02 / 0.98)
 """Log-odds of a new hypothesis, before its first frame."""
 
-LOWEST, HIGHEST = math.log(1e-3), 9.0
+LOWEST, HIGHEST = math.log(1e-3 / (1.0 - 1e-3)), 5.0
 """Log-odds stay between these, so that they can turn again in time."""
 
 NEAR = np.array([14.0, 0.2, 14.0, 0.2])

@@ -278,10 +278,10 @@ class TrackerParameters(ParameterSet):
     presence_to_lose: float = number(0.5, "", 0.0, 1.0, "Presence below which a cable is given up.")
 
     evidence_to_track: float = number(
-        0.0, "", -10.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
+        0.15, "", -10.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
     )
     evidence_to_lose: float = number(
-        -1.0, "", -10.0, 100.0, "Evidence below which a cable is given up."
+        -0.05, "", -10.0, 100.0, "Evidence below which a cable is given up."
     )
     confirmation_time: float = number(
         0.12, "s", 0.0, 10.0, "How long the evidence must hold before a cable is claimed."
