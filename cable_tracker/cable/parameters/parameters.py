@@ -284,7 +284,7 @@ class TrackerParameters(ParameterSet):
         -0.05, "", -10.0, 100.0, "Evidence below which a cable is given up."
     )
     confirmation_time: float = number(
-        0.12, "s", 0.0, 10.0, "How long the evidence must hold before a cable is claimed."
+        0.08, "s", 0.0, 10.0, "How long the evidence must hold before a cable is claimed."
     )
     loss_time: float = number(
         0.3, "s", 0.0, 60.0, "How long the evidence must fail before a cable is given up."

@@ -127,7 +127,7 @@ def test_the_scene_twice_as_large_has_nearly_the_same_ratios(draw_strip):
     )
     assert large.log_ratios[0, 0] == pytest.approx(small.log_ratios[0, 0], rel=0.25)
     for wrong in (small.log_ratios.ravel()[1:], large.log_ratios.ravel()[1:]):
-        assert (wrong < -3.0).all()
+        assert (wrong < 0.0).all()
     np.testing.assert_allclose(large.visible_lengths, small.visible_lengths, atol=1.0)
 
 
