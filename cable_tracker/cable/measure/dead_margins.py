@@ -49,9 +49,9 @@ def dead_lines(lines: Image) -> int:
     """Return how many of the first lines (L, n) are to be filled."""
     most = int(LARGEST_SHARE * len(lines))
     outermost = lines[0].astype(np.float32)
-    level = float(np.median(outermost))
-    if level > BRIGHTEST:
+    if np.count_nonzero(outermost <= BRIGHTEST) < OUTERMOST_SHARE * len(outermost):
         return 0
+    level = float(np.median(outermost))
     count, share = 0, OUTERMOST_SHARE
     while count <= most:
         apart = np.abs(lines[count].astype(np.float32) - level)
