@@ -34,6 +34,7 @@ from cable_tracker.commands.options import (
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.commands.tuning import ValueOption, chosen_parameters, chosen_start, given_values
+from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.metrics import ErrorSummary, summarise_errors
 from cable_tracker.evaluation.tracking.advice import advice
@@ -102,7 +103,7 @@ def track(  # noqa: PLR0917
         recording = stack.enter_context(
             open_recording(source, topic, rate, truth, skip_bad_frames, allow_outside)
         )
-        state = initial_state_for(recording, chosen_start(init, values))
+        state = initial_state_for(recording, chosen_start(init, values), pair_limits(parameters))
         wanted = WantedResults(video=video, bag=bag, pictures=pictures)
         results = stack.enter_context(
             ResultFolder(folder, overwrite=force, timing=timing, wanted=wanted)

@@ -29,16 +29,11 @@ class PairLimits(NamedTuple):
 
 
 def pair_limits(parameters: TrackerParameters) -> PairLimits:
-    """Return limits that cover the cables a tracker can follow and those it starts from."""
-    skews = (
-        parameters.skew_limit,
-        abs(parameters.initial_skew_minimum),
-        abs(parameters.initial_skew_maximum),
-    )
+    """Return limits that cover the cables that a tracker can follow."""
     return PairLimits(
-        narrowest=min(parameters.width_minimum, parameters.initial_width_minimum),
-        widest=max(parameters.width_maximum, parameters.initial_width_maximum),
-        most_skew=math.radians(max(skews)),
+        narrowest=parameters.width_minimum,
+        widest=parameters.width_maximum,
+        most_skew=math.radians(parameters.skew_limit),
     )
 
 

@@ -49,7 +49,7 @@ GROUPS: tuple[tuple[str, tuple[str, ...]], ...] = (
     (
         "Presence",
         (
-            "evidence_of_bottom", "evidence_limit", "evidence_repeated", "appearance_rate",
+            "thin_width", "evidence_limit", "evidence_repeated", "presence_gain", "appearance_rate",
             "disappearance_rate", "leaving_rate", "leaving_margin", "memory_time", "width_spread",
             "width_time",
         ),

@@ -19,6 +19,7 @@ from cable_tracker.cable.parameters.parameters import (
     ParameterValue,
     TrackerParameters,
 )
+from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import CableTrackerError, FrameError, RecordingError
 from cable_tracker.evaluation.tracking.track_recording import initial_state_for, start_from
 from cable_tracker.gui.recording_request import RecordingRequest
@@ -80,7 +81,7 @@ class RecordingSession:
         with ExitStack() as stack:
             source = stack.enter_context(request.open())
             self._frames = FrameAccess(source)
-            self._start = initial_state_for(source, request.init)
+            self._start = initial_state_for(source, request.init, pair_limits(parameters))
             self._tracker = make_tracker(parameters)
             try:
                 self._frames.frame(0)

@@ -119,7 +119,7 @@ def test_a_random_start_finds_the_cable_and_says_so_only_then(draw_strip, seed):
 
 
 def test_a_random_start_finds_a_simulated_cable(dive):
-    estimates = run(CableTracker(), dive())
+    estimates = run(make_tracker(TrackerParameters()), dive())
     assert estimates[0].status is INITIALISING
     assert estimates[-1].status is TRACKING
     assert (np.abs(errors(estimates[-10:], dive()[-10:])[:, 0]) < 3).all()
@@ -297,7 +297,8 @@ def test_who_is_told_of_a_cable_that_is_not_there_claims_none(noise_picture):
 
 def test_a_cable_that_disappears_is_lost_in_time_and_found_again(draw_strip, noise_picture):
     parameters = TrackerParameters()
-    tracker = told(STRIP)
+    tracker = make_tracker(parameters)
+    tracker.initialise(StatePrior.around(STRIP))
     cable = draw_strip(STRIP, (160, 120))
     present = repeated(cable, 10)
     absent = [(noise_picture(k), START + (10 + k) * FRAME, None) for k in range(50)]
@@ -313,7 +314,7 @@ def test_a_cable_that_disappears_is_lost_in_time_and_found_again(draw_strip, noi
 
 
 def test_a_search_never_interrupts_a_confirmation(draw_strip):
-    tracker = CableTracker(TrackerParameters(confirmation_time=1.5, search_time=1.0))
+    tracker = make_tracker(TrackerParameters(confirmation_time=1.5, search_time=1.0))
     estimates = run(tracker, repeated(draw_strip(STRIP, (160, 120)), 70))
     assert estimates[-1].status is TRACKING
 

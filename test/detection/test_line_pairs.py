@@ -131,18 +131,11 @@ def test_faint_lines_to_both_sides_make_no_gap_of_a_cable():
     assert found[0].score == pytest.approx(0.8)
 
 
-def test_limits_cover_what_a_tracker_follows_and_what_it_starts_from():
-    parameters = TrackerParameters(
-        width_minimum=6.0,
-        width_maximum=150.0,
-        skew_limit=12.0,
-        initial_width_minimum=4.0,
-        initial_width_maximum=200.0,
-        initial_skew_minimum=-25.0,
-    )
+def test_limits_cover_what_a_tracker_follows():
+    parameters = TrackerParameters(width_minimum=6.0, width_maximum=250.0, skew_limit=12.0)
     limits = pair_limits(parameters)
-    assert (limits.narrowest, limits.widest) == (4.0, 200.0)
-    assert np.rad2deg(limits.most_skew) == pytest.approx(25.0)
+    assert (limits.narrowest, limits.widest) == (6.0, 250.0)
+    assert np.rad2deg(limits.most_skew) == pytest.approx(12.0)
 
 
 @pytest.mark.parametrize(("width", "found"), [(30.0, 0), (90.0, 1)])

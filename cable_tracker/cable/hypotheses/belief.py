@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.clusters import Clusters, find_clusters
+from cable_tracker.cable.hypotheses.presence import NullLevels, log_odds_of
 from cable_tracker.cable.hypotheses.survival_and_birth import RememberedCable
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.model.geometry import wrap_states
@@ -40,6 +43,12 @@ class Belief:
     visible_length : float
         Length inside the image of the shorter border, over the leading cluster [distances of the
         scan lines].
+    log_odds : FloatArray
+        That each cluster is a cable, shape (K,).
+    null : NullLevels
+        How well random strips have fitted the frames.
+    refused_time : float
+        How long a cable has been present whose weaker border cannot be seen [s].
     """
 
     particles: Particles
@@ -52,6 +61,9 @@ class Belief:
     width_prior: WidthPrior | None = None
     border_evidence: float = 0.0
     visible_length: float = 0.0
+    log_odds: FloatArray = field(default_factory=lambda: np.empty(0))
+    null: NullLevels = field(default_factory=NullLevels)
+    refused_time: float = 0.0
 
     @property
     def reference_angle(self) -> float:
@@ -65,4 +77,5 @@ def initial_belief(states: FloatArray, presence: float, image_width: int) -> Bel
     clusters, covariance = find_clusters(
         particles.states, particles.log_weights, float(image_width)
     )
-    return Belief(particles, clusters, covariance, float(len(states)), presence)
+    log_odds = np.full(len(clusters.masses), log_odds_of(presence))
+    return Belief(particles, clusters, covariance, float(len(states)), presence, log_odds=log_odds)

@@ -25,7 +25,7 @@ from cable_tracker.cable.hypotheses.proposals import (
 )
 from cable_tracker.cable.measure.likelihood_ratio import bright_share
 from cable_tracker.cable.model.geometry import unwrap_state
-from cable_tracker.cable.model.state import STATE_SIZE
+from cable_tracker.cable.model.state import STATE_SIZE, StateColumn
 from cable_tracker.compilation import compiled, compiled_part
 from cable_tracker.particle_filter.weights import effective_sample_size, log_sum_exp
 
@@ -47,6 +47,8 @@ class Conclusion(NamedTuple):
         N_eff.
     border_evidence, visible_length : float
         See `Belief`.
+    levels : FloatArray
+        Mean log-likelihood ratio of each cluster, its width not judged, shape (K,).
     p_bright : float
         Share of the weight that speaks for a cable brighter than the bottom.
     """
@@ -59,6 +61,7 @@ class Conclusion(NamedTuple):
     effective_size: float
     border_evidence: float
     visible_length: float
+    levels: FloatArray
     p_bright: float
 
 
@@ -76,7 +79,7 @@ def draw_and_conclude(
     `anchors` (0 or 1, 8) says where the cluster that leads is expected.
     """
     end = draw_sample(sample, inputs, counts, config)
-    return conclude(sample, end, config.image_width, anchors, rules, inputs.p_bright)
+    return conclude(sample, end, config.image_size[0], anchors, rules, inputs.p_bright)
 
 
 @compiled_part
@@ -104,6 +107,7 @@ def conclude(
         densities.full[:end],
         densities.survived[:end],
         densities.width_penalties[:end],
+        states[:, StateColumn.WIDTH].copy(),
         groups,
         count,
         rules,
@@ -134,8 +138,22 @@ def conclude(
         effective_sample_size(normalised),
         border_evidence,
         visible_length,
+        _levels(clusters, weights, sample.ratios[:end], densities.width_penalties[:end]),
         posterior_bright,
     )
+
+
+@compiled_part
+def _levels(
+    clusters: Clusters, weights: FloatArray, ratios: FloatArray, penalties: FloatArray
+) -> FloatArray:
+    """Return the mean log-likelihood ratio (K,) of each cluster, without what its width costs."""
+    levels = np.zeros(len(clusters.masses))
+    for row in range(len(weights)):
+        label = clusters.labels[row]
+        if label >= 0 and weights[row] > 0.0:
+            levels[label] += weights[row] / clusters.masses[label] * (ratios[row] - penalties[row])
+    return levels
 
 
 @compiled_part
@@ -144,7 +162,9 @@ def _nothing(states: FloatArray, log_shares: FloatArray) -> Conclusion:
         np.full(len(states), -1, np.int64), np.empty(0), np.empty((0, STATE_SIZE)), 1.0
     )
     covariance = np.zeros((STATE_SIZE, STATE_SIZE))
-    return Conclusion(states, log_shares, -math.inf, clusters, covariance, 0.0, 0.0, 0.0, 0.0)
+    return Conclusion(
+        states, log_shares, -math.inf, clusters, covariance, 0.0, 0.0, 0.0, np.empty(0), 0.0
+    )
 
 
 @compiled_part

@@ -1,9 +1,10 @@
 """Frame after frame is not independent evidence: how much of it counts.
 
-Particles of one group compete by their likelihood. Between groups, and for whether there is a cable
-at all, what counts is how much better the frame is explained, less what any bottom explains as
-well, up to a limit, and in full only once: a furrow that is there in this frame is there in the
-next. A width that is not the one of before lowers the limit: the clearest rope is no cable.
+Particles of one group compete by their likelihood. Between groups what counts is how well the frame
+is explained. Of a group that goes on, a part counts in each frame: a furrow that is there in this
+frame is there in the next. A new group is paid in full, but only for what it explains better than
+the heaviest of those that go on, up to a limit. A width that is not the one of before lowers the
+limit: the clearest rope is no cable. Evidence for thin strips counts less: any bottom has lines.
 """
 
 from __future__ import annotations
@@ -11,17 +12,20 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.clusters import NONE
+from cable_tracker.cable.hypotheses.presence import thin_factor
 from cable_tracker.compilation import compiled_part
 
 
 class CorrectionRules(NamedTuple):
-    """How much of the evidence for a group counts; see the parameters of the same names."""
+    """How much of the evidence for a group counts; see the parameters of the same names [px]."""
 
-    evidence_of_bottom: float
     evidence_limit: float
     evidence_repeated: float
+    thin_width: float
 
 
 @compiled_part
@@ -31,33 +35,49 @@ def corrected_weights(
     densities_full: FloatArray,
     densities_survived: FloatArray,
     width_penalties: FloatArray,
+    widths: FloatArray,
     labels: IndexArray,
     count: int,
     rules: CorrectionRules,
 ) -> FloatArray:
     """Return log-weights (N,) with the evidence for each group corrected."""
-    corrected = log_posterior.copy()
-    for label in range(NONE, count):
+    groups = count + 1  # The first is of the particles that belong to none.
+    raw, evidence = np.full(groups, -np.inf), np.zeros(groups)
+    survived, penalties = np.zeros(groups), np.zeros(groups)
+    reference, heaviest = 0.0, -np.inf
+    for group in range(groups):
+        label = group + NONE
         posterior_mass = _group_sum(log_posterior, labels, label)
         if posterior_mass == -math.inf:
             continue
         prior_mass = _group_sum(log_prior, labels, label)
-        penalty, survived = 0.0, 0.0
+        width = 0.0
         for row in range(len(labels)):
             if labels[row] != label:
                 continue
             share = math.exp(log_posterior[row] - posterior_mass)
-            penalty += share * width_penalties[row]
+            penalties[group] += share * width_penalties[row]
+            width += share * widths[row]
             if densities_full[row] > 0.0:
                 kept = densities_survived[row] / densities_full[row]
-                survived += math.exp(log_prior[row] - prior_mass) * kept
-        survived = min(survived, 1.0)
-        evidence = posterior_mass - prior_mass
-        new = min(evidence - rules.evidence_of_bottom, rules.evidence_limit + penalty)
-        counted = new * (survived * rules.evidence_repeated + (1.0 - survived))
-        for row in range(len(labels)):
-            if labels[row] == label:
-                corrected[row] += counted - evidence
+                survived[group] += math.exp(log_prior[row] - prior_mass) * kept
+        survived[group] = min(survived[group], 1.0)
+        raw[group] = posterior_mass - prior_mass
+        evidence[group] = thin_factor(width, rules.thin_width) * raw[group]
+        if label != NONE and survived[group] > 0.5 and prior_mass > heaviest:
+            reference, heaviest = evidence[group], prior_mass
+    corrected = log_posterior.copy()
+    limit = rules.evidence_limit
+    for row in range(len(labels)):
+        group = labels[row] - NONE
+        if raw[group] == -np.inf:
+            continue
+        highest = limit + penalties[group]
+        old = rules.evidence_repeated * min(evidence[group], highest)
+        better = min(max(evidence[group] - reference, -limit), highest)
+        new = rules.evidence_repeated * reference + better
+        share = survived[group]
+        corrected[row] += share * old + (1.0 - share) * new - raw[group]
     return corrected
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.clusters import find_groups, group_covariance, group_means
 from cable_tracker.cable.measure.likelihood_ratio import marginal_log_ratio
+from cable_tracker.cable.model.geometry import borders_cross_inside
 from cable_tracker.compilation import compiled_part
 from cable_tracker.particle_filter.student_t import peak_density, relative_density
 
@@ -39,12 +40,16 @@ def marginal_ratios(
     width_penalties: FloatArray,
     lower: FloatArray,
     upper: FloatArray,
+    image_size: tuple[float, float],
     marginal: FloatArray,
 ) -> None:
-    """Fill in the log-likelihood ratios, polarity not known, width judged; -inf beyond limits."""
+    """Fill in the log-likelihood ratios, polarity not known, width judged.
+
+    -inf beyond the limits, and where the borders cross inside the image.
+    """
     log_bright, log_dark = math.log(p_bright), math.log1p(-p_bright)
     for row in range(start, stop):
-        possible = True
+        possible = not borders_cross_inside(states[row], image_size)
         for column in range(4):
             value = states[row, column]
             possible = possible and lower[column] <= value <= upper[column]

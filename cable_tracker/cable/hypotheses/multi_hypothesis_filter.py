@@ -9,8 +9,8 @@ frame before, and b the density of cables that come into view. They are not draw
 from a mixture of proposals: from f, about what a detector sees, and, in rounds, about the best
 particles of the same frame. A particle weighs f(x) L(x) / q(x), where q is the density of the whole
 mixture and L the likelihood ratio of the frame: no proposal is a second prior, wherever it comes
-from. The sum of the weights is the likelihood ratio "a cable against none", which updates the
-probability that there is one.
+from. Whether a hypothesis is a cable at all is judged against strips drawn at random in the same
+frame, see `presence`.
 
 References
 ----------
@@ -34,6 +34,16 @@ from cable_tracker.cable.hypotheses.belief import Belief, initial_belief
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, draw_and_conclude
 from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.presence import (
+    FEWEST_STRIPS,
+    NULL_STRIPS,
+    NullLevels,
+    inherited_odds,
+    null_moments,
+    probability_of,
+    thin_factor,
+    updated_odds,
+)
 from cable_tracker.cable.hypotheses.prior import MINIMUM_DENSITY, Prior
 from cable_tracker.cable.hypotheses.proposals import (
     ProposalConfig,
@@ -67,23 +77,21 @@ from cable_tracker.cable.parameters.parameters import (
 from cable_tracker.particle_filter.existence import (
     PredictedExistence,
     predict_existence,
-    update_existence,
 )
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
-GIVEN_PRESENCE = 0.9
+GIVEN_PRESENCE = 0.95
 """Probability that there is a cable where it was told that there is one."""
 
-LEAST_PRESENCE, MOST_PRESENCE = 1e-3, 1.0 - 1e-5
-"""The probability that there is a cable stays between these, so that it can turn again in time.
-Close to 1, for a new cable beside the one that is tracked is hardly ever the one to follow."""
+LEAST_PRESENCE = 1e-3
+"""Probability that there is a cable before any frame has been seen."""
 
 MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
 """A cable is remembered while it is present, and in one cluster, by so much."""
 
-DETECTION_SIGMAS = np.array([3.0, np.deg2rad(1.5), 4.0, np.deg2rad(1.5)])
+DETECTION_SIGMAS = np.array([2.0, np.deg2rad(1.0), 2.8, np.deg2rad(1.0)])
 """How far from a detection a cable is drawn: d, alpha, w, beta [px at the reference width, rad]."""
 
 LOST_DETECTOR_SHARE = 0.3
@@ -170,7 +178,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         )
         limits = state_limits(parameters, width)
         self._config = ProposalConfig(
-            image_width=float(width),
+            image_size=self._frame_size,
             degrees_of_freedom=self._movement.degrees_of_freedom,
             lower=limits.lower,
             upper=limits.upper,
@@ -182,7 +190,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             smallest_refined=SMALLEST_REFINED,
         )
         self._rules = CorrectionRules(
-            parameters.evidence_of_bottom, parameters.evidence_limit, parameters.evidence_repeated
+            parameters.evidence_limit,
+            parameters.evidence_repeated,
+            parameters.thin_width * width / REFERENCE_WIDTH,
         )
         self._sample = empty_sample(parameters.particle_count)
         self._displacement = displacement_covariance(parameters, width)
@@ -212,6 +222,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             clusters=fresh.clusters,
             covariance=fresh.covariance,
             effective_size=fresh.effective_size,
+            log_odds=fresh.log_odds,
         )
 
     def step(
@@ -237,6 +248,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         motion : MotionAid or None
             How odometry says that the cable has moved; None: by its own rates.
         """
+        if belief.refused_time >= self._parameters.search_time:
+            belief = self._searching_anew(belief)
         memory = belief.memory.aged(dt) if belief.memory is not None else None
         width_prior = belief.width_prior.aged(dt) if belief.width_prior is not None else None
         births = birth_density_of(self._box, memory, self._parameters.memory_time, self._image_size)
@@ -263,8 +276,57 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         before = replace(belief, memory=memory, width_prior=width_prior)
         if not len(found.clusters.masses):
             return self._spread(before, births)
-        presence = update_existence(existence, found.log_evidence, LEAST_PRESENCE, MOST_PRESENCE)
-        return self._concluded(belief, before, found, presence, dt)
+        null = self._null(belief.null, inputs, found.clusters.means[0], dt)
+        log_odds = self._log_odds(belief, existence, found, null, dt, motion)
+        return self._concluded(belief, before, found, log_odds, null, dt)
+
+    def _null(
+        self, before: NullLevels, inputs: ProposalInputs, leader: FloatArray, dt: float
+    ) -> NullLevels:
+        """Return how well strips fit that are drawn at random, in this frame and those before."""
+        strips = self._box.draw(NULL_STRIPS, self._rng)
+        count, mean, square = null_moments(
+            strips, inputs.scan, inputs.model, inputs.p_bright, leader, self._frame_size
+        )
+        return before.updated(mean, square, dt) if count >= FEWEST_STRIPS else before
+
+    def _log_odds(
+        self,
+        belief: Belief,
+        existence: PredictedExistence,
+        found: Conclusion,
+        null: NullLevels,
+        dt: float,
+        motion: MotionAid | None,
+    ) -> FloatArray:
+        """Return the log-odds (K,) that the clusters are cables."""
+        parameters, width = self._parameters, float(self._image_size[0])
+        expected: FloatArray = belief.clusters.means.copy()
+        expected[:, :POSE_SIZE] = self._movement.expected(expected, dt, motion)[:, :POSE_SIZE]
+        inherited = inherited_odds(expected, belief.log_odds, found.clusters.means, width)
+        survival = existence.survived / max(belief.presence, MINIMUM_DENSITY)
+        appearance = -math.expm1(-parameters.appearance_rate * dt)
+        thin_width = self._rules.thin_width
+        scores = (found.levels - null.mean) / null.spread
+        widths = found.clusters.means[:, StateColumn.WIDTH]
+        return np.array(
+            [
+                updated_odds(
+                    odds,
+                    score * thin_factor(strip_width, thin_width),
+                    survival,
+                    appearance,
+                    parameters.presence_gain,
+                )
+                for odds, score, strip_width in zip(
+                    inherited.tolist(), scores.tolist(), widths.tolist(), strict=True
+                )
+            ]
+        )
+
+    def _searching_anew(self, belief: Belief) -> Belief:
+        """Return the belief without the hypotheses: the leading one can never be claimed."""
+        return replace(self.first_belief(), p_bright=belief.p_bright, null=belief.null)
 
     def _predict(
         self,
@@ -349,9 +411,20 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         return anchor
 
     def _concluded(
-        self, belief: Belief, before: Belief, found: Conclusion, presence: float, dt: float
+        self,
+        belief: Belief,
+        before: Belief,
+        found: Conclusion,
+        log_odds: FloatArray,
+        null: NullLevels,
+        dt: float,
     ) -> Belief:
         """Put the belief together, and remember the cable if it is there."""
+        presence = probability_of(float(log_odds[0]))
+        refused = (
+            presence >= self._parameters.presence_to_track
+            and found.border_evidence < self._parameters.evidence_to_lose
+        )
         memory, width_prior = before.memory, before.width_prior
         leader = found.clusters.means[0]
         if presence >= MEMORY_PRESENCE and found.clusters.masses[0] >= MEMORY_MASS:
@@ -369,6 +442,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             width_prior=width_prior,
             border_evidence=found.border_evidence,
             visible_length=found.visible_length,
+            log_odds=log_odds,
+            null=null,
+            refused_time=belief.refused_time + dt if refused else 0.0,
         )
 
     def _spread(self, before: Belief, births: BirthDensity) -> Belief:
@@ -379,6 +455,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             p_bright=before.p_bright,
             memory=before.memory,
             width_prior=before.width_prior,
+            null=before.null,
         )
 
     def _polarity(self, before: float, found: float, presence: float, dt: float) -> float:

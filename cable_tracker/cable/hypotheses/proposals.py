@@ -60,7 +60,7 @@ class Sample(NamedTuple):
 class ProposalConfig(NamedTuple):
     """What does not change from frame to frame; `powers` and `widenings` are of each round."""
 
-    image_width: float
+    image_size: tuple[float, float]
     degrees_of_freedom: float
     lower: FloatArray
     upper: FloatArray
@@ -207,7 +207,7 @@ def _peaks_of(
     masses, locations, factors = find_peaks(
         states,
         weights,
-        config.image_width,
+        config.image_size[0],
         config.most_refined,
         config.smallest_refined,
         config.widenings[number],
@@ -266,6 +266,7 @@ def _measure(
         sample.densities.width_penalties,
         config.lower,
         config.upper,
+        config.image_size,
         sample.ratios,
     )
 

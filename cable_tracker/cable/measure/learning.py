@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.measure.border_points import measure_points
 from cable_tracker.cable.measure.response_table import (
+    CLASSES,
     PointMeasures,
     ResponseHistograms,
     ResponseTable,
+    border_strength,
+    strength_class,
     table_from_histograms,
 )
 from cable_tracker.cable.measure.working_image import WorkingImage
@@ -23,10 +26,10 @@ RANDOM_CABLES = 20
 SHIFTED_CABLES = 6
 """Cables per frame that share one border with the true one: the mistakes that lie nearest."""
 
-WIDTHS = (6.0, 120.0)
+WIDTHS = (4.0, 200.0)
 """Widths of random cables [px at the reference width]."""
 
-MOST_SKEW = float(np.deg2rad(10.0))
+MOST_SKEW = float(np.deg2rad(25.0))
 
 SHIFTS = (0.3, 1.2)
 """How far the other border of a shifted cable is from where it should be [widths]."""
@@ -43,14 +46,14 @@ class ResponseCounts:
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
-        self._border = ResponseHistograms()
+        self._borders = [ResponseHistograms() for _ in range(CLASSES)]
         self._background = ResponseHistograms()
         self.frames = 0
 
     @property
     def border_points(self) -> int:
         """Number of points on borders."""
-        return round(float(self._border.edges.sum()))
+        return round(sum(float(border.edges.sum()) for border in self._borders))
 
     @property
     def background_points(self) -> int:
@@ -60,14 +63,21 @@ class ResponseCounts:
     def add(self, image: WorkingImage, state: CableState) -> None:
         """Count one labelled frame; one whose cable lies outside the image does not count.
 
-        The polarity of the cable in the frame is that which most of its border speaks for.
+        The polarity of the cable in the frame is that which most of its border speaks for. Each
+        border counts in the class of its strength.
         """
         true = state.to_array()[None, :]
-        points = measure_points(true, image).measures
+        crossed = measure_points(true, image)
+        points = crossed.measures
         if not len(points.responses):
             return
         is_bright = float(points.responses.sum() + points.contrasts.sum()) >= 0.0
-        self._border.add(points if is_bright else points.negative())
+        points = points if is_bright else points.negative()
+        for border in range(2):
+            own = _chosen(points, crossed.borders == border)
+            strength = strength_class(border_strength(own.responses))
+            if strength >= 0:
+                self._borders[strength].add(own)
         self._count_elsewhere(self._random_cables(image), image)
         self._count_shifted(true[0], image, is_bright)
         self.frames += 1
@@ -80,7 +90,7 @@ class ResponseCounts:
         ParameterError
             No frame with a border has been counted.
         """
-        return table_from_histograms(self._border, self._background, source)
+        return table_from_histograms(self._borders, self._background, source)
 
     def _count_elsewhere(self, states: FloatArray, image: WorkingImage) -> None:
         points = measure_points(states, image).measures
@@ -98,10 +108,7 @@ class ResponseCounts:
         states[:, StateColumn.DISTANCE] += outward * share * true[StateColumn.WIDTH]
         crossed = measure_points(states, image)
         wrong = crossed.borders % 2 == moved[crossed.borders // 2]
-        points = crossed.measures
-        chosen = PointMeasures(
-            points.responses[wrong], points.slopes[wrong], points.contrasts[wrong]
-        )
+        chosen = _chosen(crossed.measures, wrong)
         self._background.add(chosen if is_bright else chosen.negative())
 
     def _random_cables(self, image: WorkingImage) -> FloatArray:
@@ -114,3 +121,8 @@ class ResponseCounts:
         states[:, StateColumn.WIDTH] = scale * self._rng.uniform(*WIDTHS, RANDOM_CABLES)
         states[:, StateColumn.SKEW] = self._rng.uniform(-MOST_SKEW, MOST_SKEW, RANDOM_CABLES)
         return states
+
+
+def _chosen(points: PointMeasures, chosen: BoolArray) -> PointMeasures:
+    """Return the points of a mask of shape (P,)."""
+    return PointMeasures(points.responses[chosen], points.slopes[chosen], points.contrasts[chosen])

@@ -3,6 +3,9 @@
 Where each border crosses the scan lines, the response across it and its slope are looked up in a
 table of log-likelihood ratios, border against background. A border that is overgrown at a point
 costs a bounded amount there. Neighbouring points are not independent, so the sum is tempered.
+
+How strong the borders of a cable are is a hidden variable of four classes, summed over: the two
+borders of a cable are about as strong as each other, and nothing is said of how strong that is.
 """
 
 from __future__ import annotations
@@ -23,7 +26,9 @@ from cable_tracker.cable.measure.border_points import (
     measure_point,
 )
 from cable_tracker.cable.measure.response_table import (
+    CLASSES,
     COARSE,
+    LARGEST_RATIO,
     ResponseTable,
     contrast_bin,
     load_table,
@@ -39,6 +44,14 @@ TEMPERED_SPACING = 5.0
 """Spacing of the points that the parameter `tempering` is given for [px at the reference width]."""
 
 
+STRENGTH_STEP = 6.0
+"""What it costs that the strengths of the two borders of a cable are one class apart [nats]."""
+
+_APART = np.abs(np.subtract.outer(np.arange(CLASSES), np.arange(CLASSES)))
+JOINT_STRENGTHS = np.exp(-STRENGTH_STEP * _APART) / np.exp(-STRENGTH_STEP * _APART).sum()
+"""Prior probability of the classes of the left and the right border, shape (4, 4)."""
+
+
 class CableEvidence(NamedTuple):
     """What a frame says about each of N cables, bright ones in column 0, dark ones in column 1.
 
@@ -47,7 +60,8 @@ class CableEvidence(NamedTuple):
     log_ratios : FloatArray
         Tempered log-likelihood ratio, cable against no cable, shape (N, 2).
     weaker_borders : FloatArray
-        Mean log-likelihood ratio per point of the weaker border, not tempered, shape (N, 2).
+        Mean log-likelihood ratio per point of the weaker border, its strength not known, not
+        tempered, shape (N, 2).
     visible_lengths : FloatArray
         Length inside the image of the shorter border [distances of the scan lines], shape (N,).
     """
@@ -68,17 +82,17 @@ class RatioModel(NamedTuple):
     Attributes
     ----------
     edges, contrasts : Image
-        The tables for bright and for dark cables, shapes (96, 15, 2) and (24, 25, 2).
+        The tables for bright and for dark cables, shapes (96, 15, 8) and (24, 25, 8).
     tempering : float
         Power of one point's ratio.
-    missing : float
-        Log-likelihood ratio of a point that a border lacks.
+    missing : FloatArray
+        Log-likelihood ratio of a point that a border lacks, by class of strength, shape (4,).
     """
 
     edges: Image
     contrasts: Image
     tempering: float
-    missing: float
+    missing: FloatArray
 
 
 class BorderLikelihoodRatio:
@@ -144,13 +158,13 @@ def measure_into(
 ) -> None:
     """Fill in the evidence on the states from `start` to `stop`."""
     log_ratios, weaker, visible = evidence
+    sums = np.empty((2, 2 * CLASSES), np.float32)
     for cable in range(start, stop):
         state = states[cable]
         depths = contrast_depths(state, scan)
-        log_ratios[cable, 0], log_ratios[cable, 1] = 0.0, 0.0
-        weaker[cable, 0], weaker[cable, 1] = np.inf, np.inf
-        visible[cable] = np.inf
-        for side in (-1.0, 1.0):
+        visible[cable], longest = np.inf, scan.expected
+        for border in range(2):
+            side = 2.0 * border - 1.0
             normal = state[1] + side * state[3]
             offset = border_offset(state, side) * scan.reduction
             cos, sin = math.cos(normal), math.sin(normal)
@@ -159,26 +173,56 @@ def measure_into(
             else:
                 lines, along, across = scan.columns, sin, cos
             crossing = border_line(along, across, offset, -side, depths, scan.scale)
-            bright, dark, length = _sum_border(lines, crossing, model)
+            length = _sum_border(lines, crossing, model, sums[border])
             # A border that runs through the picture has as many points as the picture is high.
             # Points beyond the edge cannot be seen, but a cable without is not believed for free.
-            lacking = model.missing * max(scan.expected - length, 0.0)
-            whole = max(length, scan.expected)
-            log_ratios[cable, 0] += model.tempering * (bright + lacking)
-            log_ratios[cable, 1] += model.tempering * (dark + lacking)
-            weaker[cable, 0] = min(weaker[cable, 0], (bright + lacking) / whole)
-            weaker[cable, 1] = min(weaker[cable, 1], (dark + lacking) / whole)
+            lacking = max(scan.expected - length, 0.0)
+            for strength in range(CLASSES):
+                cost = np.float32(lacking * model.missing[strength])
+                sums[border, strength] += cost
+                sums[border, CLASSES + strength] += cost
             visible[cable] = min(visible[cable], length)
+            longest = max(longest, length)
+        for polarity in range(2):
+            log_ratios[cable, polarity], weakest = _over_strengths(
+                sums, polarity * CLASSES, model.tempering
+            )
+            weaker[cable, polarity] = weakest / (model.tempering * longest)
 
 
 @compiled_inside
-def _sum_border(
-    lines: ScanLines, crossing: BorderLine, model: RatioModel
-) -> tuple[float, float, float]:
-    """Return the summed ratios of a bright and of a dark border, and its length in view."""
+def _over_strengths(sums: Image, first: int, tempering: float) -> tuple[float, float]:
+    """Return the log-likelihood ratio of a cable, and that of its weaker border alone.
+
+    `sums`, shape (2, 8), are those of the ratios along each border, by polarity and class, not
+    tempered; the classes of the polarity begin at `first`.
+    """
+    shares = np.empty((2, CLASSES))
+    total, weakest = 0.0, np.inf
+    for border in range(2):
+        peak = sums[border, first]
+        for strength in range(1, CLASSES):
+            peak = max(peak, sums[border, first + strength])
+        mass = 0.0
+        for strength in range(CLASSES):
+            share = math.exp(tempering * (sums[border, first + strength] - peak))
+            shares[border, strength] = share
+            mass += share
+        total += tempering * peak
+        weakest = min(weakest, tempering * peak + math.log(mass / CLASSES))
+    joint = 0.0
+    for left in range(CLASSES):
+        for right in range(CLASSES):
+            joint += JOINT_STRENGTHS[left, right] * shares[0, left] * shares[1, right]
+    return total + math.log(joint), weakest
+
+
+@compiled_inside
+def _sum_border(lines: ScanLines, crossing: BorderLine, model: RatioModel, sums: Image) -> float:
+    """Fill in the summed ratios (8,) of a border, and return its length in view."""
     last = float(lines.smooth.shape[1] - 1)
     middle = last / 2
-    bright, dark = np.float32(0.0), np.float32(0.0)
+    sums[:] = np.float32(0.0)
     count = 0
     for number in range(len(lines.places)):
         line = np.uint64(number)
@@ -190,13 +234,12 @@ def _sum_border(
         response, slope, contrast = measure_point(lines, line, place + middle, last, crossing)
         row, column = response_bin(response), slope_bin(slope)
         coarse, cell = row // np.uint64(COARSE), contrast_bin(contrast)
-        bright += model.edges[row, column, 0] + model.contrasts[coarse, cell, 0]
-        dark += model.edges[row, column, 1] + model.contrasts[coarse, cell, 1]
-    return (
-        float(bright) * crossing.length,
-        float(dark) * crossing.length,
-        count * crossing.length,
-    )
+        edges, contrasts = model.edges[row, column], model.contrasts[coarse, cell]
+        for index in range(2 * CLASSES):
+            sums[index] += min(edges[index] + contrasts[index], LARGEST_RATIO)
+    for index in range(2 * CLASSES):
+        sums[index] *= np.float32(crossing.length)
+    return count * crossing.length
 
 
 @compiled_inside

@@ -4,11 +4,16 @@ The first is of the response across the border and of its slope: is there an edg
 The second is of the contrast between what lies inside the border and outside, a few pixels away
 from it, given the response: is it the edge of something, or a mere line? Both are of likelihood
 ratios, points on borders against points elsewhere.
+
+How strong a border is, is not known beforehand: there is a pair of tables for each of some classes
+of strength, all against the same background, and a faint border is none the worse for not being a
+strong one.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -47,14 +52,26 @@ SLOPE_FACTOR = np.float32(SLOPE_BINS / SLOPE_LIMIT)
 CONTRAST_FACTOR = np.float32(CONTRAST_BINS / (2 * CONTRAST_LIMIT))
 """What numbers are shifted by, and bins per unit, in single precision as in the kernels."""
 
+STRENGTHS = (1.2, 1.8, 2.7, 4.0)
+"""Smallest strength of the borders of each class; see `border_strength`. Fainter ones, which cannot
+be told from the bottom, are not learnt from."""
+
+CLASSES = len(STRENGTHS)
+
 EDGE_SHAPE = (RESPONSE_BINS, SLOPE_BINS)
 CONTRAST_SHAPE = (RESPONSE_BINS // COARSE, CONTRAST_BINS)
 
 RATIO_LIMIT = 6.0
-"""No single point may say more than this for or against a border."""
+"""No entry of a table is beyond this, of either sign."""
 
-STRAY_SHARE = 0.05
+LARGEST_RATIO = np.float32(2.3)
+"""No single point may say more than this for a border, both tables together."""
+
+STRAY_SHARE = 0.1
 """Share of border points that are taken to look like anything: growth that no example has shown."""
+
+ACCIDENT_SHARE = 0.1
+"""Share of points elsewhere that are taken to look like a border, for any bottom has some."""
 
 PRIOR_COUNT = 1e-5
 """Added to every cell of a histogram, in units of the mean cell: no cell is impossible."""
@@ -145,10 +162,11 @@ class ResponseTable:
     Attributes
     ----------
     edges : Image
-        float32, shape (96, 15): response from -12 to 12 robust scales; slope from 0 to 0.75 per px.
+        float32, shape (4, 96, 15): class of strength; response from -12 to 12 robust scales; slope
+        from 0 to 0.75 per px.
     contrasts : Image
-        float32, shape (24, 25): response from -12 to 12, contrast from -12 to 12 of its scales; the
-        ratio of the contrast, given the response.
+        float32, shape (4, 24, 25): class; response from -12 to 12, contrast from -12 to 12 of its
+        scales; the ratio of the contrast, given the response.
     source : str
         What they were learnt from, for people.
     """
@@ -158,31 +176,35 @@ class ResponseTable:
     source: str
 
     @property
-    def absent(self) -> float:
-        """Log-likelihood ratio of a point that shows nothing at all."""
+    def absent(self) -> FloatArray:
+        """Log-likelihood ratios of a point that shows nothing at all, by class, shape (4,)."""
         nothing = np.zeros(1, np.float32)
-        return float(self.look_up(PointMeasures(nothing, nothing, nothing)).mean())
+        ratios = self.look_up(PointMeasures(nothing, nothing, nothing))
+        means: FloatArray = ratios.reshape(2, CLASSES).mean(axis=0).astype(np.float64)
+        return means
 
     @property
     def edges_of_both(self) -> Image:
-        """The table of edges for bright and, turned round, for dark cables: (96, 15, 2)."""
-        return np.ascontiguousarray(np.stack((self.edges, self.edges[::-1]), axis=-1))
+        """The tables of edges for bright and, turned round, for dark cables: (96, 15, 8)."""
+        both = np.concatenate((self.edges, self.edges[:, ::-1]))
+        return np.ascontiguousarray(np.moveaxis(both, 0, -1))
 
     @property
     def contrasts_of_both(self) -> Image:
-        """The table of contrasts for bright and for dark cables, shape (24, 25, 2)."""
-        both = np.stack((self.contrasts, self.contrasts[::-1, ::-1]), axis=-1)
-        return np.ascontiguousarray(both)
+        """The tables of contrasts for bright and for dark cables, shape (24, 25, 8)."""
+        both = np.concatenate((self.contrasts, self.contrasts[:, ::-1, ::-1]))
+        return np.ascontiguousarray(np.moveaxis(both, 0, -1))
 
     def look_up(self, points: PointMeasures) -> Image:
         """Return the ratios of P points on borders of a bright and of a dark cable.
 
-        float32, shape (P, 2).
+        float32, shape (P, 8): four classes of strength of bright ones, then of dark ones.
         """
         edges, contrasts = points.cells()
-        ratios: Image = (
-            self.edges_of_both.reshape(-1, 2)[edges]
-            + self.contrasts_of_both.reshape(-1, 2)[contrasts]
+        ratios: Image = np.minimum(
+            self.edges_of_both.reshape(-1, 2 * CLASSES)[edges]
+            + self.contrasts_of_both.reshape(-1, 2 * CLASSES)[contrasts],
+            LARGEST_RATIO,
         )
         return ratios
 
@@ -207,12 +229,27 @@ _LIMITS = {
     "slope_limit": SLOPE_LIMIT,
     "contrast_limit": CONTRAST_LIMIT,
 }
-_SHAPES = {"edges": EDGE_SHAPE, "contrasts": CONTRAST_SHAPE}
+_SHAPES = {"edges": (CLASSES, *EDGE_SHAPE), "contrasts": (CLASSES, *CONTRAST_SHAPE)}
 
 
-def _lines(table: Image) -> str:
-    rows = ([round(float(value), 3) for value in row] for row in table)
-    return ",\n".join("  " + json.dumps(row) for row in rows)
+def _lines(tables: Image) -> str:
+    return ",\n".join(
+        " ["
+        + ",\n  ".join(json.dumps([round(float(value), 3) for value in row]) for row in table)
+        + "]"
+        for table in tables
+    )
+
+
+def border_strength(responses: Image) -> float:
+    """Return how strong a border is: the mean of the upper half of its responses (P,), signed."""
+    highest = np.sort(responses)[::-1][: (len(responses) + 1) // 2]
+    return float(highest.mean()) if len(highest) else 0.0
+
+
+def strength_class(strength: float) -> int:
+    """Return the class of a strength, -1 for one that is too faint for any."""
+    return int(np.searchsorted(STRENGTHS, strength, side="right")) - 1
 
 
 class ResponseHistograms:
@@ -235,23 +272,46 @@ def _counts(cells: IndexArray, shape: tuple[int, int]) -> FloatArray:
 
 
 def table_from_histograms(
-    border: ResponseHistograms, background: ResponseHistograms, source: str
+    borders: Sequence[ResponseHistograms], background: ResponseHistograms, source: str
 ) -> ResponseTable:
     """Make the tables from what was counted on borders of bright cables, and elsewhere.
+
+    Parameters
+    ----------
+    borders : sequence of ResponseHistograms
+        Of each class of strength. A class that was never met is taken to look like the nearest one
+        that was.
+    background : ResponseHistograms
+        Elsewhere.
+    source : str
+        What they were counted in.
 
     Raises
     ------
     ParameterError
-        One of the histograms is empty.
+        There is no border, or nothing else.
     """
-    if border.edges.sum() <= 0 or background.edges.sum() <= 0:
+    met = [index for index, border in enumerate(borders) if border.edges.sum() > 0]
+    if not met or background.edges.sum() <= 0:
         raise ParameterError("there is nothing to learn from: no labelled frame shows a border")
-    edges = _log_ratios(
-        _density(border.edges, EDGE_SMOOTHING), _density(background.edges, EDGE_SMOOTHING)
+    nearest = [min(met, key=lambda other: abs(other - index)) for index in range(len(borders))]
+    edges = np.stack(
+        [
+            _log_ratios(
+                _density(borders[index].edges, EDGE_SMOOTHING),
+                _density(background.edges, EDGE_SMOOTHING),
+            )
+            for index in nearest
+        ]
     )
-    contrasts = _log_ratios(
-        _given_row(_density(border.contrasts, CONTRAST_SMOOTHING)),
-        _given_row(_density(background.contrasts, CONTRAST_SMOOTHING)),
+    contrasts = np.stack(
+        [
+            _log_ratios(
+                _given_row(_density(borders[index].contrasts, CONTRAST_SMOOTHING)),
+                _given_row(_density(background.contrasts, CONTRAST_SMOOTHING)),
+            )
+            for index in nearest
+        ]
     )
     return ResponseTable(edges, contrasts, source)
 
@@ -275,7 +335,7 @@ def _given_row(joint: FloatArray) -> FloatArray:
 
 def _log_ratios(on_border: FloatArray, elsewhere: FloatArray) -> Image:
     mixed = (1.0 - STRAY_SHARE) * on_border + STRAY_SHARE * elsewhere
-    ratios = np.log(mixed / elsewhere)
+    ratios = np.log(mixed / ((1.0 - ACCIDENT_SHARE) * elsewhere + ACCIDENT_SHARE * mixed))
     return np.clip(ratios, -RATIO_LIMIT, RATIO_LIMIT).astype(np.float32)
 
 

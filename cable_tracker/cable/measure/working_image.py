@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.measure.dead_margins import without_dead_margins
 from cable_tracker.cable.measure.scanned_gradients import ScannedFrame, scan_frame, scan_kernels
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.errors import FrameError
@@ -140,7 +141,7 @@ def make_working_image(
     filter_sigma: float = 1.6,
     sample_spacing: float = 16.0,
 ) -> WorkingImage:
-    """Reduce a wider frame to the working width by averaging over areas.
+    """Fill dead margins, and reduce a wider frame to the working width by averaging over areas.
 
     Parameters
     ----------
@@ -151,6 +152,7 @@ def make_working_image(
     filter_sigma, sample_spacing : float
         See `WorkingImage`.
     """
+    image = without_dead_margins(image)
     height, width = image.shape
     size = (width, height)
     if width > working_width:

@@ -129,9 +129,9 @@ class TrackerParameters(ParameterSet):
     distance_limit: float = number(
         220.0, "px", 10.0, 1e4, "Largest |d| of a particle; half the image diagonal is 200 px."
     )
-    width_minimum: float = number(8.0, "px", 0.5, 1e4, "Smallest w of a particle.")
-    width_maximum: float = number(160.0, "px", 1.0, 1e4, "Largest w of a particle.")
-    skew_limit: float = number(20.0, "deg", 0.0, 80.0, "Largest |beta| of a particle.")
+    width_minimum: float = number(3.0, "px", 0.5, 1e4, "Smallest w of a particle.")
+    width_maximum: float = number(240.0, "px", 1.0, 1e4, "Largest w of a particle.")
+    skew_limit: float = number(30.0, "deg", 0.0, 80.0, "Largest |beta| of a particle.")
 
     initial_distance_range: float = number(
         190.0, "px", 0.0, 1e4, "A random start draws d from ± this (thesis, Table 5.2)."
@@ -140,16 +140,16 @@ class TrackerParameters(ParameterSet):
         90.0, "deg", 0.0, 90.0, "A random start draws alpha from ± this (Table 5.2)."
     )
     initial_width_minimum: float = number(
-        12.0, "px", 0.5, 1e4, "A random start draws w from this upwards (Table 5.2)."
+        4.0, "px", 0.5, 1e4, "A random start draws w from this upwards (Table 5.2)."
     )
     initial_width_maximum: float = number(
-        120.0, "px", 1.0, 1e4, "A random start draws w up to this (Table 5.2)."
+        220.0, "px", 1.0, 1e4, "A random start draws w up to this (Table 5.2)."
     )
     initial_skew_minimum: float = number(
-        -10.0, "deg", -80.0, 80.0, "A random start draws beta from this upwards (Table 5.2: 0)."
+        -27.0, "deg", -80.0, 80.0, "A random start draws beta from this upwards (Table 5.2: 0)."
     )
     initial_skew_maximum: float = number(
-        10.0, "deg", -80.0, 80.0, "A random start draws beta up to this (Table 5.2)."
+        27.0, "deg", -80.0, 80.0, "A random start draws beta up to this (Table 5.2)."
     )
     initial_distance_rate_range: float = number(
         1.0, "px/frame", 0.0, 1e3, "A random start draws v_d from ± this (Table 5.2)."
@@ -162,7 +162,7 @@ class TrackerParameters(ParameterSet):
         320, "px", 64, 8192, "Wider frames are reduced to this width before they are measured."
     )
     sample_spacing: float = number(
-        16.0,
+        8.0,
         "px",
         1.0,
         200.0,
@@ -186,7 +186,7 @@ class TrackerParameters(ParameterSet):
         "", (), "Likelihood ratio: file written by `cable-tracker learn`; empty for our own."
     )
     tempering: float = number(
-        0.06,
+        0.1875,
         "",
         0.001,
         1.0,
@@ -204,7 +204,7 @@ class TrackerParameters(ParameterSet):
         "line_pairs", ("none", "line_pairs"), "Whole-image detector that proposes cables."
     )
     detector_share: float = number(
-        0.1, "share of N", 0.0, 0.9, "Particles drawn about what the detector proposes."
+        0.2, "share of N", 0.0, 0.9, "Particles drawn about what the detector proposes."
     )
     search_share: float = number(
         0.06, "share of N", 0.0, 0.9, "Particles that search for a cable while one is tracked."
@@ -226,25 +226,32 @@ class TrackerParameters(ParameterSet):
         "How far growth shifts a whole border; added to the particles' covariance.",
     )
 
-    evidence_of_bottom: float = number(
-        1.0,
-        "",
-        -10.0,
-        100.0,
-        "Evidence that a bare bottom reaches as well; it is subtracted.",
+    thin_width: float = number(
+        12.0,
+        "px",
+        0.5,
+        1e4,
+        "Evidence for a narrower strip counts less: any bottom has thin lines.",
     )
     evidence_limit: float = number(
-        8.0, "", 0.0, 1e6, "A frame's evidence for one hypothesis counts up to this."
+        25.0, "", 0.0, 1e6, "What a new hypothesis explains better counts up to this."
     )
     evidence_repeated: float = number(
-        0.15, "", 0.0, 1.0, "Share of the evidence that counts again; 1 if frames were independent."
+        0.2, "", 0.0, 1.0, "Share of the evidence that counts again; 1 if frames were independent."
     )
 
+    presence_gain: float = number(
+        0.3,
+        "",
+        0.0,
+        1.0,
+        "Share of a frame's evidence for a cable that counts again for presence.",
+    )
     appearance_rate: float = number(
-        2.5, "1/s", 0.0, 100.0, "How often a cable comes into view that was not."
+        0.5, "1/s", 0.0, 100.0, "How often a cable comes into view that was not."
     )
     disappearance_rate: float = number(
-        0.25, "1/s", 0.0, 100.0, "How often a cable in the middle of the image is gone."
+        0.05, "1/s", 0.0, 100.0, "How often a cable in the middle of the image is gone."
     )
     leaving_rate: float = number(
         10.0, "1/s", 0.0, 100.0, "The same at the edge of the image, added."
@@ -271,13 +278,13 @@ class TrackerParameters(ParameterSet):
     presence_to_lose: float = number(0.5, "", 0.0, 1.0, "Presence below which a cable is given up.")
 
     evidence_to_track: float = number(
-        0.2, "", -10.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
+        0.15, "", -10.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
     )
     evidence_to_lose: float = number(
-        -1.0, "", -10.0, 100.0, "Evidence below which a cable is given up."
+        -0.05, "", -10.0, 100.0, "Evidence below which a cable is given up."
     )
     confirmation_time: float = number(
-        0.2, "s", 0.0, 10.0, "How long the evidence must hold before a cable is claimed."
+        0.08, "s", 0.0, 10.0, "How long the evidence must hold before a cable is claimed."
     )
     loss_time: float = number(
         0.3, "s", 0.0, 60.0, "How long the evidence must fail before a cable is given up."
@@ -293,7 +300,8 @@ class TrackerParameters(ParameterSet):
         "s",
         0.04,
         600.0,
-        "Bootstrap filter: while none is claimed, start anew after this time.",
+        "Start anew when none has been claimed (bootstrap filter), or one that is present has not"
+        " shown its borders, for this long.",
     )
     maximum_gap: float = number(
         5.0, "s", 0.1, 3600.0, "A longer pause between frames starts the search anew."

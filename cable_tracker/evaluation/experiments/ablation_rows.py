@@ -29,7 +29,7 @@ RANDOM_START = (
 CLAIMS = ("evidence_to_track", "evidence_to_lose", "confirmation_time", "loss_time")
 
 EVIDENCE_IN_FULL: Mapping[str, ParameterValue] = MappingProxyType(
-    {"evidence_repeated": 1.0, "evidence_limit": 1e6, "evidence_of_bottom": 0.0}
+    {"evidence_repeated": 1.0, "evidence_limit": 1e6}
 )
 ANY_WIDTH: Mapping[str, ParameterValue] = MappingProxyType({"width_spread": 100.0})
 NO_DETECTOR: Mapping[str, ParameterValue] = MappingProxyType({"detector": "none"})

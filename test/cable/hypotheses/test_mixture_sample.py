@@ -69,15 +69,17 @@ def test_what_is_impossible_weighs_nothing_but_can_be_compared_before_the_frame(
 
 
 def test_poses_beyond_a_limit_are_impossible_and_others_have_the_width_counted():
-    states = np.array([[0.0, 0.0, 30.0, 0.0, 0, 0, 0, 0], [0.0, 0.0, 300.0, 0.0, 0, 0, 0, 0]])
+    states = np.zeros((3, 8))
+    states[:, 2] = [30.0, 300.0, 30.0]
+    states[2, 3] = 0.2  # The borders meet 74 px from the centre.
     lower, upper = np.array([-100, -np.inf, 8, -0.3]), np.array([100, np.inf, 160, 0.3])
-    marginal = np.empty(2)
+    marginal = np.empty(3)
     marginal_ratios(
-        states, 0, 2, np.array([[2.0, 2.0], [2.0, 2.0]]), 0.3, np.array([-0.5, -0.5]), lower, upper,
+        states, 0, 3, np.full((3, 2), 2.0), 0.3, np.full(3, -0.5), lower, upper, (320.0, 240.0),
         marginal,
     )  # fmt: skip
     assert marginal[0] == pytest.approx(1.5)
-    assert marginal[1] == -math.inf
+    assert (marginal[1:] == -math.inf).all()
 
 
 def test_peaks_have_the_mean_and_the_widened_covariance_of_the_clusters(rng):

@@ -10,13 +10,14 @@ from hypothesis import strategies as st
 from cable_tracker.cable.hypotheses.belief import initial_belief
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     FIRST_POWER,
+    GIVEN_PRESENCE,
     LEAST_PRESENCE,
-    MOST_PRESENCE,
     SMALLEST_HYPOTHESIS,
     MultiHypothesisFilter,
     annealing_power,
     round_weights,
 )
+from cable_tracker.cable.hypotheses.presence import HIGHEST, probability_of
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.measure.working_image import make_working_image
@@ -132,7 +133,7 @@ def test_no_proposal_changes_whether_there_is_a_cable(strip):
     for name, changes in PROPOSALS.items():
         values = []
         for seed in range(8):
-            cable_filter = make_filter(seed, **BROAD, **changes, evidence_of_bottom=0.0)
+            cable_filter = make_filter(seed, **BROAD, **changes)
             belief = initial_belief(cloud(STRIP, seed=seed), 0.5, SIZE[0])
             presence = cable_filter.step(belief, strip, FRAME, FOUND).presence
             values.append(np.log(presence / (1.0 - presence)))
@@ -151,7 +152,7 @@ def run(cable_filter, belief, images, detections=NONE, dt=FRAME) -> list:
 def assert_sound(belief) -> None:
     assert np.isfinite(belief.particles.states).all()
     assert belief.particles.weights.sum() == pytest.approx(1.0)
-    assert LEAST_PRESENCE <= belief.presence <= MOST_PRESENCE
+    assert LEAST_PRESENCE - 1e-9 <= belief.presence <= probability_of(HIGHEST)
     assert 0.0 < belief.p_bright < 1.0
     masses = belief.clusters.masses.tolist()
     assert masses
@@ -316,7 +317,7 @@ def test_a_flat_picture_neither_rises_nor_holds():
     finding = cable_filter.finding(belief, flat)
     assert not finding.rises
     assert not finding.holds
-    assert finding.presence < 0.5
+    assert finding.presence < GIVEN_PRESENCE - 0.1
 
 
 def test_hypotheses_are_reported_likeliest_first_and_the_covariance_is_of_one(draw_strip):

@@ -8,14 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.response_table import (
+    CLASSES,
     CONTRAST_SHAPE,
     EDGE_SHAPE,
+    LARGEST_RATIO,
     RATIO_LIMIT,
     PointMeasures,
     ResponseHistograms,
     ResponseTable,
+    border_strength,
     load_table,
     parse_table,
+    strength_class,
     table_from_histograms,
 )
 from cable_tracker.errors import ParameterError
@@ -30,7 +34,8 @@ def points(responses, slopes=0.0, contrasts=0.0) -> PointMeasures:
 
 def any_table(rng) -> ResponseTable:
     edges, contrasts = (
-        rng.uniform(-3, 3, shape).astype(np.float32) for shape in (EDGE_SHAPE, CONTRAST_SHAPE)
+        rng.uniform(-3, 1, (CLASSES, *shape)).astype(np.float32)
+        for shape in (EDGE_SHAPE, CONTRAST_SHAPE)
     )
     return ResponseTable(edges, contrasts, 'two "dives"')
 
@@ -56,15 +61,38 @@ def test_a_table_that_is_saved_is_read_back(tmp_path, rng):
 def test_our_own_table_favours_sharp_edges_of_something_bright():
     table = load_table("")
     assert table is load_table("")
-    clear, faint, beside, furrow = table.look_up(
+    strongest = CLASSES - 1
+    clear, nothing, beside, furrow = table.look_up(
         points([8.0, 0.0, 8.0, 8.0], [0.0, 0.0, 0.7, 0.0], [8.0, 0.0, 8.0, -8.0])
-    )[:, 0]
+    )[:, strongest]
     assert clear > 0.5
     assert clear > beside
     assert clear > furrow
-    assert table.absent == pytest.approx(table.look_up(points(0.0)).mean())
-    assert faint < 0.0
-    assert table.absent < 0.0
+    assert nothing < 0.0
+    both = table.look_up(points(0.0)).reshape(2, CLASSES)
+    np.testing.assert_allclose(table.absent, both.mean(axis=0), rtol=1e-6)
+    assert (table.absent < 0.0).all()
+
+
+def test_the_fainter_the_class_the_less_a_faint_edge_speaks_against_a_border():
+    table = load_table("")
+    nothing, faint = table.look_up(points([0.0, 2.0], 0.0, [0.0, 2.0]))[:, :CLASSES]
+    assert faint[0] > 0.0
+    assert nothing[0] > nothing[-1]
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_no_point_says_more_than_the_largest_ratio(seed):
+    rng = np.random.default_rng(seed)
+    measured = points(rng.normal(0, 8, 50), rng.normal(0, 0.5, 50), rng.normal(0, 8, 50))
+    assert load_table("").look_up(measured).max() <= LARGEST_RATIO
+
+
+def test_the_strength_of_a_border_is_the_mean_of_its_upper_half():
+    assert border_strength(np.array([5.0, -9.0, 3.0, 0.0], np.float32)) == pytest.approx(4.0)
+    assert border_strength(np.array([1.0, 7.0, 3.0], np.float32)) == pytest.approx(5.0)
+    classes = [strength_class(strength) for strength in (0.0, 1.19, 1.2, 2.0, 3.9, 99.0)]
+    assert classes == [-1, -1, 0, 1, 2, 3]
 
 
 @given(NUMBERS, NUMBERS, NUMBERS)
@@ -87,11 +115,19 @@ def test_cells_of_known_points(rng):
     table = any_table(rng)
     found = table.look_up(points([-12.0, 11.99, 0.1], [0.0, 9.0, 0.06], [-99.0, 99.0, 0.1]))
     cells = [((0, 0), (0, 0)), ((95, 14), (23, 24)), ((48, 1), (12, 12))]
-    bright = [table.edges[edge] + table.contrasts[contrast] for edge, contrast in cells]
-    np.testing.assert_allclose(found[:, 0], bright)
+    for strength in range(CLASSES):
+        bright = [
+            table.edges[strength][edge] + table.contrasts[strength][contrast]
+            for edge, contrast in cells
+        ]
+        np.testing.assert_allclose(found[:, strength], bright)
     cells = [((95, 0), (23, 24)), ((0, 14), (0, 0)), ((47, 1), (11, 12))]
-    dark = [table.edges[edge] + table.contrasts[contrast] for edge, contrast in cells]
-    np.testing.assert_allclose(found[:, 1], dark)
+    for strength in range(CLASSES):
+        dark = [
+            table.edges[strength][edge] + table.contrasts[strength][contrast]
+            for edge, contrast in cells
+        ]
+        np.testing.assert_allclose(found[:, CLASSES + strength], dark)
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -100,7 +136,7 @@ def test_a_dark_border_is_a_bright_one_in_the_negative(seed):
     table = any_table(rng)
     measured = points(rng.normal(0, 8, 50), rng.normal(0, 0.5, 50), rng.normal(0, 8, 50))
     picture, negative = table.look_up(measured), table.look_up(measured.negative())
-    np.testing.assert_array_equal(picture, negative[:, ::-1])
+    np.testing.assert_array_equal(picture, np.roll(negative, CLASSES, axis=1))
 
 
 def broken(change):
@@ -125,15 +161,15 @@ BROKEN = {
     "a limit that is NaN": broken(lambda content: content.update(slope_limit=float("nan"))),
     "a limit in words": broken(lambda content: content.update(slope_limit="wide")),
     "a row less": broken(lambda content: content["edges"].pop()),
-    "a ragged row": broken(lambda content: content["edges"][3].pop()),
-    "words": broken(lambda content: content["contrasts"][0].__setitem__(0, "high")),
-    "objects": broken(lambda content: content["contrasts"][0].__setitem__(0, {})),
-    "null": broken(lambda content: content["contrasts"][0].__setitem__(0, None)),
-    "NaN": broken(lambda content: content["contrasts"][0].__setitem__(0, float("nan"))),
-    "infinite": broken(lambda content: content["edges"][0].__setitem__(0, float("inf"))),
-    "too large": broken(lambda content: content["edges"][0].__setitem__(0, 6.1)),
-    "beyond float32": broken(lambda content: content["edges"][0].__setitem__(0, 1e300)),
-    "beyond any float": broken(lambda content: content["edges"][0].__setitem__(0, 10**400)),
+    "a ragged row": broken(lambda content: content["edges"][0][3].pop()),
+    "words": broken(lambda content: content["contrasts"][0][0].__setitem__(0, "high")),
+    "objects": broken(lambda content: content["contrasts"][0][0].__setitem__(0, {})),
+    "null": broken(lambda content: content["contrasts"][0][0].__setitem__(0, None)),
+    "NaN": broken(lambda content: content["contrasts"][0][0].__setitem__(0, float("nan"))),
+    "infinite": broken(lambda content: content["edges"][0][0].__setitem__(0, float("inf"))),
+    "too large": broken(lambda content: content["edges"][0][0].__setitem__(0, 6.1)),
+    "beyond float32": broken(lambda content: content["edges"][0][0].__setitem__(0, 1e300)),
+    "beyond any float": broken(lambda content: content["edges"][0][0].__setitem__(0, 10**400)),
     "a scalar": broken(lambda content: content.update(edges=1.0)),
 }
 
@@ -171,10 +207,11 @@ def histograms(rng, response, count=4000) -> ResponseHistograms:
 
 
 def test_what_is_met_on_borders_is_for_them_and_what_is_met_elsewhere_against(rng):
-    table = table_from_histograms(histograms(rng, 5.0), histograms(rng, 0.0), "test")
+    table = table_from_histograms([histograms(rng, 5.0)] * CLASSES, histograms(rng, 0.0), "test")
     border, background = table.look_up(points([5.0, 0.0], 0.0, [5.0, 0.0]))[:, 0]
     assert border > 2.0
-    assert background < -2.0
+    # Strays bound what speaks against a border, in either table.
+    assert -4.7 < background < -2.0
     assert table.source == "test"
     assert np.abs(table.edges).max() <= RATIO_LIMIT
     assert np.abs(table.contrasts).max() <= RATIO_LIMIT
@@ -182,13 +219,22 @@ def test_what_is_met_on_borders_is_for_them_and_what_is_met_elsewhere_against(rn
 
 def test_the_same_on_borders_and_elsewhere_says_nothing(rng):
     same = histograms(rng, 1.0)
-    table = table_from_histograms(same, same, "test")
+    table = table_from_histograms([same] * CLASSES, same, "test")
     np.testing.assert_allclose(table.edges, 0.0, atol=1e-6)
     np.testing.assert_allclose(table.contrasts, 0.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("border", [True, False])
 def test_nothing_can_be_learnt_from_nothing(rng, border):
-    pair = (histograms(rng, 1.0), ResponseHistograms())
+    some, none = histograms(rng, 1.0), ResponseHistograms()
     with pytest.raises(ParameterError, match="nothing to learn"):
-        table_from_histograms(*(pair if border else pair[::-1]), "test")
+        table_from_histograms(*([[some], none] if border else [[none], some]), "test")
+
+
+def test_a_class_that_was_never_met_looks_like_the_nearest(rng):
+    borders = [ResponseHistograms() for _ in range(CLASSES)]
+    borders[2] = histograms(rng, 3.0)
+    borders[0] = histograms(rng, 1.5)
+    table = table_from_histograms(borders, histograms(rng, 0.0), "test")
+    np.testing.assert_array_equal(table.edges[3], table.edges[2])
+    assert not np.array_equal(table.edges[0], table.edges[2])

@@ -113,8 +113,8 @@ def test_pairs_that_contradict_each_other_are_refused(low, high):
 
 def test_a_contradiction_with_a_value_that_stays_is_refused():
     with pytest.raises(ParameterError, match="set both together"):
-        TrackerParameters().replaced({"width_minimum": 200.0})
-    both = TrackerParameters().replaced({"width_minimum": 200.0, "width_maximum": 300.0})
+        TrackerParameters().replaced({"width_minimum": 250.0})
+    both = TrackerParameters().replaced({"width_minimum": 250.0, "width_maximum": 300.0})
     assert both.width_maximum == 300.0
 
 

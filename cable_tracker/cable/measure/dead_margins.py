@@ -1,0 +1,61 @@
+"""Margins that show nothing: the bars that a player or a recorder puts about a picture."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cable_tracker.arrays import Image
+
+FLAT = 3.0
+"""Grey levels as near as this are one."""
+
+BRIGHTEST = 24.0
+"""Bars are black: a flat bottom beside a strip is none [grey levels]."""
+
+OUTERMOST_SHARE, LATER_SHARE = 0.9, 0.5
+"""A margin is one grey level in so much of its outermost line, and of each further one: captions
+may be written on it."""
+
+FEWEST_LINES = 2
+"""Thinner margins are left."""
+
+LARGEST_SHARE = 0.25
+"""What is flat beyond this share of the picture, from one side, is no margin but the scene."""
+
+BESIDE = 2
+"""Lines beside a margin that compression and scaling have blurred into it."""
+
+
+def without_dead_margins(frame: Image) -> Image:
+    """Return a frame (H, W) with dead margins filled by the nearest live line.
+
+    A bar's edge is longer and clearer than a cable's, but it is not in the scene. The frame itself
+    is returned where it has no dead margin.
+    """
+    height, width = frame.shape
+    top, bottom = dead_lines(frame), dead_lines(frame[::-1])
+    left, right = dead_lines(frame.T), dead_lines(frame.T[::-1])
+    if not (top or bottom or left or right):
+        return frame
+    filled = np.array(frame)
+    filled[:top] = filled[top]
+    filled[height - bottom :] = filled[height - bottom - 1]
+    filled[:, :left] = filled[:, left : left + 1]
+    filled[:, width - right :] = filled[:, width - right - 1 : width - right]
+    return filled
+
+
+def dead_lines(lines: Image) -> int:
+    """Return how many of the first lines (L, n) are to be filled."""
+    most = int(LARGEST_SHARE * len(lines))
+    outermost = lines[0].astype(np.float32)
+    if np.count_nonzero(outermost <= BRIGHTEST) < OUTERMOST_SHARE * len(outermost):
+        return 0
+    level = float(np.median(outermost))
+    count, share = 0, OUTERMOST_SHARE
+    while count <= most:
+        apart = np.abs(lines[count].astype(np.float32) - level)
+        if np.count_nonzero(apart <= FLAT) < share * lines.shape[1]:
+            break
+        count, share = count + 1, LATER_SHARE
+    return count + BESIDE if FEWEST_LINES <= count <= most else 0
