@@ -69,11 +69,11 @@ class CableFilter(ABC, Generic[BeliefType]):
 
     @abstractmethod
     def first_belief(self) -> BeliefType:
-        """Return what is believed of a cable of which nothing is known."""
+        """Return the belief of a search: the prior, without a history."""
 
     @abstractmethod
     def given_belief(self, states: FloatArray) -> BeliefType:
-        """Return what is believed of a cable that was told to be there, states (N, 8)."""
+        """Return the belief after an operator or planner gave states, (N, 8)."""
 
     @abstractmethod
     def adapted(self, belief: ParticleBelief) -> BeliefType:

@@ -33,7 +33,7 @@ SHORTEST = 8.0
 """Shorter segments are left out [px at the reference width]."""
 
 BRIGHT = 99.0
-"""Percentile of the grey levels that is made white."""
+"""Percentile of the grey levels that becomes white."""
 
 LARGEST_GAIN = 4.0
 

@@ -1,4 +1,4 @@
-"""Whether the filters are told the vehicle's motion: only while it agrees with what is seen."""
+"""Whether the filters use the vehicle's motion: only while it agrees with the picture."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class PoseChange:
 
 @dataclass(frozen=True, slots=True)
 class NoMotion:
-    """Stands for a motion that is not known.
+    """Stands for an unknown motion.
 
     Attributes
     ----------

@@ -178,7 +178,7 @@ def test_a_refused_value_changes_nothing_at_all(watch):
     with pytest.raises(ParameterError, match="outside"):
         session.change({"seed": 9, "particle_count": 0})
     with pytest.raises(ParameterError, match="must not exceed"):
-        session.change({"width_minimum": 170.0})
+        session.change({"width_minimum": 300.0})
     with pytest.raises(ParameterError, match="unknown"):
         session.change({"colour": 1})
     with pytest.raises(ParameterError):

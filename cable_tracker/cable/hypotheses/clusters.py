@@ -23,7 +23,7 @@ width, rad]."""
 MOST_CLUSTERS = 5
 
 SMALLEST_MASS = 1e-9
-"""What has less than this share of the weight is no cluster."""
+"""Clusters with a smaller share of the weight are dropped."""
 
 CENTRINGS = 2
 """How often a cluster is gathered anew about its own mean."""

@@ -83,7 +83,7 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 
 GIVEN_PRESENCE = 0.95
-"""Probability that there is a cable where it was told that there is one."""
+"""Probability of a cable at the place that an operator or planner gave."""
 
 LEAST_PRESENCE = 1e-3
 """Probability that there is a cable before any frame has been seen."""
@@ -198,12 +198,12 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self._displacement = displacement_covariance(parameters, width)
 
     def first_belief(self) -> Belief:
-        """Return what is believed of a cable of which nothing is known."""
+        """Return the belief of a search: the prior, without a history."""
         states = self._box.draw(self._parameters.particle_count, self._rng)
         return initial_belief(states, LEAST_PRESENCE, self._image_size[0])
 
     def given_belief(self, states: FloatArray) -> Belief:
-        """Return what is believed of a cable that was told to be there, states (N, 8)."""
+        """Return the belief after an operator or planner gave states, (N, 8)."""
         return initial_belief(states, GIVEN_PRESENCE, self._image_size[0])
 
     def adapted(self, belief: ParticleBelief) -> Belief:
@@ -448,7 +448,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         )
 
     def _spread(self, before: Belief, births: BirthDensity) -> Belief:
-        """Return what is left to believe when every particle is impossible: a new search."""
+        """Return the belief when every particle is impossible: that of a new search."""
         states = draw_births(births, self._parameters.particle_count, self._rng)
         return replace(
             initial_belief(states, LEAST_PRESENCE, self._image_size[0]),

@@ -83,7 +83,7 @@ class SampleCounts(NamedTuple):
 
 
 class ProposalInputs(NamedTuple):
-    """What the particles of a frame are drawn and weighed by; `detected` in px and rad, (K, 4)."""
+    """Proposal densities and likelihood of a frame; `detected` in px and rad, (K, 4)."""
 
     prior: Prior
     noise: FrameNoise

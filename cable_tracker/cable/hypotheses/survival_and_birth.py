@@ -30,7 +30,7 @@ SPREADING = np.array([100.0, math.radians(37.0), 50.0, math.radians(7.5)])
 """How much farther after every second [px/s at the reference width, rad/s]."""
 
 WIDEST = np.array([120.0, math.radians(60.0), 40.0, math.radians(10.0)])
-"""How far at most; what is farther is found by the search without knowledge."""
+"""Largest spread about the last place; a cable farther away is found by the uninformed search."""
 
 BIRTH_PEAK = (
     math.gamma((BIRTH_TAIL + 1.0) / 2)

@@ -32,7 +32,7 @@ class WidthPrior:
     unseen: float = 0.0
 
     def aged(self, dt: float) -> WidthPrior:
-        """Return what is known `dt` seconds later."""
+        """Return the prior `dt` seconds later."""
         return replace(self, unseen=self.unseen + dt)
 
     def spread(self, parameters: TrackerParameters) -> float:
@@ -52,7 +52,7 @@ def width_penalty(width: float, log_width: float, spread: float) -> float:
 def updated_width_prior(
     before: WidthPrior | None, width: float, dt: float, parameters: TrackerParameters
 ) -> WidthPrior:
-    """Return what is known after a frame in which a cable of a width [px] is tracked."""
+    """Return the prior after a frame in which a cable of a width [px] is tracked."""
     now = math.log(max(width, 1e-3))
     if before is None:
         return WidthPrior(now)

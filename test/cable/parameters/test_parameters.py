@@ -164,9 +164,9 @@ def test_a_filter_and_an_observation_that_do_not_go_together_are_refused_with_bo
 @pytest.mark.parametrize(
     ("values", "remark"),
     [
-        ({"initial_width_maximum": 200.0}, "raise width_maximum too"),
+        ({"initial_width_maximum": 300.0}, "raise width_maximum too"),
         ({"width_maximum": 100.0}, "raise width_maximum too"),
-        ({"initial_width_minimum": 4.0}, "lower width_minimum too"),
+        ({"initial_width_minimum": 2.0}, "lower width_minimum too"),
         ({"width_minimum": 20.0}, "lower width_minimum too"),
     ],
 )
