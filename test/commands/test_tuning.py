@@ -42,8 +42,8 @@ def test_unknown_names_are_refused():
 @pytest.mark.parametrize(
     ("values", "note"),
     [
-        ({"initial_width_maximum": 200.0}, "raise width_maximum too"),
-        ({"initial_width_minimum": 4.0}, "lower width_minimum too"),
+        ({"initial_width_maximum": 300.0}, "raise width_maximum too"),
+        ({"initial_width_minimum": 2.0}, "lower width_minimum too"),
     ],
 )
 def test_a_search_for_what_is_not_followed_is_noted(capsys, values, note):

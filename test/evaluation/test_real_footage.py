@@ -8,11 +8,11 @@ import pytest
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.evaluation.metrics import is_off, state_errors
 from cable_tracker.evaluation.tracking.track_recording import initial_state_for, start_from
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
+from cable_tracker.trackers import make_tracker
 
 FOOTAGE = Path(__file__).resolve().parents[3] / "shared" / "data" / "strip"
 
@@ -23,7 +23,7 @@ def track(
     if not (FOOTAGE / name).exists():
         pytest.skip(f"REAL FOOTAGE IS MISSING: {FOOTAGE} holds no {name}")
     labels = FOOTAGE / truth if truth else None
-    tracker = CableTracker(TrackerParameters())
+    tracker = make_tracker(TrackerParameters())
     with open_source(FOOTAGE / name, truth=labels) as source:
         start_from(tracker, initial_state_for(source, init))
         return [

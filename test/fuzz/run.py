@@ -15,6 +15,9 @@ from pathlib import Path
 
 import atheris
 
+# Imported before the rest is instrumented: Numba cannot compile instrumented functions.
+import cable_tracker.cable.tracker  # noqa: F401
+
 INSTRUMENTED = ["cable_tracker", "rosbags", "mcap"]
 MEMORY_LIMIT = 2048
 """More than this is a finding [MB]."""

@@ -60,7 +60,7 @@ def test_a_live_node_is_watched_and_tuned(window):
     field = window.locator("#p-width_maximum")
     field.fill("2")
     field.press("Enter")
-    refusal = "width_minimum = 8 must not exceed width_maximum = 2"
+    refusal = "width_minimum = 3 must not exceed width_maximum = 2"
     window.locator("[data-test=row-width_maximum]").filter(has_text=refusal).wait_for()
     window.locator("#p-input_timeout").wait_for()
 

@@ -163,7 +163,7 @@ class TestRuntime:
             ("distance_variance", "2.0", "type"),
             ("distance_variance", [1.0], "type"),
             ("distance_variance", None, "undeclared"),
-            ("width_minimum", 161.0, "width_minimum = 161 must not exceed"),
+            ("width_minimum", 241.0, "width_minimum = 241 must not exceed"),
             ("evidence_to_lose", 5.0, "evidence_to_lose = 5 must not exceed"),
             ("resampling", "never", "resampling: 'never' is none of"),
             ("initial_state", "there", "initial.state: 'there'"),
@@ -193,21 +193,21 @@ class TestRuntime:
 
     def test_one_of_a_pair_is_refused_with_advice_that_works(self, world: Any) -> None:
         node = world.tracker()
-        pair = [Parameter("width_minimum", value=200.0), Parameter("width_maximum", value=300.0)]
+        pair = [Parameter("width_minimum", value=250.0), Parameter("width_maximum", value=300.0)]
         # The service set_parameters gives them one after the other.
         first, second = node.set_parameters(pair)
         assert not first.successful and second.successful
         assert "set both together with set_parameters_atomically, or the other first" in (
             first.reason
         )
-        assert set_one(node, "width_minimum", 200.0).successful
+        assert set_one(node, "width_minimum", 250.0).successful
 
     def test_a_change_leaves_a_line_in_the_log(
         self, world: Any, capfd: pytest.CaptureFixture[str]
     ) -> None:
         node = world.tracker()
         set_one(node, "width_maximum", 150)
-        assert "parameters changed: width_maximum 160.0 -> 150.0" in capfd.readouterr().err
+        assert "parameters changed: width_maximum 240.0 -> 150.0" in capfd.readouterr().err
         set_one(node, "width_maximum", 150.0)
         set_one(node, "width_maximum", -1.0)
         assert "parameters changed" not in capfd.readouterr().err
@@ -215,7 +215,7 @@ class TestRuntime:
     def test_a_search_for_wider_things_than_are_followed_is_warned_of_once(
         self, world: Any, capfd: pytest.CaptureFixture[str]
     ) -> None:
-        node = world.tracker(initial_width_maximum=200.0)
+        node = world.tracker(initial_width_maximum=300.0)
         assert "raise width_maximum too" in capfd.readouterr().err
         assert set_one(node, "distance_variance", 5.0).successful
         assert "width_maximum too" not in capfd.readouterr().err

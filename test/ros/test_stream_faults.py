@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 import pytest
@@ -269,6 +270,7 @@ class TestPictures:
         message = compressed_message("png")
         data = bytearray(message.data)
         data[16:24] = (60_000).to_bytes(4, "big") * 2
+        data[29:33] = crc32(data[12:29]).to_bytes(4, "big")
         message.data = bytes(data)
         world.show(node, message)
         assert "60000 x 60000 pixels, more than the" in node.statistics.last_bad_frame

@@ -161,7 +161,7 @@ _STEPS = (
     _Step(
         "multi_hypothesis",
         "the filter of several hypotheses with births everywhere, but none of what follows",
-        ("filter", *RANDOM_START),
+        ("filter", "width_maximum", "skew_limit", *RANDOM_START),
         MappingProxyType({**NO_DETECTOR, **NO_REFINEMENT, **ANY_WIDTH, **EVIDENCE_IN_FULL}),
     ),
     _Step("refinement", "particles drawn anew in the same frame", tuple(NO_REFINEMENT)),

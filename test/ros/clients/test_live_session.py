@@ -142,7 +142,7 @@ def test_a_refusal_says_why_and_changes_nothing(world, session, found):
     asked = Asked(world, lambda: session.change({"width_minimum": 150.0, "width_maximum": 100.0}))
     assert isinstance(asked.error, ParameterError)
     assert "width_minimum" in str(asked.error)
-    assert found.tracker.parameters.width_maximum == 160.0
+    assert found.tracker.parameters.width_maximum == 240.0
     asked = Asked(world, lambda: session.change({"preset": "thesis"}))
     assert "no such parameter at runtime" in str(asked.error)
 

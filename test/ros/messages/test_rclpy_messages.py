@@ -11,7 +11,8 @@ from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, Tracki
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.health.diagnostics import (
     FrameStatistics,
-    diagnostic_values,
+    estimate_values,
+    frame_values,
     make_diagnostics,
 )
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages, message_class
@@ -56,7 +57,11 @@ MESSAGES: dict[str, Make] = {
     ),
     "refusal": lambda f, h: messages.make_report(f, h, "REFUSED", {"event": "too small"}),
     "diagnostics": lambda f, h: make_diagnostics(
-        f, h, "/a/tracker", "STALE INPUT", diagnostic_values(FrameStatistics(), ESTIMATE, 0.0)
+        f,
+        h,
+        "/a/tracker",
+        "STALE INPUT",
+        frame_values(FrameStatistics(), 0.0) | estimate_values(ESTIMATE),
     ),
 }
 
