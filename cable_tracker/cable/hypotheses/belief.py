@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.clusters import Clusters, find_clusters
-from cable_tracker.cable.hypotheses.presence import NullLevels, log_odds_of
+from cable_tracker.cable.hypotheses.presence import log_odds_of
 from cable_tracker.cable.hypotheses.survival_and_birth import RememberedCable
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.model.geometry import wrap_states
@@ -45,8 +45,6 @@ class Belief:
         scan lines].
     log_odds : FloatArray
         That each cluster is a cable, shape (K,).
-    null : NullLevels
-        How well random strips have fitted the frames.
     refused_time : float
         How long a cable has been present whose weaker border cannot be seen [s].
     """
@@ -62,7 +60,6 @@ class Belief:
     border_evidence: float = 0.0
     visible_length: float = 0.0
     log_odds: FloatArray = field(default_factory=lambda: np.empty(0))
-    null: NullLevels = field(default_factory=NullLevels)
     refused_time: float = 0.0
 
     @property

@@ -8,10 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.cable.hypotheses.background import Background, background_of
 from cable_tracker.cable.hypotheses.clusters import (
     Clusters,
     clusters_of,
     find_groups,
+    group_means,
     leading_covariance,
 )
 from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules, corrected_weights
@@ -48,7 +50,12 @@ class Conclusion(NamedTuple):
     border_evidence, visible_length : float
         See `Belief`.
     levels : FloatArray
-        Mean log-likelihood ratio of each cluster, its width not judged, shape (K,).
+        Mean log-likelihood ratio of each cluster, its width not judged, above that of the best
+        strip of the bottom that is like it, shape (K,).
+    scores : FloatArray
+        The same above the mean of strips of any kind, in their spreads, shape (K,).
+    scores : FloatArray
+        The same above the mean of strips of any kind, in their spreads, shape (K,).
     p_bright : float
         Share of the weight that speaks for a cable brighter than the bottom.
     """
@@ -62,6 +69,7 @@ class Conclusion(NamedTuple):
     border_evidence: float
     visible_length: float
     levels: FloatArray
+    scores: FloatArray
     p_bright: float
 
 
@@ -79,19 +87,20 @@ def draw_and_conclude(
     `anchors` (0 or 1, 8) says where the cluster that leads is expected.
     """
     end = draw_sample(sample, inputs, counts, config)
-    return conclude(sample, end, config.image_size[0], anchors, rules, inputs.p_bright)
+    return conclude(sample, end, inputs, config, anchors, rules)
 
 
 @compiled_part
 def conclude(
     sample: Sample,
     end: int,
-    image_width: float,
+    inputs: ProposalInputs,
+    config: ProposalConfig,
     anchors: FloatArray,
     rules: CorrectionRules,
-    p_bright: float,
 ) -> Conclusion:
     """Conclude from the first `end` rows of a sample."""
+    image_width = config.image_size[0]
     states = sample.states[:end].copy()
     for row in range(end):
         unwrap_state(states[row], 0.0, states[row])
@@ -101,6 +110,7 @@ def conclude(
     groups, count = find_groups(states, posterior, image_width, anchors)
     if count == 0:
         return _nothing(states, posterior)
+    background = _background(states, posterior, groups, count, inputs, config)
     corrected = corrected_weights(
         posterior,
         log_prior,
@@ -110,6 +120,7 @@ def conclude(
         states[:, StateColumn.WIDTH].copy(),
         groups,
         count,
+        background.alike,
         rules,
     )
     log_evidence = log_sum_exp(corrected)
@@ -119,6 +130,7 @@ def conclude(
     if not len(clusters.masses):
         # Correcting may leave all groups light and the rest heavy.
         groups, count = find_groups(states, np.log(weights), image_width, np.empty((0, STATE_SIZE)))
+        background = _background(states, np.log(weights), groups, count, inputs, config)
         clusters = clusters_of(states, weights, groups, count)
     border_evidence, visible_length, posterior_bright = _summary(
         clusters.labels,
@@ -127,7 +139,15 @@ def conclude(
         evidence.log_ratios[:end],
         evidence.weaker_borders[:end],
         evidence.visible_lengths[:end],
-        p_bright,
+        inputs.p_bright,
+    )
+    levels, scores = _above(
+        clusters,
+        weights,
+        sample.ratios[:end],
+        densities.width_penalties[:end],
+        groups,
+        background,
     )
     return Conclusion(
         states,
@@ -138,22 +158,77 @@ def conclude(
         effective_sample_size(normalised),
         border_evidence,
         visible_length,
-        _levels(clusters, weights, sample.ratios[:end], densities.width_penalties[:end]),
+        levels,
+        scores,
         posterior_bright,
     )
 
 
 @compiled_part
-def _levels(
-    clusters: Clusters, weights: FloatArray, ratios: FloatArray, penalties: FloatArray
-) -> FloatArray:
-    """Return the mean log-likelihood ratio (K,) of each cluster, without what its width costs."""
-    levels = np.zeros(len(clusters.masses))
+def _above(
+    clusters: Clusters,
+    weights: FloatArray,
+    ratios: FloatArray,
+    penalties: FloatArray,
+    groups: IndexArray,
+    background: Background,
+) -> tuple[FloatArray, FloatArray]:
+    """Return levels and scores of `Conclusion`; `groups` are those before they were sorted."""
+    count = len(clusters.masses)
+    levels, scores = np.zeros(count), np.zeros(count)
     for row in range(len(weights)):
         label = clusters.labels[row]
         if label >= 0 and weights[row] > 0.0:
-            levels[label] += weights[row] / clusters.masses[label] * (ratios[row] - penalties[row])
-    return levels
+            share, group = weights[row] / clusters.masses[label], groups[row]
+            ratio = ratios[row] - penalties[row]
+            levels[label] += share * (ratio - background.alike[group])
+            above = ratio - background.means[group]
+            scores[label] += share * above / background.spreads[group]
+    return levels, scores
+
+
+@compiled_part
+def _background(
+    states: FloatArray,
+    log_weights: FloatArray,
+    groups: IndexArray,
+    count: int,
+    inputs: ProposalInputs,
+    config: ProposalConfig,
+) -> Background:
+    """Return the background of each group."""
+    shares = _within_groups(log_weights, groups, count)
+    order, _, means = group_means(states, shares, groups, count)
+    found = background_of(
+        means,
+        inputs.noise,
+        inputs.scan,
+        inputs.model,
+        inputs.p_bright,
+        config.lower,
+        config.upper,
+        config.image_size,
+    )
+    background = Background(np.zeros(count), np.zeros(count), np.ones(count))
+    for index in range(len(order)):
+        group = order[index]
+        background.alike[group] = found.alike[index]
+        background.means[group] = found.means[index]
+        background.spreads[group] = found.spreads[index]
+    return background
+
+
+@compiled_part
+def _within_groups(log_weights: FloatArray, groups: IndexArray, count: int) -> FloatArray:
+    """Return weights (N,) of which the largest in each group is one, however light the group."""
+    peaks, shares = np.full(count, -np.inf), np.zeros(len(groups))
+    for row in range(len(groups)):
+        if groups[row] >= 0:
+            peaks[groups[row]] = max(peaks[groups[row]], log_weights[row])
+    for row in range(len(groups)):
+        if groups[row] >= 0 and log_weights[row] > -np.inf:
+            shares[row] = math.exp(log_weights[row] - peaks[groups[row]])
+    return shares
 
 
 @compiled_part
@@ -163,7 +238,17 @@ def _nothing(states: FloatArray, log_shares: FloatArray) -> Conclusion:
     )
     covariance = np.zeros((STATE_SIZE, STATE_SIZE))
     return Conclusion(
-        states, log_shares, -math.inf, clusters, covariance, 0.0, 0.0, 0.0, np.empty(0), 0.0
+        states,
+        log_shares,
+        -math.inf,
+        clusters,
+        covariance,
+        0.0,
+        0.0,
+        0.0,
+        np.empty(0),
+        np.empty(0),
+        0.0,
     )
 
 

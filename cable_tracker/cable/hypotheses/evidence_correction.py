@@ -38,6 +38,7 @@ def corrected_weights(
     widths: FloatArray,
     labels: IndexArray,
     count: int,
+    backgrounds: FloatArray,
     rules: CorrectionRules,
 ) -> FloatArray:
     """Return log-weights (N,) with the evidence for each group corrected."""
@@ -63,7 +64,8 @@ def corrected_weights(
                 survived[group] += math.exp(log_prior[row] - prior_mass) * kept
         survived[group] = min(survived[group], 1.0)
         raw[group] = posterior_mass - prior_mass
-        evidence[group] = thin_factor(width, rules.thin_width) * raw[group]
+        background = backgrounds[label] if label != NONE else 0.0
+        evidence[group] = thin_factor(width, rules.thin_width) * (raw[group] - background)
         if label != NONE and survived[group] > 0.5 and prior_mass > heaviest:
             reference, heaviest = evidence[group], prior_mass
     corrected = log_posterior.copy()

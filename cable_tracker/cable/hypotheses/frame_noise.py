@@ -17,6 +17,12 @@ from cable_tracker.particle_filter.student_t import student_t_stretches
 BIRTH_TAIL = 4.0
 """Degrees of freedom of the Student-t about where the cable was."""
 
+STRIPS_ANYWHERE, STRIPS_ALIKE = 64, 96
+"""Strips that the hypotheses of a frame are held against: of any kind, and like them."""
+
+ALIKE = 3
+"""They are alike in alpha, w, beta."""
+
 
 class FrameNoise(NamedTuple):
     """Random numbers for N particles, B of which are births.
@@ -32,12 +38,21 @@ class FrameNoise(NamedTuple):
         column 0 says which ancestor gives it its rates.
     about_memory : FloatArray
         Student-t, shape (B, 4): how far from where the cable was last seen.
+    anywhere : FloatArray
+        From 0 to 1, shape (R, 4): strips of any kind that hypotheses are held against.
+    elsewhere : FloatArray
+        From 0 to 1, shape (S,): where the strips lie that are like the hypotheses.
+    alike : FloatArray
+        Standard normal, shape (S, 3): how like them they are.
     """
 
     normal: FloatArray
     stretches: FloatArray
     uniform: FloatArray
     about_memory: FloatArray
+    anywhere: FloatArray
+    elsewhere: FloatArray
+    alike: FloatArray
 
 
 def draw_frame_noise(
@@ -54,4 +69,7 @@ def draw_frame_noise(
         stretches,
         rng.random((count, STATE_SIZE)),
         rng.standard_t(BIRTH_TAIL, (births, POSE_SIZE)),
+        rng.random((STRIPS_ANYWHERE, POSE_SIZE)),
+        rng.random(STRIPS_ALIKE),
+        rng.standard_normal((STRIPS_ALIKE, ALIKE)),
     )

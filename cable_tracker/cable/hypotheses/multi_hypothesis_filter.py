@@ -31,15 +31,12 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.filter import CableFilter, Finding, ParticleBelief, equal_states
 from cable_tracker.cable.hypotheses.ancestors import plan_draw, surviving_ancestors
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief
+from cable_tracker.cable.hypotheses.border_jump import RATE, jump_from
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, draw_and_conclude
 from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.presence import (
-    FEWEST_STRIPS,
-    NULL_STRIPS,
-    NullLevels,
     inherited_odds,
-    null_moments,
     probability_of,
     thin_factor,
     updated_odds,
@@ -96,6 +93,9 @@ DETECTION_SIGMAS = np.array([2.0, np.deg2rad(1.0), 2.8, np.deg2rad(1.0)])
 
 LOST_DETECTOR_SHARE = 0.3
 """Share of the particles about detections while it is more likely than not that there is none."""
+
+JUMP_SHARE = 0.06
+"""Share of the particles that share a border with the hypothesis that leads, and no more."""
 
 LARGEST_BIRTH_SHARE = 0.8
 """Share of the particles of the prior that are born at most."""
@@ -276,26 +276,14 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         before = replace(belief, memory=memory, width_prior=width_prior)
         if not len(found.clusters.masses):
             return self._spread(before, births)
-        null = self._null(belief.null, inputs, found.clusters.means[0], dt)
-        log_odds = self._log_odds(belief, existence, found, null, dt, motion)
-        return self._concluded(belief, before, found, log_odds, null, dt)
-
-    def _null(
-        self, before: NullLevels, inputs: ProposalInputs, leader: FloatArray, dt: float
-    ) -> NullLevels:
-        """Return how well strips fit that are drawn at random, in this frame and those before."""
-        strips = self._box.draw(NULL_STRIPS, self._rng)
-        count, mean, square = null_moments(
-            strips, inputs.scan, inputs.model, inputs.p_bright, leader, self._frame_size
-        )
-        return before.updated(mean, square, dt) if count >= FEWEST_STRIPS else before
+        log_odds = self._log_odds(belief, existence, found, dt, motion)
+        return self._concluded(belief, before, found, log_odds, dt)
 
     def _log_odds(
         self,
         belief: Belief,
         existence: PredictedExistence,
         found: Conclusion,
-        null: NullLevels,
         dt: float,
         motion: MotionAid | None,
     ) -> FloatArray:
@@ -306,27 +294,33 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         inherited = inherited_odds(expected, belief.log_odds, found.clusters.means, width)
         survival = existence.survived / max(belief.presence, MINIMUM_DENSITY)
         appearance = -math.expm1(-parameters.appearance_rate * dt)
-        thin_width = self._rules.thin_width
-        scores = (found.levels - null.mean) / null.spread
-        widths = found.clusters.means[:, StateColumn.WIDTH]
+        thin = [
+            thin_factor(strip_width, self._rules.thin_width)
+            for strip_width in found.clusters.means[:, StateColumn.WIDTH].tolist()
+        ]
         return np.array(
             [
                 updated_odds(
                     odds,
-                    score * thin_factor(strip_width, thin_width),
+                    level * factor,
+                    score * factor,
                     survival,
                     appearance,
                     parameters.presence_gain,
                 )
-                for odds, score, strip_width in zip(
-                    inherited.tolist(), scores.tolist(), widths.tolist(), strict=True
+                for odds, level, score, factor in zip(
+                    inherited.tolist(),
+                    found.levels.tolist(),
+                    found.scores.tolist(),
+                    thin,
+                    strict=True,
                 )
             ]
         )
 
     def _searching_anew(self, belief: Belief) -> Belief:
         """Return the belief without the hypotheses: the leading one can never be claimed."""
-        return replace(self.first_belief(), p_bright=belief.p_bright, null=belief.null)
+        return replace(self.first_belief(), p_bright=belief.p_bright)
 
     def _predict(
         self,
@@ -356,6 +350,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             dt,
         )
         drifted = self._movement.centres(ancestors, dt, self._rng, motion)
+        scale = self._frame_size[0] / REFERENCE_WIDTH
         # Without movement the kernel would be a point: the first frame after a given prior.
         sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
         birth = -math.expm1(-parameters.appearance_rate * dt)
@@ -374,6 +369,13 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             log_width=width_prior.log_width if width_prior is not None else 0.0,
             width_spread=width_prior.spread(parameters) if width_prior is not None else math.inf,
             births=births,
+            jumped=max(existence.survived * -math.expm1(-RATE * dt), MINIMUM_DENSITY),
+            jump=jump_from(
+                self._expected_leader(belief, dt, motion),
+                parameters.width_minimum * scale,
+                parameters.width_maximum * scale,
+                self._frame_size[0],
+            ),
         )
         return prior, existence
 
@@ -390,14 +392,18 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         detector_share = parameters.detector_share if detections else 0.0
         if detector_share > 0.0 and existence.total < 0.5:
             detector_share = max(detector_share, LOST_DETECTOR_SHARE)
-        detected = min(int(count * detector_share), max(count - refined - 1, 0))
-        rest = count - refined - detected
+        detected = min(
+            int(count * detector_share), max(count - refined - int(count * JUMP_SHARE) - 1, 0)
+        )
+        jumps = int(count * JUMP_SHARE)
+        rest = count - refined - detected - jumps
         born = existence.born / max(existence.total, MINIMUM_DENSITY)
         births = int(rest * min(max(born, parameters.search_share), LARGEST_BIRTH_SHARE))
         return SampleCounts(
             survivors=rest - births,
             births=births,
             remembered=birth_density.remembered_of(births),
+            jumps=jumps,
             detections=detected,
             refined=self._refined,
         )
@@ -406,9 +412,13 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         """Return where the cluster that leads is expected, shape (1, 8); (0, 8) if none leads."""
         if belief.presence < 0.5:
             return NO_ANCHOR
-        anchor: FloatArray = belief.clusters.means[:1].copy()
-        anchor[:, :POSE_SIZE] = self._movement.expected(anchor, dt, motion)[:, :POSE_SIZE]
-        return anchor
+        return self._expected_leader(belief, dt, motion)[None, :]
+
+    def _expected_leader(self, belief: Belief, dt: float, motion: MotionAid | None) -> FloatArray:
+        """Return where the cluster that leads is expected, shape (8,)."""
+        leader: FloatArray = belief.clusters.means[:1].copy()
+        leader[:, :POSE_SIZE] = self._movement.expected(leader, dt, motion)[:, :POSE_SIZE]
+        return leader[0]
 
     def _concluded(
         self,
@@ -416,7 +426,6 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         before: Belief,
         found: Conclusion,
         log_odds: FloatArray,
-        null: NullLevels,
         dt: float,
     ) -> Belief:
         """Put the belief together, and remember the cable if it is there."""
@@ -443,7 +452,6 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             border_evidence=found.border_evidence,
             visible_length=found.visible_length,
             log_odds=log_odds,
-            null=null,
             refused_time=belief.refused_time + dt if refused else 0.0,
         )
 
@@ -455,7 +463,6 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             p_bright=before.p_bright,
             memory=before.memory,
             width_prior=before.width_prior,
-            null=before.null,
         )
 
     def _polarity(self, before: float, found: float, presence: float, dt: float) -> float:

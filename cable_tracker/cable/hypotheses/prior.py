@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.hypotheses.border_jump import BorderJump, jump_density
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.survival_and_birth import BirthDensity, birth_density
 from cable_tracker.cable.hypotheses.width_prior import width_penalty
@@ -40,6 +41,10 @@ class Prior(NamedTuple):
         The width prior; its spread is infinite where there is none.
     births : BirthDensity
         The density b.
+    jumped : float
+        Mass of the part of f in which one border was another's.
+    jump : BorderJump
+        The density of that part.
     """
 
     kernels: KernelMixture
@@ -50,6 +55,8 @@ class Prior(NamedTuple):
     log_width: float
     width_spread: float
     births: BirthDensity
+    jumped: float
+    jump: BorderJump
 
 
 class PriorDensities(NamedTuple):
@@ -59,8 +66,8 @@ class PriorDensities(NamedTuple):
     ----------
     full, survived : FloatArray
         Of f, and of the part of f that survived.
-    survivors, births : FloatArray
-        Of the mixture that survivors are drawn from, and of b.
+    survivors, births, jumps : FloatArray
+        Of the mixture that survivors are drawn from, of b, and of jumps.
     width_penalties : FloatArray
         Logarithms of how well the widths fit.
     """
@@ -69,6 +76,7 @@ class PriorDensities(NamedTuple):
     survived: FloatArray
     survivors: FloatArray
     births: FloatArray
+    jumps: FloatArray
     width_penalties: FloatArray
 
 
@@ -106,7 +114,8 @@ def choose_rates(
     for row in range(start, stop):
         kernels_at(states[row], prior.kernels, kernels)
         _store(states[row], row, prior, kernels, densities)
-        total = densities.survived[row] + prior.born * densities.births[row]
+        new = prior.born * densities.births[row] + prior.jumped * densities.jumps[row]
+        total = densities.survived[row] + new
         position = noise.uniform[row, 0] * total
         ancestor = choose_kernel(kernels, prior.kernels, prior.survived, position)
         if ancestor < 0:
@@ -146,6 +155,10 @@ def _store(
     penalty = width_penalty(state[2], prior.log_width, prior.width_spread)
     densities.survived[row] = prior.survived * peak * target
     densities.survivors[row] = peak * proposal
+    jumps = jump_density(state, prior.jump)
     densities.births[row] = births
+    densities.jumps[row] = jumps
     densities.width_penalties[row] = penalty
-    densities.full[row] = densities.survived[row] + prior.born * births * math.exp(penalty)
+    # Where a border was wrong, the width was wrong too, and says nothing.
+    new = prior.born * births * math.exp(penalty) + prior.jumped * jumps
+    densities.full[row] = densities.survived[row] + new

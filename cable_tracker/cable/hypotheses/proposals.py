@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.cable.hypotheses.border_jump import place_jumps
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.mixture_sample import (
     Peaks,
@@ -78,6 +79,7 @@ class SampleCounts(NamedTuple):
     survivors: int
     births: int
     remembered: int
+    jumps: int
     detections: int
     refined: IndexArray
 
@@ -180,9 +182,11 @@ def _draw_first(
     place_births(states, counts.survivors, first, counts.remembered, prior.births, noise)
     for row in range(first):
         unwrap_state(states[row], inputs.reference_angle, states[row])
-    end = first + counts.detections
-    for row in range(first, end):
-        centre, stretch = centres[(row - first) % len(centres)], noise.stretches[row, 0]
+    jumped = first + counts.jumps
+    place_jumps(states, first, jumped, prior.jump, noise)
+    end = jumped + counts.detections
+    for row in range(jumped, end):
+        centre, stretch = centres[(row - jumped) % len(centres)], noise.stretches[row, 0]
         for column in range(POSE_SIZE):
             spread = noise.normal[row, column] * stretch * config.detection_sigmas[column]
             states[row, column] = centre[column] + spread
@@ -287,7 +291,9 @@ def _mix(
     births = float(counts.births) if counts.births else MINIMUM_DENSITY
     for row in range(start, stop):
         sample.mixture[row] = (
-            survivors * sample.densities.survivors[row] + births * sample.densities.births[row]
+            survivors * sample.densities.survivors[row]
+            + births * sample.densities.births[row]
+            + counts.jumps * sample.densities.jumps[row]
         )
     tail = config.degrees_of_freedom
     if counts.detections:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.frame_noise import BIRTH_TAIL, FrameNoise
+from cable_tracker.cable.hypotheses.frame_noise import ALIKE, BIRTH_TAIL, FrameNoise
 from cable_tracker.cable.model.geometry import reach_at, turn_sign, wrap_states, wrapped_angle
 from cable_tracker.cable.model.initialisation import SearchBox
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, StateColumn
@@ -182,6 +182,9 @@ def draw_births(births: BirthDensity, count: int, rng: np.random.Generator) -> F
         np.empty((0, 2)),
         rng.random((count, STATE_SIZE)),
         rng.standard_t(BIRTH_TAIL, (count, POSE_SIZE)),
+        np.empty((0, POSE_SIZE)),
+        np.empty(0),
+        np.empty((0, ALIKE)),
     )
     states = np.empty((count, STATE_SIZE))
     place_births(states, 0, count, births.remembered_of(count), births, noise)

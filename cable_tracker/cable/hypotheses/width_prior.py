@@ -15,6 +15,9 @@ from cable_tracker.compilation import compiled_inside
 TAIL = 4.0
 """Degrees of freedom of the Student-t about the mean width."""
 
+YOUNG_DOUBT = 3.0
+"""How much wider, at first, the prior is than after a long time."""
+
 
 @dataclass(frozen=True, slots=True)
 class WidthPrior:
@@ -26,18 +29,25 @@ class WidthPrior:
         Logarithm of the mean width [px].
     unseen : float
         How long no cable was tracked [s].
+    seen : float
+        How long one was tracked [s].
     """
 
     log_width: float
     unseen: float = 0.0
+    seen: float = 0.0
 
     def aged(self, dt: float) -> WidthPrior:
         """Return the prior `dt` seconds later."""
         return replace(self, unseen=self.unseen + dt)
 
     def spread(self, parameters: TrackerParameters) -> float:
-        """Return the scale of the logarithm of widths; it grows while no cable is tracked."""
-        return parameters.width_spread * (1.0 + self.unseen / parameters.memory_time)
+        """Return the scale of the logarithm of widths.
+
+        It grows while no cable is tracked. A width that was seen for a short time says little.
+        """
+        doubt = YOUNG_DOUBT * math.exp(-self.seen / parameters.width_time)
+        return parameters.width_spread * (1.0 + doubt + self.unseen / parameters.memory_time)
 
 
 @compiled_inside
@@ -57,4 +67,5 @@ def updated_width_prior(
     if before is None:
         return WidthPrior(now)
     share = -math.expm1(-dt / parameters.width_time)
-    return WidthPrior(before.log_width + share * (now - before.log_width))
+    seen = before.seen + dt
+    return WidthPrior(before.log_width + share * (now - before.log_width), seen=seen)

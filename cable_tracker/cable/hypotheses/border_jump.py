@@ -1,0 +1,106 @@
+"""The other border of a cable may be another one: the prior of a jump.
+
+A hypothesis often holds one border of the cable and takes a furrow, a shadow or another cable's
+border for the other one. So the cable may be, with a small probability in each frame, any strip
+that shares a border with the hypothesis that leads, on either side of it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.compilation import compiled_inside, compiled_part
+
+RATE = 0.7
+"""How often a hypothesis has one border wrong [1/s]."""
+
+OFFSET_SIGMA, ANGLE_SIGMA, SKEW_SIGMA = 4.0, math.radians(2.0), math.radians(6.0)
+"""How exactly the shared border is known [px at the reference width, rad], and how far the skew is
+from that of the hypothesis [rad]."""
+
+COMBINATIONS = 4
+"""The left or the right border of the hypothesis is the left or the right one of the strip."""
+
+
+class BorderJump(NamedTuple):
+    """Density of strips that share a border with a hypothesis.
+
+    Attributes
+    ----------
+    offsets, angles : FloatArray
+        Of the borders of the hypothesis, left and right, as d and alpha of a strip of no
+        width, shape (2,) [px, rad].
+    skew : float
+        Of the hypothesis [rad].
+    narrowest, widest : float
+        Limits of the width [px].
+    offset_sigma : float
+        `OFFSET_SIGMA` for frames of this size [px].
+    """
+
+    offsets: FloatArray
+    angles: FloatArray
+    skew: float
+    narrowest: float
+    widest: float
+    offset_sigma: float
+
+
+def jump_from(
+    leader: FloatArray, narrowest: float, widest: float, image_width: float
+) -> BorderJump:
+    """Return the density of jumps from a hypothesis, shape (4 or more,), in its chart."""
+    distance, angle, width, skew = leader[:4].tolist()
+    return BorderJump(
+        np.array([distance - 0.5 * width, distance + 0.5 * width]),
+        np.array([angle - skew, angle + skew]),
+        skew,
+        narrowest,
+        widest,
+        OFFSET_SIGMA * image_width / REFERENCE_WIDTH,
+    )
+
+
+@compiled_part
+def place_jumps(
+    states: FloatArray, start: int, stop: int, jump: BorderJump, noise: FrameNoise
+) -> None:
+    """Draw strips into the rows from `start` to `stop`."""
+    for row in range(start, stop):
+        combination = (row - start) % COMBINATIONS
+        shared, side = combination // 2, 2.0 * (combination % 2) - 1.0
+        offset = jump.offsets[shared] + jump.offset_sigma * noise.normal[row, 0]
+        angle = jump.angles[shared] + ANGLE_SIGMA * noise.normal[row, 1]
+        ratio = jump.widest / jump.narrowest
+        width = jump.narrowest * math.pow(ratio, noise.uniform[row, 2])
+        skew = jump.skew + SKEW_SIGMA * noise.normal[row, 3]
+        states[row, 0] = offset - 0.5 * side * width
+        states[row, 1] = angle - side * skew
+        states[row, 2] = width
+        states[row, 3] = skew
+        states[row, 4:] = 0.0
+
+
+@compiled_inside
+def jump_density(state: FloatArray, jump: BorderJump) -> float:
+    """Return the density of jumps at d, alpha, w, beta of a state."""
+    width = state[2]
+    if not jump.narrowest <= width <= jump.widest:
+        return 0.0
+    total = 0.0
+    turn = (state[3] - jump.skew) / SKEW_SIGMA
+    for combination in range(COMBINATIONS):
+        shared, side = combination // 2, 2.0 * (combination % 2) - 1.0
+        a = (state[0] + 0.5 * side * width - jump.offsets[shared]) / jump.offset_sigma
+        b = (state[1] + side * state[3] - jump.angles[shared]) / ANGLE_SIGMA
+        squared = a * a + b * b + turn * turn
+        if squared < 50.0:
+            total += math.exp(-0.5 * squared)
+    scales = jump.offset_sigma * ANGLE_SIGMA * SKEW_SIGMA * math.pow(2.0 * math.pi, 1.5)
+    return total / (COMBINATIONS * scales * width * math.log(jump.widest / jump.narrowest))
