@@ -20,7 +20,7 @@ TABLE_SEEDS := 200,204-206
 TABLE_EVERY := 4
 RUNS ?= 100000
 FUZZ_SEED ?= 1
-FUZZ_TARGETS ?= picture raw_image sequence_file mcap sqlite ros1 metadata parameters estimates
+FUZZ_TARGETS ?= picture raw_image sequence_file mcap sqlite ros1 video video_stream metadata parameters estimates
 FUZZ := fuzz
 MINUTES ?= 10
 # Tests beside linters: those for every change, and what is left for before a merge.

@@ -29,6 +29,9 @@ from cable_tracker.cable.model.state import STATE_SIZE, StateColumn
 from cable_tracker.compilation import compiled, compiled_part
 from cable_tracker.particle_filter.weights import effective_sample_size, log_sum_exp
 
+WIDTH = int(StateColumn.WIDTH)
+"""Numba 0.59 takes no enumeration for an index beside a slice."""
+
 
 class Conclusion(NamedTuple):
     """What the particles of a frame say; no cluster if all of them are impossible.
@@ -107,7 +110,7 @@ def conclude(
         densities.full[:end],
         densities.survived[:end],
         densities.width_penalties[:end],
-        states[:, StateColumn.WIDTH].copy(),
+        states[:, WIDTH].copy(),
         groups,
         count,
         rules,
