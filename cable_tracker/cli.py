@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker import __version__
-from cable_tracker.commands.late import LateCommands
+from cable_tracker.commands.late import LateCommands, with_optional_hints
 from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError
 
 GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
@@ -89,6 +89,7 @@ def show_version(wanted: bool) -> None:
 
 
 @app.callback()
+@with_optional_hints
 def root(
     version: Annotated[
         bool,
