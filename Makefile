@@ -23,6 +23,7 @@ FUZZ_SEED ?= 1
 FUZZ_TARGETS ?= picture raw_image sequence_file mcap sqlite ros1 video video_stream metadata parameters estimates
 FUZZ := fuzz
 MINUTES ?= 10
+TIER ?=
 # Tests beside linters: those for every change, and what is left for before a merge.
 PYTEST := python -m pytest -n 2 --timeout 600 -q
 QUICK := -m "not slow and not browser" --hypothesis-profile quick
@@ -38,7 +39,7 @@ export ROS_LOG_DIR ?= $(CURDIR)/$(VENV)/log/ros
 export MPLCONFIGDIR ?= $(CURDIR)/$(VENV)/cache/matplotlib
 
 help:
-	@echo "make demo                  simulate a dive, replay it over DDS, track it, show the errors"
+	@echo "make demo                  simulate dives, an easy and a hard one, track them, show the errors"
 	@echo "make demo SOURCE=path      the same for a recording of yours"
 	@echo "make gui                   watch and tune the filter in a browser, on a simulated dive"
 	@echo "make gui SOURCE=path       the same on a recording of yours"
@@ -89,9 +90,10 @@ test: install lint
 test-all: install lint
 	$(BIN)/$(PYTEST) --durations 20 $(TESTS)
 
-# Whole, it takes as long as five times the suite; `TESTS=test/cable` chooses a part of it.
+# Whole, it takes as long as five times the suite. `TESTS=test/cable` chooses a part of it, and
+# `TIER=quick` the tests for every change; `python test/processors.py --help` tells more.
 test-processors: install
-	$(BIN)/python test/processors.py -n 2 --timeout 1200 -q $(TESTS)
+	$(BIN)/python test/processors.py $(TIER:%=--tier %) -n 2 --timeout 1200 -q $(TESTS)
 
 # JAZZY_TIER= (empty) runs all tests. Warnings of deprecated names come from what the platform has.
 test-jazzy: $(JAZZY_VENV)/installed
@@ -125,6 +127,15 @@ ifeq ($(strip $(SOURCE)),)
 	@$(BIN)/cable-tracker simulate $(DEMO)/dive --frames 300 --seed 1 --force
 	@echo "replaying it to the tracker over DDS, in lockstep ..."
 	@$(BIN)/cable-tracker track $(DEMO)/dive --ros --init truth --output $(DEMO)/dive_tracked --force
+	@echo
+	@echo "now a hard one: an old cable, overgrown, half buried among stones, and quick moves ..."
+	@$(BIN)/cable-tracker simulate $(DEMO)/hard_dive --scenario S4 --seed 1 --force
+	@$(BIN)/cable-tracker track $(DEMO)/hard_dive --init truth --no-bag \
+		--output $(DEMO)/hard_dive_tracked --force
+	@echo "beside it, Hough lines on the same frames ..."
+	@$(BIN)/cable-tracker evaluate --source $(DEMO)/hard_dive --method default --method hough \
+		--seeds 1 --workers 1 --output $(DEMO)/hard_dive_judged --force
+	@echo "look at $(DEMO)/dive_tracked/overlay.png and $(DEMO)/hard_dive_tracked/overlay.png"
 else
 	@echo "replaying $(SOURCE) to the tracker over DDS, in lockstep ..."
 	@$(BIN)/cable-tracker track "$(SOURCE)" --ros --output $(DEMO)/your_recording_tracked --force
