@@ -85,6 +85,12 @@ def read_attitude(message: Message, least_sigma: float) -> Attitude:
     return Attitude(roll, pitch, max(sigma, least_sigma))
 
 
+def yaw_of(quaternion: Message) -> float:
+    """Return the yaw of a Quaternion [rad]."""
+    q = quaternion
+    return math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
+
+
 def read_twist(
     message: Message, least_sigmas: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray]:

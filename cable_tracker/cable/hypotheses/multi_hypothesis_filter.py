@@ -233,21 +233,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         detections: FloatArray,
         motion: MotionAid | None = None,
     ) -> Belief:
-        """Return the belief after one more frame.
-
-        Parameters
-        ----------
-        belief : Belief
-            After the frame before.
-        image : WorkingImage
-            The frame.
-        dt : float
-            Time between the two [s]; 0 for a belief about this very frame.
-        detections : FloatArray
-            d, alpha, w, beta of cables that a detector sees in it [px, rad], shape (K, 4).
-        motion : MotionAid or None
-            How odometry says that the cable has moved; None: by its own rates.
-        """
+        """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
         if belief.refused_time >= self._parameters.search_time:
             belief = self._searching_anew(belief)
         memory = belief.memory.aged(dt) if belief.memory is not None else None

@@ -6,6 +6,7 @@ import math
 import time
 from typing import Any, cast
 
+import numpy as np
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
@@ -17,19 +18,10 @@ from cable_tracker.metric.messages import make_cross_track
 from cable_tracker.node_parameter_tables import SIMULATOR_PARAMETERS
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.ros.messages.vehicle_messages import (
-    BASE,
-    ODOM,
-    make_camera_info,
-    make_imu,
-    make_odometry,
-    make_range,
-    make_true_odometry,
-    unknown_covariance,
-)
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages import (
+    UNKNOWN_VARIANCE,
     Message,
     make_header,
     make_image,
@@ -38,13 +30,22 @@ from cable_tracker.sequences.messages import (
 )
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.dive import FIRST_STAMP
+from cable_tracker.simulation.instrument_messages import (
+    BASE,
+    CAMERA,
+    ODOM,
+    make_camera_info,
+    make_imu,
+    make_odometry,
+    make_range,
+    make_true_odometry,
+)
 from cable_tracker.simulation.live_world import LiveSettings, LiveWorld, TrueCrossTrack
 from cable_tracker.simulation.vehicle import Motion, VelocityCommand
 
 TICKS = 2
 """Readings of odometry and imu for each frame."""
 
-CAMERA = "camera"
 FLUSH_TIMEOUT = Duration(seconds=5)
 
 
@@ -197,16 +198,20 @@ class SimulatorNode(ProcessNode):
         if self._clock_publisher is not None:
             self._clock_publisher.publish(Clock(clock=make_time(self._factory, stamp)))
         in_odom = make_header(self._factory, stamp, ODOM)
-        self._odometry.publish(make_odometry(in_odom, instruments.odometry(motion, passed)))
+        self._odometry.publish(
+            make_odometry(self._factory, in_odom, instruments.odometry(motion, passed))
+        )
         header = make_header(self._factory, stamp, BASE)
-        self._imu.publish(make_imu(header, instruments.imu(motion), instruments.errors))
+        self._imu.publish(
+            make_imu(self._factory, header, instruments.imu(motion), instruments.errors)
+        )
 
     def _publish_frame(self, motion: Motion, stamp: int) -> None:
         header = make_header(self._factory, stamp, BASE)
         self._altitude = self._world.instruments.altitude(motion)
-        self._range.publish(make_range(header, self._altitude))
+        self._range.publish(make_range(self._factory, header, self._altitude))
         camera_header = make_header(self._factory, stamp, CAMERA)
-        self._info.publish(make_camera_info(camera_header, self._world.camera))
+        self._info.publish(make_camera_info(self._factory, camera_header, self._world.camera))
         truth = self._world.cross_track(motion)
         self._publish_truth(motion, truth, stamp)
         picture = raw_from_array(self._world.picture(motion), "mono8")
@@ -223,7 +228,7 @@ class SimulatorNode(ProcessNode):
         state = self._world.true_state(motion)
         self._true_state.publish(make_state(self._factory, camera_header, state))
         in_odom = make_header(self._factory, stamp, ODOM)
-        self._true_odometry.publish(make_true_odometry(in_odom, motion))
+        self._true_odometry.publish(make_true_odometry(self._factory, in_odom, motion))
         depth = self._world.cable_height - float(motion.position[2])
         self._true_cross_track.publish(
             make_cross_track(
@@ -231,7 +236,7 @@ class SimulatorNode(ProcessNode):
                 make_header(self._factory, stamp, BASE),
                 (0.0, truth.offset, depth),
                 truth.heading,
-                unknown_covariance(),
+                np.diag([UNKNOWN_VARIANCE, UNKNOWN_VARIANCE]),
             )
         )
 
