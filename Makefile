@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install check-python test test-all test-jazzy test-processors lint demo gui loop survey docs bench table fuzz soak clean
+.PHONY: help install check-python test test-all test-jazzy jazzy-python test-processors lint demo gui loop survey docs bench table fuzz soak clean
 
 CANDIDATES := python3 python3.12 python3.11 python3.13 python3.14
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
@@ -98,6 +98,9 @@ test-processors: install
 # JAZZY_TIER= (empty) runs all tests. Warnings of deprecated names come from what the platform has.
 test-jazzy: $(JAZZY_VENV)/installed
 	$(JAZZY_VENV)/bin/$(PYTEST) -W default::DeprecationWarning $(JAZZY_TIER) $(TESTS)
+
+jazzy-python:
+	@echo $(JAZZY_PYTHON)
 
 $(JAZZY_VENV)/installed: setup.py setup.cfg constraints.txt constraints-jazzy.txt package.xml
 	@test -n "$(JAZZY_PYTHON)" || { \
