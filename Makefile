@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install check-python test test-all test-jazzy jazzy-python test-processors lint demo gui loop survey docs bench table fuzz soak clean
+.PHONY: help install check-python test test-all test-jazzy jazzy-python test-processors lint demo gui loop survey docs evaluation bench table fuzz soak clean
 
 CANDIDATES := python3 python3.12 python3.11 python3.13 python3.14
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
@@ -14,6 +14,9 @@ BIN := $(VENV)/bin
 SOURCE ?=
 DEMO := demo
 SEED ?= 1
+SEEDS ?= 10
+FOOTAGE ?=
+BLOCK ?=
 TABLE := cable_tracker/cable/measure/border_responses.json
 TABLE_SCENARIOS := S1 S2 S3 S4 S5 S6 night
 TABLE_SEEDS := 200,204-206
@@ -51,6 +54,7 @@ help:
 	@echo "make test-processors       the whole suite as other processors and a busy one would run it"
 	@echo "make install               set up $(VENV); the others do it by themselves"
 	@echo "make docs                  write config/*.yaml and docs/parameters.md from the table"
+	@echo "make evaluation            evaluate all methods, and write the tables of docs/evaluation.md"
 	@echo "make bench                 measure speeds, and write them into docs/performance.md"
 	@echo "make table                 learn the tables of the likelihood ratio, in some minutes"
 	@echo "make fuzz RUNS=1000000     feed damaged files to all that reads files, so many to each"
@@ -170,6 +174,10 @@ survey: install
 
 docs: install
 	$(BIN)/python docs/generate.py
+
+evaluation: install
+	$(BIN)/python docs/evaluation_tables.py --seeds $(SEEDS) $(FOOTAGE:%=--footage %) \
+		$(BLOCK:%=--block %)
 
 bench: install
 	$(BIN)/cable-tracker dev bench --dds --force --markdown docs/performance.md
