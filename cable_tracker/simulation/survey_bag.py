@@ -40,13 +40,12 @@ from cable_tracker.simulation.instrument_messages import (
 )
 from cable_tracker.simulation.instruments import OdometryReading
 from cable_tracker.simulation.live_world import MOUNTING
+from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.simulation.survey_dive import (
     FIX_SIGMA,
     SurveyDive,
     SurveySettings,
     Tick,
-    cable_points,
-    survey_cable,
 )
 
 ORIGIN = (54.25, 7.9)
@@ -152,7 +151,7 @@ def write_survey_bag(
 def truth_of(settings: SurveySettings) -> dict[str, object]:
     """Return what `truth.json` says."""
     along = np.arange(-2.0, settings.length + 4.0, COURSE_STEP)
-    course = cable_points(survey_cable(settings.cable_seed), along)[0][:, :2]
+    course = cable_points(cable_of_seed(settings.cable_seed), along)[0][:, :2]
     return {
         "origin": ORIGIN,
         "bearing": BEARING,
