@@ -48,7 +48,6 @@ MEDIAN_ALPHA = Measure("median_alpha", "Median error of alpha [deg]", 2)
 MEDIAN_W = Measure("median_w", "Median error of w [px]", 1)
 INSIDE_D = Measure("inside_2_sigma_d", "Truths of d inside two sigma [%]", 0)
 INSIDE_W = Measure("inside_2_sigma_w", "Truths of w inside two sigma [%]", 0)
-MS = Measure("ms", "CPU time of a frame [ms]", 1)
 
 
 @dataclass(frozen=True)
@@ -68,14 +67,14 @@ BLOCKS = (
     Block(
         "scenarios",
         _scenarios("S1", "S2", "S3", "S4", "S5", "S6"),
-        (USEFUL, WRONG, MEDIAN_D, MEDIAN_ALPHA, MEDIAN_W, INSIDE_D, INSIDE_W, MS),
+        (USEFUL, WRONG, MEDIAN_D, MEDIAN_ALPHA, MEDIAN_W, INSIDE_D, INSIDE_W),
     ),
     Block(
         "further",
         _scenarios("leaves", "buried", "crossing", "no_cable", "decoys", "night"),
         (USEFUL, WRONG, FALSE, FOUND),
     ),
-    Block("footage", (), (USEFUL, WRONG, MEDIAN_D, MEDIAN_ALPHA, MEDIAN_W, MS)),
+    Block("footage", (), (USEFUL, WRONG, MEDIAN_D, MEDIAN_ALPHA, MEDIAN_W)),
 )
 
 
