@@ -257,6 +257,7 @@ def _diameters(
 ) -> FloatArray:
     owner = _rows_of(looks, members, len(rows))
     known = (owner >= 0) & (rows["status"] == TRACKING) & np.isfinite(rows["diameter"])
+    known &= cable.weights[owner] > 0.0
     along = cable.along[owner[known]]
     place = np.round((along - wanted[0]) / SPACING).astype(np.int64)
     inside = (place >= 0) & (place < len(wanted))
