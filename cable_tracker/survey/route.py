@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.survey.frame_table import TRACKING, Rows
 from cable_tracker.survey.navigation import Poses
-from cable_tracker.survey.smoothing import Looks, SmoothedCable
+from cable_tracker.survey.smoothing import Looks, SmoothedCable, filled
 
 SPACING = 0.5
 """Between two points of a route [m]."""
@@ -309,7 +309,7 @@ def _in_view(
 ) -> BoolArray:
     """Tell for each place whether the cable passed through a picture while the camera was there."""
     first, count = bins
-    half = rows["half_view"][looks.first[members]].astype(np.float64)
+    half = filled(rows["half_view"])[looks.first[members]]
     inside = np.abs(cable.states[members, 0]) < half
     place = np.floor((cable.along[members] - first) / PROFILE_SPACING).astype(np.int64)
     fine = (place >= 0) & (place < count)

@@ -145,10 +145,7 @@ def look_steps(rows: Rows, poses: FloatArray) -> Looks:
     poses : FloatArray
         x, y, yaw of the vehicle in each frame, shape (N, 3); NaN where it is not known.
     """
-    look = rows["look"].copy()
-    known = np.isfinite(look)
-    usual = float(np.median(look[known])) if known.any() else 0.0
-    look[~known] = usual
+    look = filled(rows["look"])
     yaw = poses[:, 2]
     places = np.column_stack(
         (poses[:, 0] + look * np.cos(yaw), poses[:, 1] + look * np.sin(yaw), yaw)
@@ -189,6 +186,14 @@ def look_steps(rows: Rows, poses: FloatArray) -> Looks:
     )
 
 
+def filled(values: FloatArray) -> FloatArray:
+    """Return values (N,) with those between for what is not known."""
+    known = np.flatnonzero(np.isfinite(values))
+    if not len(known):
+        return np.zeros(len(values))
+    return np.asarray(np.interp(np.arange(len(values)), known, values[known]))
+
+
 def _odd(diameters: FloatArray) -> BoolArray:
     """Tell which diameters (S,) [m] are out of the ordinary; NaN is not."""
     known = np.isfinite(diameters)
@@ -227,8 +232,8 @@ def _starts(places: FloatArray, step: float) -> IndexArray:
     return starts[:count]
 
 
-def smooth(looks: Looks) -> SmoothedCable:
-    """Smooth the claims of a dive in both directions."""
+def smooth(looks: Looks, *, way_back: bool = True) -> SmoothedCable:
+    """Smooth the claims of a dive in both directions, or only filter them forwards."""
     claimed = np.isfinite(looks.claims).all(axis=1)
     # What may be something else has to fit to what the others say, so these come first.
     weights = np.where(claimed & ~looks.odd, 1.0, 0.0)
@@ -240,7 +245,7 @@ def smooth(looks: Looks) -> SmoothedCable:
     for _ in range(ROUNDS):
         noise = (_noise(looks.covariances, scale).T * shared).T
         along, states, covariances = _both_ways(
-            looks.places, seconds, looks.claims, noise, weights, looks.breaks
+            looks.places, seconds, looks.claims, noise, weights, looks.breaks, way_back
         )
         off = looks.claims - states[:, :2]
         plain = _noise(looks.covariances, scale)
@@ -347,6 +352,7 @@ def _both_ways(  # noqa: PLR0917
     noise: FloatArray,
     weights: FloatArray,
     breaks: BoolArray,
+    way_back: bool,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Filter forwards and smooth backwards; see `smooth`."""
     count = len(places)
@@ -375,7 +381,7 @@ def _both_ways(  # noqa: PLR0917
             mean, spread = _claimed(mean, spread, claims[k], noise[k] / weights[k])
         means[k], spreads[k] = mean, spread
     for k in range(count - 2, -1, -1):
-        if is_new[k + 1]:
+        if is_new[k + 1] or not way_back:
             continue
         back = spreads[k] @ moves[k + 1].T @ np.linalg.inv(spreads_before[k + 1])
         means[k] += back @ (means[k + 1] - means_before[k + 1])
