@@ -218,7 +218,7 @@ def _judge_false(settings: Simulated, tube: Tube, events: Sequence[Placed]) -> t
         if kind in (EventKind.BURIED, EventKind.FOUND, EventKind.LOST):
             reach = 0.0 if kind is EventKind.BURIED else NEAR
             shares = dive.hidden_share(np.arange(start - reach, end + reach + 0.1, 0.2))
-            if float(shares.mean() if reach == 0.0 else shares.max()) > HIDDEN_SHARE:
+            if float(np.median(shares) if reach == 0.0 else shares.max()) > HIDDEN_SHARE:
                 return True
         if kind in (EventKind.FOUND, EventKind.LOST, EventKind.OUT_OF_VIEW, EventKind.ASIDE):
             near = (*aside, Stretch(-2.0, 3.0))

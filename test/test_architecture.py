@@ -32,7 +32,7 @@ MAY_IMPORT = {
         "campaigns", "trackers", "detection", "metric", "sequences", "cable", "tracking",
     },
     "evaluation": {
-        "trackers", "simulation", "detection", "visualisation", "sequences", "metric", "cable",
+        "campaigns", "trackers", "simulation", "detection", "visualisation", "sequences", "metric", "cable",
         "target", "tracking",
     },
     "gui": {

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cable_tracker.campaigns.cluster import ClusterSettings
+from cable_tracker.campaigns.crew import ClusterSettings
 from cable_tracker.campaigns.runner import run_campaign
 from cable_tracker.campaigns.task import Outcome, TaskState, fingerprint_of_files
 from cable_tracker.errors import OutputError, RecordingError
