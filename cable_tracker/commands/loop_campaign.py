@@ -107,7 +107,7 @@ class LoopTask:
                 stderr=said,
                 # A Ctrl-C reaches it through us alone, once; and it does not outlive us.
                 start_new_session=True,
-                preexec_fn=_end_with_parent,
+                preexec_fn=_end_with_parent,  # noqa: PLW1509  It only calls the kernel.
             )
             try:
                 # Sleeping instead of waiting for threads: a signal may come any time.

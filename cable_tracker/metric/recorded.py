@@ -14,6 +14,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+import numpy as np
+
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.motion_aid import MotionAid
@@ -187,7 +189,8 @@ class RecordedMetres:
             if hasattr(message, "range"):
                 metres, limits = read_range(message)
             else:
-                metres, limits = float(message.data), (0.0, MOST_ALTITUDE)
+                # As a Range, which the node hears, would hold it.
+                metres, limits = float(np.float32(message.data)), (0.0, MOST_ALTITUDE)
             self._instruments.take_altitude(stamp, metres, limits)
         elif given.instrument is Instrument.IMU:
             least = math.radians(number(self._values, "imu_sigma"))

@@ -261,12 +261,16 @@ class InstrumentSource:
                 instruments[stored.topic], message, _stamp_of(message, stored.time), stored.time
             )
 
+    def static_messages(self) -> Iterator[Message]:
+        """Yield the messages of `/tf_static`."""
+        if TF_STATIC in self._storage.topics:
+            for _, message in self._read([TF_STATIC]):
+                yield message
+
     def static_transforms(self) -> tuple[StaticTransform, ...]:
         """Read where the frames of the vehicle are; of those said twice, the last counts."""
-        if TF_STATIC not in self._storage.topics:
-            return ()
         found: dict[str, StaticTransform] = {}
-        for _, message in self._read([TF_STATIC]):
+        for message in self.static_messages():
             for each in message.transforms:
                 transform = _transform(each)
                 if transform is not None:

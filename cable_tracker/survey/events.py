@@ -143,7 +143,7 @@ class _Maker:
         row = int(route.rows[point])
         frame = int(self.dive.table.rows["frame"][row])
         stamp = int(self.dive.table.rows["stamp"][row])
-        return Event(kind, along, end, (x, y), stamp, frame, detail, self.dive.path.name)
+        return Event(kind, along, end, (x, y), stamp, frame, detail, self.dive.name)
 
 
 def runs(mask: BoolArray) -> list[tuple[int, int]]:

@@ -129,6 +129,8 @@ class ForwardDive:
         `FIX_WIDTH` numbers each.
     notes : list of str
         What the user should know: what is missing, where the recording broke off.
+    given_name : str
+        Instead of the recording's own name; empty: none.
     """
 
     path: Path
@@ -136,6 +138,12 @@ class ForwardDive:
     poses: Samples = field(default_factory=lambda: Samples(POSE_WIDTH))
     fixes: Samples = field(default_factory=lambda: Samples(FIX_WIDTH))
     notes: list[str] = field(default_factory=list)
+    given_name: str = ""
+
+    @property
+    def name(self) -> str:
+        """What the recording is called: its own name, unless another is given."""
+        return self.given_name or self.path.name
 
 
 def track_forwards(
