@@ -46,7 +46,7 @@ FIX_WIDTH = 5
 UNSAID_FIX_VARIANCE = 25.0
 """Of a fix that says nothing about its doubt [m²]."""
 
-MOST_RATE = 6.25
+MOST_RATE = 5.0
 """With odometry no more pictures per second are tracked [1/s]: it tells how the cable moves in
 between, and what is seen again some centimetres farther on is not known better."""
 
@@ -55,9 +55,9 @@ FASTEST_RATE = 1000.0
 EARLY = 0.05
 """A picture that is early by this share of the pause between two counts as in time."""
 
-METRES_PAUSE = 240_000_000
+METRES_PAUSE = 190_000_000
 """Between two pictures in which metres are worked out [ns]: at half a metre a second, a cable is
-looked at every 12 cm, and what can be seen of it several times."""
+looked at every 10 cm, and each place of it several times."""
 
 TEXTURE_PAUSE = 0.5
 """Between two looks at the sea bed's texture while odometry agrees with it [s]."""
