@@ -125,7 +125,7 @@ def _integrated(knots: list[tuple[int, FloatArray]], seconds: float) -> PoseChan
 
 def rotation_by(vector: FloatArray) -> FloatArray:
     """Return the rotation by a rotation vector (3,) [rad], shape (3, 3); Rodrigues' formula."""
-    return rotations_by(vector[None, :])[0]
+    return np.asarray(rotations_by(vector[None, :])[0])
 
 
 def rotations_by(vectors: FloatArray) -> FloatArray:
