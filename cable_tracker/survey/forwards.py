@@ -65,6 +65,9 @@ TEXTURE_PAUSE = 0.5
 INSTRUMENT_PAUSE = 30_000_000
 """Between two readings of a fast instrument [ns]; what comes more often is passed over."""
 
+POSE_PAUSE = 90_000_000
+"""Between two poses that are kept [ns]: a vehicle's way is smooth over a tenth of a second."""
+
 CALIBRATION_PAUSE = 1_000_000_000
 """The same of the calibration [ns]."""
 
@@ -210,7 +213,7 @@ class _Run:
         self._look_ahead = float(str(vehicle.vehicle.values["look_ahead"])) or 1.0
         self._finder = HoughDetector()
         self._next_search = -(2**62)
-        self._measured = -(2**62)
+        self._measured = self._posed = -(2**62)
 
     def close(self) -> None:
         self._metres.__exit__(None, None, None)
@@ -264,8 +267,11 @@ class _Run:
     def _note(self, given: InstrumentMessage) -> None:
         message = given.message
         if given.instrument is Instrument.ODOMETRY:
+            if 0 <= given.stamp - self._posed < POSE_PAUSE:
+                return
             pose = read_pose(message)
             if np.isfinite(pose).all():
+                self._posed = given.stamp
                 self._dive.poses.add(given.stamp, pose)
         elif given.instrument is Instrument.FIX:
             fix = read_fix(message)

@@ -97,9 +97,11 @@ class InstrumentReplay:
             for each in Instrument
             if each in sent
         }
-        self._counts = node.create_publisher(
-            JointState, output_topics.INSTRUMENTS_SENT, qos.INSTRUMENTS
-        )
+        self._counts = None
+        if sent:
+            self._counts = node.create_publisher(
+                JointState, output_topics.INSTRUMENTS_SENT, qos.INSTRUMENTS
+            )
         self._sent = dict.fromkeys(COUNTED, 0)
         self._feed: InstrumentFeed | None = None
         self._is_first = True
@@ -155,7 +157,7 @@ class InstrumentReplay:
                 is_old = message.received < frame.received - BEGINNING
                 if is_calibration or not (first and is_old):
                     self._send(message)
-        if self._publishers:
+        if self._counts is not None:
             header = make_header(self._factory, frame.stamp, "")
             counts = self._factory.doubles([float(self._sent[each]) for each in COUNTED])
             names = [each.value for each in COUNTED]

@@ -143,7 +143,7 @@
     }
     rows.forEach(([title, name], place) => {
       const values = route[name], known = values.filter((value) => value !== null);
-      const top = 4 + place * each, bottom = top + each - 10;
+      const top = 20 + place * each, bottom = top + each - 26;
       const most = name === "visible" ? 1 : nice(Math.max(1e-3, ...extent(known).slice(1)));
       pen.strokeStyle = colour("--line");
       pen.lineWidth = 1;
@@ -161,11 +161,8 @@
       });
       pen.strokeStyle = colour("--route");
       pen.stroke();
-      // On paper, so that no curve runs through the words.
-      pen.fillStyle = colour("--paper");
-      pen.fillRect(left + 2, top + 2, pen.measureText(title).width + 8, 15);
       pen.fillStyle = colour("--ink");
-      pen.fillText(title, left + 6, top + 13);
+      pen.fillText(title, left, top - 5);
     });
     pen.fillStyle = colour("--dim");
     const step = nice(end / Math.max(2, (right - left) / 110));
