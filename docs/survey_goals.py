@@ -42,6 +42,9 @@ REGION = 1.96
 NEAR = 1.0
 """An event is that of the truth if it is so near to it [m]."""
 
+CLEAR = 6.0
+"""What is nearer than this to where a dive ends need not be found [m]."""
+
 HIDDEN_SHARE = 0.4
 """Where sand, growth and ropes hide so much of the borders, it is right to say so."""
 
@@ -133,10 +136,11 @@ def measure(path: Path, settings: Simulated) -> Measured:
     events = [
         (event, *where.true(event, each.route)) for each in surveyed.routes for event in each.events
     ]
-    found, expected, ends = _judge_found(settings, events)
+    done = _as_far_as(settings, float(along.max()))
+    found, expected, ends = _judge_found(done, events)
     return Measured(
         path.name,
-        settings.length,
+        done.length,
         _rms(errors[on_route]),
         _rms(errors_forwards[on_route]),
         float((np.abs(errors[on_route]) < REGION * sigmas[on_route]).mean()),
@@ -145,6 +149,17 @@ def measure(path: Path, settings: Simulated) -> Measured:
         expected,
         _judge_false(settings, truth.tube, events),
         surveyed.seconds / seconds,
+    )
+
+
+def _as_far_as(settings: Simulated, reach: float) -> Simulated:
+    """Return what there is up to where a dive has come, which may have been broken off [m]."""
+    return replace(
+        settings,
+        length=min(settings.length, reach),
+        buried=tuple(each for each in settings.buried if each.end < reach - CLEAR),
+        crossings=tuple(each for each in settings.crossings if each < reach - CLEAR),
+        excursions=tuple(each for each in settings.excursions if each.end < reach - CLEAR),
     )
 
 

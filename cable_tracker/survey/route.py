@@ -286,7 +286,9 @@ def _profile(
     look = owner[used]
     off = np.abs(rows["aside"][used] - cable.states[look, 0])
     allowed = ON_ROUTE * np.sqrt(cable.covariances[look, 0, 0]) + 0.05
-    used, look = used[off <= allowed], look[off <= allowed]
+    # What is claimed of something else tells nothing about the cable.
+    tells = (off <= allowed) & (cable.weights[look] > 0.0)
+    used, look = used[tells], look[tells]
     ahead = rows["profile_ahead"][used] - rows["look"][used][:, None]
     along = cable.along[look][:, None] + ahead / np.cos(cable.states[look, 1])[:, None]
     scores = rows["profile_score"][used]
