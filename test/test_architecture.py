@@ -32,8 +32,8 @@ MAY_IMPORT = {
         "campaigns", "trackers", "detection", "metric", "sequences", "cable", "tracking",
     },
     "evaluation": {
-        "trackers", "simulation", "detection", "visualisation", "sequences", "metric", "cable",
-        "target", "tracking",
+        "campaigns", "trackers", "simulation", "detection", "visualisation", "sequences", "metric",
+        "cable", "target", "tracking",
     },
     "gui": {
         "trackers", "evaluation", "detection", "visualisation", "sequences",

@@ -12,7 +12,9 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
+from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, roll_and_pitch
+from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.messages import UNKNOWN_VARIANCE, Message, MessageFactory
 
 Y, YAW = 1, 5
@@ -107,6 +109,19 @@ def read_twist(
     covariance[~known] = covariance[:, ~known] = 0.0
     covariance[~known, ~known] = least[~known]
     return np.array(twist), covariance
+
+
+METRES_KEYS = ("offset", "heading", "sigma_offset", "sigma_heading")
+NO_METRES_KEY = "no_metres"
+
+
+def report_metres(known: CrossTrack | Withheld) -> dict[str, str]:
+    """Return what a frame's report says in metres: to the last bit, or why there are none."""
+    if isinstance(known, Withheld):
+        return {NO_METRES_KEY: str(known)}
+    sigma = known.standard_deviations()
+    values = (known.offset, known.heading, float(sigma[0]), float(sigma[2]))
+    return dict(zip(METRES_KEYS, map(repr, values), strict=True))
 
 
 def make_cross_track(

@@ -32,6 +32,9 @@ GROUND_TRUTH = OutputTopic("ground_truth", "sensor_msgs/msg/JointState")
 IMAGE = OutputTopic("image", "sensor_msgs/msg/Image")
 COMPRESSED_IMAGE = OutputTopic("image/compressed", "sensor_msgs/msg/CompressedImage")
 
+INSTRUMENTS_SENT = "instruments_sent"
+"""How many messages of each instrument a replay has sent before the frame of a stamp."""
+
 EVERY_FRAME = (STATE, FRAME_REPORT)
 """Published for every frame, whatever becomes of it."""
 

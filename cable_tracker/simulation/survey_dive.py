@@ -70,6 +70,12 @@ FIX_SIGMA = 0.5
 CROSSING_RADIUS = 0.06
 """Of the cables that lie across [m]."""
 
+LEAST_ACROSS = math.sin(math.radians(15.0))
+"""Sine of the angle from the cable at which a line counts as across it."""
+
+SHARE_WAY = 0.5
+"""Over which it is said how much of a cable is hidden [m]."""
+
 EXCURSION_RAMP = 4.0
 """Way over which the pilot leaves the cable, and comes back [m]."""
 
@@ -232,6 +238,7 @@ class SurveyDive:
         )
         assert cable is not None
         self._cable = cable
+        self._streaks = scene.streaks
         self._renderer = SceneRenderer(self._camera, scene, LOOK, picture_rng)
         self._wander = Harmonics.random(settings.wander, WANDER_BANDS, motion_rng)
         current = Current.random(settings.current, np.random.default_rng(own.course))
@@ -255,6 +262,31 @@ class SurveyDive:
     def cable_height(self) -> float:
         """Height of the cable's axis above the bottom [m]."""
         return self._tube.height
+
+    def lines_across(self) -> FloatArray:
+        """Return where other cables, ropes and furrows lie across the cable, shape (N,) [m]."""
+        across = list(self._settings.crossings)
+        for streak in self._streaks:
+            sine, cosine = math.sin(streak.angle), math.cos(streak.angle)
+            if abs(sine) < LEAST_ACROSS or abs(streak.p / sine) > streak.half_length + 1.0:
+                continue
+            across.append((streak.q - streak.p * cosine / sine) * self._tube.radius)
+        return np.sort(across)
+
+    def hidden_share(self, along: FloatArray) -> FloatArray:
+        """Return which share of both borders is hidden about places along the cable, shape (N,).
+
+        `along` (N,) [m]; over `SHARE_WAY`, seen from above.
+        """
+        shares = np.empty(len(along))
+        steps = np.linspace(-SHARE_WAY / 2, SHARE_WAY / 2, 21)
+        for number, place in enumerate(along):
+            points, _ = self._tube.axis(np.array([place]))
+            position = np.array([*points[0, :2], self._settings.altitude])
+            world = self._tube.silhouette(position[None], (place + steps)[None])[0]
+            usable = np.isfinite(world).all(axis=-1)
+            shares[number] = self._renderer.hidden(self._cable, position, world, usable).mean()
+        return shares
 
     def ticks(self) -> Iterator[Tick]:
         """Dive until the end of the cable, or until three times the time that it should take."""

@@ -8,15 +8,23 @@ from typing import Annotated
 
 import typer
 
+from cable_tracker.campaigns.crew import move_store, run_all, stored_beside
 from cable_tracker.commands.evaluate import (
     FirstSeedOption,
     SeedsOption,
     WorkersOption,
+    chosen_cluster,
     seeds_from,
-    worker_count,
 )
 from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.options import ForceOption
+from cable_tracker.commands.options import (
+    MEMORY,
+    DashboardOption,
+    ForceOption,
+    MemoryOption,
+    ResumeOption,
+    SchedulerOption,
+)
 from cable_tracker.commands.terminal import advance, console, messages, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.folder import output_folder
@@ -27,7 +35,6 @@ from cable_tracker.evaluation.targets.comparison import (
     write_figures,
 )
 from cable_tracker.evaluation.targets.peers import MISSING_PEERS, PEERS
-from cable_tracker.evaluation.workers import run_tasks
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 
 FIGURES_CSV = "figures.csv"
@@ -52,6 +59,10 @@ def evaluate_targets(  # noqa: PLR0917
     seeds: SeedsOption = 5,
     force: ForceOption = False,
     workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = MEMORY,
+    dashboard: DashboardOption = False,
+    resume: ResumeOption = False,
 ) -> None:
     """Compare target filters with the trackers of OpenCV.
 
@@ -72,13 +83,18 @@ def evaluate_targets(  # noqa: PLR0917
         for seed in seeds_from(seeds, first_seed)
         for name in scenarios
     ]
-    with output_folder(output, TABLE_MARKDOWN, overwrite=force) as folder:
+    cluster = chosen_cluster(workers, scheduler, memory, dashboard)
+    with (
+        output_folder(output, TABLE_MARKDOWN, overwrite=force or resume) as folder,
+        stored_beside(output, cluster, resume=resume) as crew,
+    ):
         with progress_bar("targets", len(tasks) * FRAMES) as progress:
-            parts = run_tasks(
+            parts = run_all(
                 tasks,
-                workers=worker_count(workers),
+                workers=crew,
                 advance=lambda count: advance(progress, count),
             )
+        move_store(crew, folder)
         results = [each for part in parts for each in part]
         note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
         table = markdown_table(results, methods, note)

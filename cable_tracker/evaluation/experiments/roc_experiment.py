@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from cable_tracker.arrays import BoolArray
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.campaigns.crew import Workers
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.experiments.experiment_result import (
@@ -110,7 +111,7 @@ class RocExperiment:
         """Return how many frames there are to go through."""
         return self._campaign().frame_count()
 
-    def run(self, workers: int, advance: Callable[[int], None]) -> ExperimentResult:
+    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it."""
         results = run_campaign(self._campaign(), workers=workers, advance=advance)
         curves: dict[str, tuple[list[float], list[float]]] = {}

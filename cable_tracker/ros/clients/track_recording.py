@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 from rclpy.executors import SingleThreadedExecutor
 
@@ -16,13 +17,15 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
 from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder
+from cable_tracker.metric.messages import METRES_KEYS, NO_METRES_KEY
+from cable_tracker.metric.recorded import RecordedVehicle
 from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import local_environment, use_local_environment
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.convert import write_truth
-from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.sequences.estimates import EstimateRow, RowMetres
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages import (
     Message,
@@ -34,6 +37,9 @@ from cable_tracker.sequences.source import Source
 from cable_tracker.tracking.parameter_files import write_node_parameters
 
 FRAME_TIMEOUT = 60.0
+LONGEST_WAIT = 30.0
+"""For the instruments of a frame [s]; they have been sent, so that it is not waited for in vain."""
+
 END_TIMEOUT = 10.0
 
 
@@ -49,11 +55,14 @@ class RecordingRequest:
         Parameters of the filter.
     initial_state : CableState or None
         Where to start; None for random.
+    vehicle : RecordedVehicle or None
+        With its instruments; None: everything stays in pixels.
     """
 
     source: dict[str, ParameterValue]
     parameters: TrackerParameters
     initial_state: CableState | None
+    vehicle: RecordedVehicle | None = None
 
 
 def track_recording_over_ros(
@@ -105,7 +114,11 @@ def track_recording_over_ros(
                 "replay",
                 namespace,
                 folder,
-                {**request.source, "lockstep": True},
+                {
+                    **request.source,
+                    "lockstep": True,
+                    "instruments": bool(request.vehicle and request.vehicle.has_instruments),
+                },
                 ["-r", f"state:={ACKNOWLEDGED}"],
             )
         )
@@ -124,6 +137,18 @@ def _tracker_parameters(source: Source, request: RecordingRequest) -> dict[str, 
         "diagnostics_period": 0.1,
         # The same estimates as without ROS, whatever the recording shows.
         "frozen_timeout": 0.0,
+        **_vehicle_parameters(request.vehicle),
+    }
+
+
+def _vehicle_parameters(vehicle: RecordedVehicle | None) -> dict[str, ParameterValue]:
+    if vehicle is None or not vehicle.has_instruments:
+        return {}
+    return {
+        **cast(dict[str, ParameterValue], vehicle.vehicle.values),
+        "instrument_reliability": "reliable",
+        # A frame waits until all has come that the replay has sent before it.
+        "instrument_wait": LONGEST_WAIT,
     }
 
 
@@ -250,4 +275,12 @@ def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
         evidence=number("evidence"),
         hypotheses=len(values["hypotheses"].split()) if "hypotheses" in values else None,
         ms=number("ms"),
+        metres=_row_metres(values),
+        no_metres=values.get(NO_METRES_KEY, ""),
     )
+
+
+def _row_metres(values: Mapping[str, str]) -> RowMetres | None:
+    if METRES_KEYS[0] not in values:
+        return None
+    return RowMetres(*(float(values[key]) for key in METRES_KEYS))
