@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Protocol
 
+LARGEST_STEP = 0.5
+"""Share of a time that one frame counts for at most: however slow the camera, two must agree."""
+
 
 class TrackingStatus(str, Enum):
     """How far the tracker may be trusted."""
@@ -74,7 +77,8 @@ class StatusMachine:
         rises, holds : bool
             Whether the frame speaks for claiming a target, and for going on to claim it.
         dt : float
-            Time since the frame before [s].
+            Time since the frame before [s]. A frame counts for it, but for no more than half of the
+            time that is asked for.
         parameters : StatusTimes
             Times.
         """
@@ -85,7 +89,7 @@ class StatusMachine:
     def _while_claimed(self, holds: bool, dt: float, parameters: StatusTimes) -> StatusMachine:
         if holds:
             return replace(self, contrary_time=0.0, unclaimed_time=0.0)
-        contrary = self.contrary_time + dt
+        contrary = self.contrary_time + min(dt, LARGEST_STEP * parameters.loss_time)
         if contrary >= parameters.loss_time:
             return StatusMachine(TrackingStatus.LOST)
         return replace(self, contrary_time=contrary)
@@ -94,7 +98,7 @@ class StatusMachine:
         unclaimed = self.unclaimed_time + dt
         if not rises:
             return replace(self, contrary_time=0.0, unclaimed_time=unclaimed)
-        contrary = self.contrary_time + dt
+        contrary = self.contrary_time + min(dt, LARGEST_STEP * parameters.confirmation_time)
         if contrary >= parameters.confirmation_time:
             return StatusMachine(TrackingStatus.TRACKING)
         return replace(self, contrary_time=contrary, unclaimed_time=unclaimed)
