@@ -8,7 +8,8 @@ from enum import Enum
 from typing import Protocol
 
 LARGEST_STEP = 0.5
-"""Share of a time that one frame counts for at most: however slow the camera, two must agree."""
+"""Share of the loss time that one frame counts for at most: however slow the camera, one frame does
+not make a cable lost."""
 
 
 class TrackingStatus(str, Enum):
@@ -77,8 +78,8 @@ class StatusMachine:
         rises, holds : bool
             Whether the frame speaks for claiming a target, and for going on to claim it.
         dt : float
-            Time since the frame before [s]. A frame counts for it, but for no more than half of the
-            time that is asked for.
+            Time since the frame before [s]. A frame counts for it, but against a claim for no more
+            than half of the loss time.
         parameters : StatusTimes
             Times.
         """
@@ -98,7 +99,7 @@ class StatusMachine:
         unclaimed = self.unclaimed_time + dt
         if not rises:
             return replace(self, contrary_time=0.0, unclaimed_time=unclaimed)
-        contrary = self.contrary_time + min(dt, LARGEST_STEP * parameters.confirmation_time)
+        contrary = self.contrary_time + dt
         if contrary >= parameters.confirmation_time:
             return StatusMachine(TrackingStatus.TRACKING)
         return replace(self, contrary_time=contrary, unclaimed_time=unclaimed)
