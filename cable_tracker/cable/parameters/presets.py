@@ -11,20 +11,13 @@ from cable_tracker.tracking.parameter_table import preset_of
 PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
     {
         "default": TrackerParameters(),
-        # Pipes as inspections by ROV show them: wide, mostly up the picture, wider below, and calm.
+        # Pipes as inspections by ROV show them: wide, mostly up the picture, wider below. A shadow
+        # beside one is often narrower than any pipe.
         "pipeline": TrackerParameters(
-            distance_variance=0.5,
-            angle_variance=0.075,
-            width_variance=0.25,
-            skew_variance=0.025,
-            distance_rate_variance=0.5,
-            angle_rate_variance=0.0125,
-            width_rate_variance=0.25,
-            skew_rate_variance=0.005,
-            width_minimum=16.0,
+            width_minimum=24.0,
             width_maximum=260.0,
             initial_angle_range=60.0,
-            initial_width_minimum=24.0,
+            initial_width_minimum=32.0,
             initial_width_maximum=230.0,
             initial_skew_minimum=-5.0,
         ),
