@@ -533,7 +533,7 @@ def gain_over(gain: float, dt: float) -> float:
     What looks like a cable in one frame does so in the next, the less the longer that is after.
     """
     frames = dt * REFERENCE_RATE if dt > 0.0 else 1.0
-    return 1.0 - (1.0 - gain) ** frames
+    return 1.0 - math.pow(1.0 - gain, frames)
 
 
 def annealing_power(number: int, rounds: int) -> float:
