@@ -64,7 +64,7 @@ CONTRAST_SHAPE = (RESPONSE_BINS // COARSE, CONTRAST_BINS)
 RATIO_LIMIT = 6.0
 """No entry of a table is beyond this, of either sign."""
 
-LARGEST_RATIO = np.float32(2.3)
+LARGEST_RATIO = np.float32(2.4)
 """No single point may say more than this for a border, both tables together."""
 
 STRAY_SHARE = 0.1
