@@ -18,8 +18,9 @@ SEEDS ?= 10
 FOOTAGE ?=
 BLOCK ?=
 TABLE := cable_tracker/cable/measure/border_responses.json
-TABLE_SCENARIOS := S1 S2 S3 S4 S5 S6 night
-TABLE_SEEDS := 200,204-206
+TABLE_SCENARIOS := S1 S2 S3 S4 S5 S6 night tune_*
+TABLE_SEEDS := 200-205
+TABLE_FRAMES := 100
 TABLE_EVERY := 4
 RUNS ?= 100000
 FUZZ_SEED ?= 1
@@ -184,8 +185,8 @@ bench: install
 
 # The tables that ship with the package. The evaluation's dives have the seeds 0, 1, ...
 table: install
-	$(BIN)/cable-tracker learn $(TABLE_SCENARIOS:%=--scenario %) --seeds $(TABLE_SEEDS) \
-		--every $(TABLE_EVERY) --seed 0 --output $(TABLE) --force
+	$(BIN)/cable-tracker learn $(TABLE_SCENARIOS:%=--scenario '%') --seeds $(TABLE_SEEDS) \
+		--frames $(TABLE_FRAMES) --every $(TABLE_EVERY) --seed 0 --output $(TABLE) --force
 
 # What is found lies in $(FUZZ)/findings; mended, it belongs in test/fuzz/examples/TARGET.
 fuzz: install

@@ -42,6 +42,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 TITLES = {
     "default": "Preset `default`: what to begin with. Written by `make docs`.",
+    "pipeline": "Preset `pipeline`: wide pipes as inspections see them. Written by `make docs`.",
     "thesis": "Preset `thesis`: Wirth (2008), Tables 5.1, 5.2. Written by `make docs`.",
 }
 
@@ -71,8 +72,8 @@ have is warned of and ignored at its start; `cable-tracker track --params` refus
 ## The filter
 
 Parameters of the node `tracker`, of `cable-tracker track --params FILE`, and of
-`TrackerParameters`. All can be changed while the node runs. `config/default.yaml` and
-`config/thesis.yaml` hold the two presets.
+`TrackerParameters`. All can be changed while the node runs. `config/default.yaml`,
+`config/pipeline.yaml` and `config/thesis.yaml` hold the presets.
 
 """
 
@@ -92,11 +93,11 @@ def cell(value: object) -> str:
 
 
 def filter_table() -> str:
-    """Return the table of the filter's parameters, with the values of both presets."""
-    lines = ["| name | default | thesis | unit | range | meaning |", "|---|---|---|---|---|---|"]
+    """Return the table of the filter's parameters, with the values of all presets."""
+    lines = [f"| name | {' | '.join(TITLES)} | unit | range | meaning |", "|---" * 7 + "|"]
     for spec in PARAMETER_TABLE:
-        default, thesis = (cell(PRESETS[name].as_mapping()[spec.name]) for name in TITLES)
-        lines.append(row(spec, default, thesis))
+        values = [cell(PRESETS[name].as_mapping()[spec.name]) for name in TITLES]
+        lines.append(row(spec, *values))
     return "\n".join(lines) + "\n"
 
 

@@ -11,8 +11,7 @@ from cable_tracker.benchmark.goals import Goal, goals_of
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
 from cable_tracker.benchmark.round_robin import Measurement
 from cable_tracker.benchmark.statistics import Percentiles, Quartiles
-from cable_tracker.benchmark.subjects import KERNELS, REFERENCE_PARTICLES
-from cable_tracker.cable.parameters.presets import PRESETS
+from cable_tracker.benchmark.subjects import KERNELS, REFERENCE_PARTICLES, TIMED_PRESETS
 from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
 from cable_tracker.visualisation.files import write_bytes
@@ -107,7 +106,7 @@ def _rival_table(result: BenchmarkResult) -> ResultTable:
     rows = []
     for each in (*ours, *result.of("library"), *result.of("method")):
         label = each.label
-        name = f"{label.name}, {label.kernels}" if label.name in PRESETS else label.name
+        name = f"{label.name}, {label.kernels}" if label.name in TIMED_PRESETS else label.name
         accuracy = accuracies.get(label.name)
         errors = (accuracy.lost, accuracy.rmse_d, accuracy.rmse_alpha) if accuracy else (None,) * 3
         rows.append(

@@ -33,6 +33,10 @@ from cable_tracker.trackers import make_proposer
 
 KERNELS = ("compiled",)
 BASELINES = tuple(name for name in METHODS if name not in PRESETS)
+
+TIMED_PRESETS = ("default", "thesis")
+"""Presets that are timed; the others differ from `default` in limits and variances only."""
+
 REFERENCE_PARTICLES = 500
 SPACINGS = (5.0, 10.0, 20.0, 40.0)
 """Distances between sample points whose cost is compared [px at the reference width]."""
@@ -76,7 +80,7 @@ def frame_subjects(footages: Sequence[Footage], particles: Sequence[int]) -> lis
     return [
         filter_subject("frame", name, kernels, count, shown)
         for shown in footages
-        for name in PRESETS
+        for name in TIMED_PRESETS
         for kernels in KERNELS
         for count in sorted(particles)
     ]
@@ -86,7 +90,7 @@ def spacing_subjects(shown: Footage) -> list[Subject]:
     """Return both presets with several distances between the sample points."""
     return [
         filter_subject("spacing", name, KERNELS[0], REFERENCE_PARTICLES, shown, spacing)
-        for name in PRESETS
+        for name in TIMED_PRESETS
         for spacing in SPACINGS
     ]
 
@@ -141,7 +145,7 @@ def rival_subjects(shown: Footage) -> list[Subject]:
 def step_subjects(shown: Footage) -> list[Subject]:
     """Return the steps of both presets, as far as they exist alone."""
     subjects = []
-    for name in PRESETS:
+    for name in TIMED_PRESETS:
         for kernels in KERNELS:
             parameters = preset(name).replaced({"particle_count": REFERENCE_PARTICLES})
             for step_name, step in FilterSteps(parameters, shown).steps().items():

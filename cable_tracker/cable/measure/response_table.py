@@ -64,7 +64,7 @@ CONTRAST_SHAPE = (RESPONSE_BINS // COARSE, CONTRAST_BINS)
 RATIO_LIMIT = 6.0
 """No entry of a table is beyond this, of either sign."""
 
-LARGEST_RATIO = np.float32(2.3)
+LARGEST_RATIO = np.float32(2.4)
 """No single point may say more than this for a border, both tables together."""
 
 STRAY_SHARE = 0.1
@@ -184,6 +184,17 @@ class ResponseTable:
         return means
 
     @property
+    def limited_contrasts(self) -> Image:
+        """The table of contrasts so that no point says more than `LARGEST_RATIO` with any slope.
+
+        What is too much is taken off the same for all slopes: how exactly an edge lies here still
+        counts where it is strong.
+        """
+        most = self.edges.max(axis=2).reshape(CLASSES, -1, COARSE).max(axis=2)
+        limited: Image = np.minimum(self.contrasts, LARGEST_RATIO - most[..., None])
+        return limited
+
+    @property
     def edges_of_both(self) -> Image:
         """The tables of edges for bright and, turned round, for dark cables: (96, 15, 8)."""
         both = np.concatenate((self.edges, self.edges[:, ::-1]))
@@ -192,7 +203,8 @@ class ResponseTable:
     @property
     def contrasts_of_both(self) -> Image:
         """The tables of contrasts for bright and for dark cables, shape (24, 25, 8)."""
-        both = np.concatenate((self.contrasts, self.contrasts[:, ::-1, ::-1]))
+        own = self.limited_contrasts
+        both = np.concatenate((own, own[:, ::-1, ::-1]))
         return np.ascontiguousarray(np.moveaxis(both, 0, -1))
 
     def look_up(self, points: PointMeasures) -> Image:

@@ -37,6 +37,7 @@ from cable_tracker.evaluation.experiments.experiment_result import (
     ResultTable,
     write_experiment,
 )
+from cable_tracker.evaluation.experiments.roc_experiment import RocExperiment
 from cable_tracker.evaluation.experiments.thesis_experiments import EXPERIMENTS, Experiment
 from cable_tracker.evaluation.folder import output_folder
 
@@ -54,6 +55,9 @@ def experiment(  # noqa: PLR0917
             help=f"Of ablation: {' | '.join(ROW_NAMES)}; may be given several times."
             "  [default: all]"
         ),
+    ] = None,
+    frames: Annotated[
+        int | None, typer.Option(help="Of roc: only so many frames of each dive.", min=1)
     ] = None,
     force: ForceOption = False,
     workers: WorkersOption = None,
@@ -73,6 +77,7 @@ def experiment(  # noqa: PLR0917
     if name not in EXPERIMENTS:
         raise ParameterError(f"experiment: {name!r} is none of {' | '.join(EXPERIMENTS)}")
     chosen = _with_rows(EXPERIMENTS[name](seeds_from(seeds, first_seed)), row)
+    chosen = _with_frames(chosen, frames)
     path = output if output is not None else Path(f"experiment_{name}")
     note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
@@ -95,6 +100,14 @@ def _with_rows(chosen: Experiment, rows: list[str] | None) -> Experiment:
     if not isinstance(chosen, AblationExperiment):
         raise ParameterError("--row chooses what the experiment ablation runs; leave it out")
     return replace(chosen, rows=tuple(rows))
+
+
+def _with_frames(chosen: Experiment, frames: int | None) -> Experiment:
+    if frames is None:
+        return chosen
+    if not isinstance(chosen, RocExperiment):
+        raise ParameterError("--frames cuts the dives of the experiment roc; leave it out")
+    return replace(chosen, limit=frames)
 
 
 def _print(result: ExperimentResult) -> None:
