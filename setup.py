@@ -87,6 +87,7 @@ setup(
         "console_scripts": [
             "cable-tracker = cable_tracker.cli:main",
             "tracker = cable_tracker.ros.entry:tracker",
+            "target_tracker = cable_tracker.ros.entry:target_tracker",
             "replay = cable_tracker.ros.entry:replay",
             "simulator = cable_tracker.ros.entry:simulator",
             "controller = cable_tracker.ros.entry:controller",

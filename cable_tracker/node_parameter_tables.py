@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cable_tracker.cable.parameters.parameters import ParameterSpec
 from cable_tracker.cable.parameters.presets import PRESETS
+from cable_tracker.target.parameters.presets import TARGET_PRESETS
 
 
 def word(name: str, default: str, meaning: str, choices: tuple[str, ...] = ()) -> ParameterSpec:
@@ -137,6 +138,64 @@ TRACKER_RUNTIME_PARAMETERS = (
 )
 """May be changed at any time."""
 
+TARGET_OWN_START_PARAMETERS = (
+    word(
+        "preset", "default", "Values that the other parameters start from.", tuple(TARGET_PRESETS)
+    ),
+    count(
+        "target_count",
+        1,
+        (1, 16),
+        "Targets to follow; of several, each has its topics in a namespace `target_0`, ...",
+    ),
+    word(
+        "instrument_reliability",
+        "best_effort",
+        "The same as `image_reliability` for `camera_info`, `imu` and `odometry`.",
+        ("best_effort", "reliable"),
+    ),
+)
+TARGET_START_PARAMETERS = (*TARGET_OWN_START_PARAMETERS, *CAMERA_START_PARAMETERS)
+"""Read at start only."""
+
+MOUNTING_NAMES = ("camera_x", "camera_y", "camera_z", "camera_roll", "camera_yaw")
+
+TARGET_METRIC_PARAMETERS = (
+    *(spec for spec in METRIC_PARAMETERS if spec.name in MOUNTING_NAMES),
+    number("camera_pitch", 0.0, "deg", (-180.0, 180.0), "0: straight ahead; 90: straight down."),
+    *(spec for spec in METRIC_PARAMETERS if spec.name == "image_is_rectified"),
+    word("base_frame", "base_link", "frame_id of `relative_pose`."),
+    number(
+        "target_size",
+        0.0,
+        "m",
+        (0.0, 1000.0),
+        "Root of the area that the target shows; 0: not known, range by parallax only.",
+    ),
+    flag("motion_aid", True, "Let `odometry` or `imu` take turns of the camera out."),
+    number(
+        "instrument_wait",
+        0.0,
+        "s",
+        (0.0, 60.0),
+        "Hold a frame back for at most so long, until `camera_info` and, of its time or later,"
+        " `odometry` or `imu` have come; 0: do not wait.",
+    ),
+)
+"""For `bearing`, `relative_pose` and turns of the camera; see docs/targets.md."""
+
+TARGET_RUNTIME_PARAMETERS = (
+    word(
+        "initial_target",
+        "wait",
+        "Where start and reset begin: `wait` for a mark on the topic, `detect`, or boxes"
+        " `x0,y0,x1,y1` in px from the top left, divided by `;`.",
+    ),
+    *CAMERA_RUNTIME_PARAMETERS,
+    *TARGET_METRIC_PARAMETERS,
+)
+"""May be changed at any time."""
+
 REPLAY_START_PARAMETERS = (
     word("source", "", "Recording: a bag, a video, a folder of images, or a sequence file."),
     word("topic", "", "Image topic to take from a bag; needed only where it has several."),
@@ -232,4 +291,5 @@ CONTROLLER_PARAMETERS = (
 """Read at start only."""
 
 TRACKER_NODE_PARAMETERS = (*TRACKER_START_PARAMETERS, *TRACKER_RUNTIME_PARAMETERS)
+TARGET_NODE_PARAMETERS = (*TARGET_START_PARAMETERS, *TARGET_RUNTIME_PARAMETERS)
 REPLAY_NODE_PARAMETERS = (*REPLAY_START_PARAMETERS, *REPLAY_RUNTIME_PARAMETERS)

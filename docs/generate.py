@@ -27,6 +27,8 @@ from cable_tracker.node_parameter_tables import (
     REPLAY_RUNTIME_PARAMETERS,
     REPLAY_START_PARAMETERS,
     SIMULATOR_PARAMETERS,
+    TARGET_RUNTIME_PARAMETERS,
+    TARGET_START_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
     TRACKER_START_PARAMETERS,
 )
@@ -78,8 +80,9 @@ Parameters of the node `tracker`, of `cable-tracker track --params FILE`, and of
 
 
 TARGET_INTRODUCTION = """\
-Parameters of `cable-tracker target --params FILE` and of `TargetParameters`; see
-[targets.md](targets.md). `config/target_*.yaml` hold the presets.
+Parameters of the node `target_tracker`, of `cable-tracker target --params FILE`, and of
+`TargetParameters`; see [targets.md](targets.md). All can be changed while the node runs.
+`config/target_*.yaml` hold the presets.
 
 """
 
@@ -138,6 +141,9 @@ def parameters_page() -> str:
     ):
         parts += [f"\n## {title}\n\nRead at start only:\n\n", node_table(start)]
     parts += ["\n## The filter of targets\n\n", TARGET_INTRODUCTION, target_table()]
+    parts += ["\n## The node `target_tracker` besides\n\nRead at start only:\n\n"]
+    parts += [node_table(TARGET_START_PARAMETERS), "\nMay be changed while it runs:\n\n"]
+    parts += [node_table(TARGET_RUNTIME_PARAMETERS)]
     return "".join(parts)
 
 

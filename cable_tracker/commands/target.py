@@ -20,16 +20,16 @@ from cable_tracker.commands.options import (
     open_recording,
 )
 from cable_tracker.commands.terminal import advance, console, messages, progress_bar
-from cable_tracker.errors import FrameError, ParameterError
+from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.targets.track_target import (
     CONTACT_SHEET,
-    DETECT,
     ESTIMATES,
     VIDEO,
     TargetRow,
     parse_start,
     track_target,
 )
+from cable_tracker.target.model.start_text import DETECT
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import TARGET_PRESETS, target_preset
 from cable_tracker.target.tracker import TargetTracker
@@ -79,7 +79,7 @@ def target(  # noqa: PLR0917
     tracker = TargetTracker(parameters.replaced(_detector(init, parameters)))
     try:
         start = parse_start(init)
-    except FrameError as error:
+    except ParameterError as error:
         raise ParameterError(f"init: {error}") from error
     folder = output if output is not None else _default_output(source)
     with open_recording(source, topic, rate, None, skip_bad_frames, allow_outside) as recording:

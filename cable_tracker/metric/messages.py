@@ -85,6 +85,16 @@ def read_attitude(message: Message, least_sigma: float) -> Attitude:
     return Attitude(roll, pitch, max(sigma, least_sigma))
 
 
+def read_rates_of_turn(message: Message) -> FloatArray | None:
+    """Read the rates of turn of a sensor_msgs/Imu that is mounted like base_link, (3,) [rad/s].
+
+    None if it says that it does not measure them.
+    """
+    if float(message.angular_velocity_covariance[0]) == -1.0:
+        return None
+    return np.array([float(getattr(message.angular_velocity, axis)) for axis in "xyz"])
+
+
 def read_twist(
     message: Message, least_sigmas: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray]:

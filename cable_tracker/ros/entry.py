@@ -1,4 +1,4 @@
-"""What the executables `tracker`, `replay`, `simulator` and `controller` start."""
+"""What the executables start: trackers, replay, simulator, controller."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ USAGE = (
 )
 NODES = {
     "tracker": ("nodes.tracker_node", "TrackerNode"),
+    "target_tracker": ("nodes.target_tracker_node", "TargetTrackerNode"),
     "baseline": ("rigs.baseline_node", "BaselineNode"),
     "replay": ("nodes.replay_node", "ReplayNode"),
     "simulator": ("nodes.simulator_node", "SimulatorNode"),
@@ -74,6 +75,11 @@ def _end(code: int) -> NoReturn:
 def tracker() -> None:
     """Run the tracker node until it is stopped."""
     _end(run("tracker", None))
+
+
+def target_tracker() -> None:
+    """Run the target tracker until it is stopped."""
+    _end(run("target_tracker", None))
 
 
 def replay() -> None:

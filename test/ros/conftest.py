@@ -59,6 +59,7 @@ if HAS_ROS:
     from cable_tracker.ros.nodes.controller_node import ControllerNode
     from cable_tracker.ros.nodes.replay_node import ReplayNode
     from cable_tracker.ros.nodes.simulator_node import SimulatorNode
+    from cable_tracker.ros.nodes.target_tracker_node import TargetTrackerNode
     from cable_tracker.ros.nodes.tracker_node import TrackerNode
     from cable_tracker.ros.rigs.baseline_node import BaselineNode
 
@@ -150,6 +151,11 @@ class World:
     def cold_tracker(self, **parameters: Any) -> Any:
         """Make a tracker that may still be compiling."""
         return self.add(TrackerNode(**self._arguments(parameters)))
+
+    def target_tracker(self, **parameters: Any) -> Any:
+        node = self.add(TargetTrackerNode(**self._arguments(parameters)))
+        node.wait_until_warm()
+        return node
 
     def baseline(self, **parameters: Any) -> Any:
         """Make a stand-in for the tracker."""
@@ -272,6 +278,12 @@ def header_of(index: int) -> Any:
 
     sec, nanosec = divmod(FIRST + index * STEP, 1_000_000_000)
     return Header(stamp=Time(sec=sec, nanosec=nanosec), frame_id="eye")
+
+
+@pytest.fixture
+def header() -> Callable[[int], Any]:
+    """Make the header of the frame of an index."""
+    return header_of
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from pathlib import Path
 import cv2
 
 from cable_tracker.arrays import Image
-from cable_tracker.errors import FrameError, OutputError, ParameterError, RecordingError
+from cable_tracker.errors import FrameError, OutputError, RecordingError
 from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import REFUSED, format_stamp
@@ -20,6 +20,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source import Source
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.model.start_text import DETECT, parse_box
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.tracker import TargetTracker
 from cable_tracker.tracking.status import TrackingStatus
@@ -35,9 +36,6 @@ HEADER = (
     "frame", "stamp", "status", "x", "y", "scale", "angle", "v_x", "v_y", "sigma_x", "sigma_y",
     "box_x0", "box_y0", "box_x1", "box_y1", "area", "presence", "n_eff", "ms",
 )  # fmt: skip
-
-DETECT = "detect"
-"""Word for a start where a detector proposes."""
 
 SMALLEST_PICTURE = 480
 """Narrower frames are enlarged to this width in the pictures [px]."""
@@ -91,21 +89,11 @@ def parse_start(init: str) -> TargetStart | None:
     Raises
     ------
     ParameterError
-        They say neither.
-    FrameError
-        The box has no area, or is not finite.
+        They say neither, or the box has no area.
     """
     if init == DETECT:
         return None
-    try:
-        numbers = [float(word) for word in init.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) != 4:
-        raise ParameterError(
-            f"init: {init!r} is neither {DETECT} nor a box x0,y0,x1,y1 in px from the top left"
-        )
-    return TargetStart.from_box(*numbers)
+    return parse_box(init)
 
 
 def track_target(
