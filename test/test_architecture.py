@@ -33,7 +33,7 @@ MAY_IMPORT = {
     },
     "evaluation": {
         "trackers", "simulation", "detection", "visualisation", "sequences", "metric", "cable",
-        "target", "tracking",
+        "target", "tracking", "particle_filter",
     },
     "gui": {
         "trackers", "evaluation", "detection", "visualisation", "sequences",

@@ -277,11 +277,13 @@ def _unmoved(factory: MessageFactory) -> Message:
     return factory.make("geometry_msgs/msg/Pose", orientation=orientation)
 
 
-def target_report_values(estimate: TargetEstimate, ms: float) -> dict[str, str]:
+def target_report_values(
+    estimate: TargetEstimate, ms: float, particle_count: int
+) -> dict[str, str]:
     """Return the facts about one frame of a target, as text that loses no digit.
 
     What there is only with a claim is empty without one: `box` (left, top, right, bottom [px]),
-    `area` [px²], `scale`.
+    `area` [px²], `scale`, `corners` of the contour. `particles` are empty before the first target.
     """
     claimed = is_claimed(estimate)
     box = " ".join(repr(float(side)) for side in estimate.box or ()) if claimed else ""
@@ -292,6 +294,8 @@ def target_report_values(estimate: TargetEstimate, ms: float) -> dict[str, str]:
         "scale": repr(estimate.scale) if claimed else "",
         "area": repr(float(estimate.area)) if claimed else "",
         "box": box,
+        "corners": str(len(estimate.outline)) if claimed and len(estimate.outline) else "",
+        "particles": str(particle_count) if particle_count else "",
         "score": repr(float(estimate.score)),
         "event": estimate.event,
     }

@@ -244,7 +244,11 @@ class TargetOutputs:
                         self._factory,
                         header,
                         answer.estimate.status.value,
-                        target_report_values(answer.estimate, milliseconds),
+                        target_report_values(
+                            answer.estimate,
+                            milliseconds,
+                            answer.particles.count if answer.particles is not None else 0,
+                        ),
                     )
                     for answer in answers
                 ]
