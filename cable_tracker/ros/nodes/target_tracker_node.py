@@ -265,8 +265,8 @@ def status_of(estimates: Sequence[TargetEstimate]) -> str:
     statuses = {estimate.status for estimate in estimates}
     for status in (TrackingStatus.LOST, TrackingStatus.TRACKING):
         if status in statuses:
-            return status.value
-    return TrackingStatus.INITIALISING.value
+            return str(status.value)
+    return str(TrackingStatus.INITIALISING.value)
 
 
 def _values_of(estimate: TargetEstimate | None) -> dict[str, str]:
