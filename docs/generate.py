@@ -24,10 +24,12 @@ from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter
 from cable_tracker.metric.frames import Mounting
 from cable_tracker.node_parameter_tables import (
     CONTROLLER_PARAMETERS,
+    FOLLOWER_PARAMETERS,
     REPLAY_RUNTIME_PARAMETERS,
     REPLAY_START_PARAMETERS,
     SIMULATOR_PARAMETERS,
     TARGET_RUNTIME_PARAMETERS,
+    TARGET_SIMULATOR_PARAMETERS,
     TARGET_START_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
     TRACKER_START_PARAMETERS,
@@ -138,6 +140,8 @@ def parameters_page() -> str:
     for title, start in (
         ("The node `simulator`", SIMULATOR_PARAMETERS),
         ("The node `controller`, an example", CONTROLLER_PARAMETERS),
+        ("The node `target_simulator`", TARGET_SIMULATOR_PARAMETERS),
+        ("The node `follower`, an example", FOLLOWER_PARAMETERS),
     ):
         parts += [f"\n## {title}\n\nRead at start only:\n\n", node_table(start)]
     parts += ["\n## The filter of targets\n\n", TARGET_INTRODUCTION, target_table()]

@@ -1,8 +1,8 @@
 """Keep a distance behind a target, as an example: its place in, surge, heave and turn out.
 
-The surge has an integral part, which comes to be the target's own speed and the current's; while the
-target is lost it carries the vehicle on. Then the vehicle looks for it where it should have gone,
-and at last turns on the spot towards the side on which it was seen.
+The surge has an integral part, which comes to be the target's own speed and the current's; while
+the target is lost it carries the vehicle on. After a while the vehicle also looks to both sides of
+its course in turn, farther every time, beginning where the target was last seen.
 """
 
 from __future__ import annotations
@@ -39,6 +39,8 @@ class FollowSettings:
         After so long without it the vehicle stands still [s].
     search_turn : float
         Rate of turn while it is looked for [rad/s].
+    search_angle : float
+        To either side of the course at first; every time so much farther [rad].
     """
 
     distance: float = 2.5
@@ -49,9 +51,10 @@ class FollowSettings:
     most_turn: float = 0.5
     climb_gain: float = 0.5
     most_heave: float = 0.2
-    memory_time: float = 4.0
+    memory_time: float = 8.0
     give_up: float = 60.0
     search_turn: float = 0.3
+    search_angle: float = 0.4
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,8 +158,7 @@ class TargetFollower:
             return FollowCommand(self._limited(self._integral), 0.0, turn)
         if lost <= self._settings.give_up:
             self._mode = FollowMode.SEARCHING
-            side = 1.0 if self._last.bearing >= 0.0 else -1.0
-            return FollowCommand(0.0, 0.0, side * self._settings.search_turn)
+            return self._search(lost - self._settings.memory_time, self._last.bearing)
         self._mode = FollowMode.GIVEN_UP
         return FollowCommand()
 
@@ -170,6 +172,19 @@ class TargetFollower:
         surge = self._limited(wanted) * max(math.cos(place.bearing), 0.0)
         heave = min(max(settings.climb_gain * place.up, -settings.most_heave), settings.most_heave)
         return FollowCommand(surge, heave, self._turn(place.bearing))
+
+    def _search(self, seconds: float, bearing: float) -> FollowCommand:
+        """Look to both sides, `seconds` after the search has begun."""
+        settings = self._settings
+        side = 1.0 if bearing >= 0.0 else -1.0
+        reach, begin, turned = settings.search_angle, 0.0, settings.search_angle
+        # Each leg goes from one side to the other, and farther than the one before.
+        while settings.search_turn > 0.0 and seconds > begin + turned / settings.search_turn:
+            begin += turned / settings.search_turn
+            turned = 2.0 * reach + settings.search_angle
+            reach += settings.search_angle
+            side = -side
+        return FollowCommand(self._limited(self._integral), 0.0, side * settings.search_turn)
 
     def _limited(self, surge: float) -> float:
         most = self._settings.most_surge

@@ -26,6 +26,8 @@ NODES = {
     "baseline": ("rigs.baseline_node", "BaselineNode"),
     "replay": ("nodes.replay_node", "ReplayNode"),
     "simulator": ("nodes.simulator_node", "SimulatorNode"),
+    "target_simulator": ("nodes.target_simulator_node", "TargetSimulatorNode"),
+    "follower": ("nodes.follower_node", "FollowerNode"),
     "controller": ("nodes.controller_node", "ControllerNode"),
 }
 """Module and class of each."""
@@ -90,6 +92,16 @@ def replay() -> None:
 def simulator() -> None:
     """Run the simulated vehicle until it is at the end of its cable."""
     _end(run("simulator", None))
+
+
+def target_simulator() -> None:
+    """Run the simulated vehicle behind a target until its time is over."""
+    _end(run("target_simulator", None))
+
+
+def follower() -> None:
+    """Run the example of a follower of targets until it is stopped."""
+    _end(run("follower", None))
 
 
 def controller() -> None:

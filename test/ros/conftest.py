@@ -57,8 +57,10 @@ if HAS_ROS:
     from rclpy.signals import SignalHandlerOptions
 
     from cable_tracker.ros.nodes.controller_node import ControllerNode
+    from cable_tracker.ros.nodes.follower_node import FollowerNode
     from cable_tracker.ros.nodes.replay_node import ReplayNode
     from cable_tracker.ros.nodes.simulator_node import SimulatorNode
+    from cable_tracker.ros.nodes.target_simulator_node import TargetSimulatorNode
     from cable_tracker.ros.nodes.target_tracker_node import TargetTrackerNode
     from cable_tracker.ros.nodes.tracker_node import TrackerNode
     from cable_tracker.ros.rigs.baseline_node import BaselineNode
@@ -170,6 +172,12 @@ class World:
 
     def simulator(self, **parameters: Any) -> Any:
         return self.add(SimulatorNode(**self._arguments(parameters)))
+
+    def target_simulator(self, **parameters: Any) -> Any:
+        return self.add(TargetSimulatorNode(**self._arguments(parameters)))
+
+    def follower(self, **parameters: Any) -> Any:
+        return self.add(FollowerNode(**self._arguments(parameters)))
 
     def controller(self, **parameters: Any) -> Any:
         return self.add(ControllerNode(**self._arguments(parameters)))

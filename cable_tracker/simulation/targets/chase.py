@@ -75,7 +75,7 @@ class ChaseSettings:
     duration: float = 300.0
     speed: float = 0.35
     hidden_every: float = 50.0
-    hidden_for: float = 4.0
+    hidden_for: float = 6.0
     altitude: float = 5.0
     current: float = 0.05
     image_size: tuple[int, int] = (320, 240)
