@@ -71,17 +71,21 @@ GOOD_OVERLAP = 0.6
 CLEAR_OF_TARGET = 1.5
 """Random places this far from the target count as clutter, in roots of its area."""
 
-FIRST_LIKENESS = UsualScore(0.95, 0.0025)
-"""Of a target to itself, before any frame has shown it."""
+FIRST_LIKENESS, FIRST_GREY_LIKENESS = UsualScore(0.8, 0.01), UsualScore(0.95, 0.0025)
+"""Of a target to itself, before any frame has shown it: in colour, and in grey."""
 
 WHOLE_SIZE = 0.2
 """Log scales this far from the usual one still belong to a target that nothing hides."""
 
-RIVAL_STRENGTH = 0.6
-"""Another peak of at least this share of the strongest one's strength is like the target."""
+RIVAL_SCORE = 0.75
+"""Another peak whose region scores at least this share of the target's usual score is like it."""
 
-RIVAL_NEAR, RIVAL_FAR = 0.9, 2.6
-"""At such distances from the target it may soon cover it, or just has: in roots of the area."""
+RIVAL_NEAR, RIVAL_FAR, RIVAL_TOUCHES = 1.2, 2.6, 1.9
+"""At such distances from the target it may soon cover it, or just has; one that is last seen nearer
+than the third has merged with it: in roots of the area."""
+
+RIVAL_FRAMES = 5
+"""Both must be seen in so many frames in a row: a target that jumps is beside itself for one."""
 
 RIVAL_TIME = 1.2
 """For so long after one was there, and is not any more, both are taken for one [s]."""
@@ -175,6 +179,7 @@ class PoseFilter:
         self._presence = 0.0
         self._estimate = np.zeros(POSE_SIZE)
         self._since_rival = math.inf
+        self._rival_frames = 0
 
     @property
     def particles(self) -> Particles | None:
@@ -211,7 +216,7 @@ class PoseFilter:
             look.template,
             look.appearance,
             self._usual(look.score),
-            FIRST_LIKENESS,
+            FIRST_LIKENESS if frame.is_coloured else FIRST_GREY_LIKENESS,
             0.0,
             Births(look.state, 0.0, p.memory_time, frame.shape),
             look.template.size,
@@ -340,7 +345,7 @@ class PoseFilter:
         """Draw the particles of a frame, with the densities of belief and proposal at each."""
         p, rng = self._parameters, self._rng
         peaks, strengths = self._peaks(look)
-        self._watch_for_rivals(peaks, strengths, dt)
+        self._watch_for_rivals(look, peaks, dt)
         forecast = self._forecast(look, dt)
         refined_count = round(p.refinement_share * p.particle_count)
         search_count = round(p.search_share * p.particle_count)
@@ -433,18 +438,31 @@ class PoseFilter:
             gain *= 0.0 if self._is_merged() else HELD_GAIN
         states[:, PLACES:] = forecast.rates[parents] + gain[:, None] * unforeseen / dt
 
-    def _watch_for_rivals(self, peaks: FloatArray, strengths: FloatArray, dt: float) -> None:
+    def _watch_for_rivals(self, look: _Look, peaks: FloatArray, dt: float) -> None:
         """Note when something like the target comes near it, or just has been.
 
         What cannot be told from it may be told by its way: two that cross keep their rates.
         """
         self._since_rival += dt
-        if len(peaks) < 2:
+        if len(peaks) == 0 or self._known is None:
             return
         apart = np.hypot(*(peaks[:, :2] - self._estimate[:2]).T) / self._size()
-        alike = strengths >= RIVAL_STRENGTH * strengths.max()
-        if (alike & (apart > RIVAL_NEAR) & (apart < RIVAL_FAR)).any():
-            self._since_rival = 0.0
+        beside = (apart > RIVAL_NEAR) & (apart < RIVAL_FAR)
+        # The target itself must be seen at its place: else what is beside it may be itself.
+        if not beside.any() or not (apart <= RIVAL_NEAR).any():
+            self._rival_frames = 0
+            return
+        poses = np.zeros((len(peaks), POSE_SIZE))
+        poses[:, :PLACES] = peaks
+        alike = self._scores(look, poses) >= RIVAL_SCORE * self._known.usual.mean
+        if not (alike & beside).any() or not (alike & (apart <= RIVAL_NEAR)).any():
+            self._rival_frames = 0
+            return
+        self._rival_frames += 1
+        if self._rival_frames >= RIVAL_FRAMES:
+            touches = float(apart[beside & alike].min()) < RIVAL_TOUCHES
+            # One that is last seen farther away has not merged with the target.
+            self._since_rival = 0.0 if touches else math.inf
 
     def _holds_rates(self) -> bool:
         return self._since_rival <= RIVAL_TIME

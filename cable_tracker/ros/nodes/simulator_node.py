@@ -42,6 +42,7 @@ from cable_tracker.sequences.messages import (
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import FIRST_STAMP
+from cable_tracker.simulation.instruments import InstrumentSet
 from cable_tracker.simulation.live_world import LiveSettings, LiveWorld
 from cable_tracker.simulation.vehicle import Motion, VelocityCommand
 
@@ -69,8 +70,15 @@ class WorldSettings(Protocol):
 class World(Protocol):
     """A vehicle in its surroundings, as `LiveWorld`."""
 
-    instruments: Any
-    time: float
+    @property
+    def instruments(self) -> InstrumentSet:
+        """Of the vehicle."""
+        ...
+
+    @property
+    def time(self) -> float:
+        """Since the start [s]."""
+        ...
 
     @property
     def settings(self) -> WorldSettings:

@@ -84,7 +84,7 @@ def sun_column(image: NDArray[np.float32]) -> int | None:
     most = int(counts.max())
     if most < LEAST_SATURATED:
         return None
-    return int(round(float(np.flatnonzero(counts == most).mean())))
+    return round(float(np.flatnonzero(counts == most).mean()))
 
 
 def edge_shares(image: NDArray[np.float32]) -> NDArray[np.float32]:
