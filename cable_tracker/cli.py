@@ -34,8 +34,9 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "convert": "convert:convert",
             "simulate": "simulate:simulate_command",
         },
-        "Steer by the cable, and prepare a vehicle's computer": {
+        "Steer by cable or target, and prepare a vehicle's computer": {
             "loop": "loop:loop",
+            "chase": "chase:chase",
             "warm-up": "warm_up:warm_up_command",
             "dds-profile": "dds_profile:dds_profile",
         },

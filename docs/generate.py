@@ -24,9 +24,13 @@ from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter
 from cable_tracker.metric.frames import Mounting
 from cable_tracker.node_parameter_tables import (
     CONTROLLER_PARAMETERS,
+    FOLLOWER_PARAMETERS,
     REPLAY_RUNTIME_PARAMETERS,
     REPLAY_START_PARAMETERS,
     SIMULATOR_PARAMETERS,
+    TARGET_RUNTIME_PARAMETERS,
+    TARGET_SIMULATOR_PARAMETERS,
+    TARGET_START_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
     TRACKER_START_PARAMETERS,
 )
@@ -79,8 +83,9 @@ Parameters of the node `tracker`, of `cable-tracker track --params FILE`, and of
 
 
 TARGET_INTRODUCTION = """\
-Parameters of `cable-tracker target --params FILE` and of `TargetParameters`; see
-[targets.md](targets.md). `config/target_*.yaml` hold the presets.
+Parameters of the node `target_tracker`, of `cable-tracker target --params FILE`, and of
+`TargetParameters`; see [targets.md](targets.md). All can be changed while the node runs.
+`config/target_*.yaml` hold the presets.
 
 """
 
@@ -136,9 +141,14 @@ def parameters_page() -> str:
     for title, start in (
         ("The node `simulator`", SIMULATOR_PARAMETERS),
         ("The node `controller`, an example", CONTROLLER_PARAMETERS),
+        ("The node `target_simulator`", TARGET_SIMULATOR_PARAMETERS),
+        ("The node `follower`, an example", FOLLOWER_PARAMETERS),
     ):
         parts += [f"\n## {title}\n\nRead at start only:\n\n", node_table(start)]
     parts += ["\n## The filter of targets\n\n", TARGET_INTRODUCTION, target_table()]
+    parts += ["\n## The node `target_tracker` besides\n\nRead at start only:\n\n"]
+    parts += [node_table(TARGET_START_PARAMETERS), "\nMay be changed while it runs:\n\n"]
+    parts += [node_table(TARGET_RUNTIME_PARAMETERS)]
     return "".join(parts)
 
 

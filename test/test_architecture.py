@@ -20,9 +20,9 @@ MAY_IMPORT = {
     "tracking": set(),
     "cable": {"tracking", "particle_filter"},
     "target": {"contour", "tracking", "particle_filter"},
-    "node_parameter_tables": {"cable", "tracking"},
-    "sequences": {"cable", "tracking", "particle_filter"},
-    "metric": {"sequences", "node_parameter_tables", "cable", "tracking"},
+    "node_parameter_tables": {"cable", "target", "tracking"},
+    "sequences": {"cable", "target", "tracking", "particle_filter"},
+    "metric": {"sequences", "node_parameter_tables", "cable", "target", "tracking"},
     "detection": {"cable", "tracking"},
     "trackers": {"cable", "tracking", "detection"},
     "visualisation": {"sequences", "cable", "target", "tracking"},
@@ -33,7 +33,7 @@ MAY_IMPORT = {
     },
     "evaluation": {
         "campaigns", "trackers", "simulation", "detection", "visualisation", "sequences", "metric",
-        "cable", "target", "tracking",
+        "cable", "target", "tracking", "particle_filter",
     },
     "gui": {
         "trackers", "evaluation", "detection", "visualisation", "sequences",
@@ -48,7 +48,8 @@ MAY_IMPORT = {
         "benchmark", "gui", "evaluation", "trackers", "simulation", "detection",
         "example_controller",
         "visualisation", "sequences",
-        "node_parameter_tables", "metric", "cable", "tracking", "particle_filter", "resources",
+        "node_parameter_tables", "metric", "cable", "target", "tracking", "particle_filter",
+        "resources",
     },
     "commands": {
         "ros", "benchmark", "gui", "evaluation", "survey", "campaigns", "trackers", "simulation",

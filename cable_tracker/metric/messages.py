@@ -93,6 +93,16 @@ def yaw_of(quaternion: Message) -> float:
     return math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
 
 
+def read_rates_of_turn(message: Message) -> FloatArray | None:
+    """Read the rates of turn of a sensor_msgs/Imu that is mounted like base_link, (3,) [rad/s].
+
+    None if it says that it does not measure them.
+    """
+    if float(message.angular_velocity_covariance[0]) == -1.0:
+        return None
+    return np.array([float(getattr(message.angular_velocity, axis)) for axis in "xyz"])
+
+
 def read_twist(
     message: Message, least_sigmas: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray]:

@@ -36,6 +36,9 @@ from cable_tracker.sequences.image_folder import load_picture
 from cable_tracker.sequences.sequence_file import Label, read_labels, write_labels
 from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.video_stream import DECODERS, DecodedPicture, Packet, StreamDecoder
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.model.start_text import parse_start_text
+from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_files import (
     filter_parameters,
     format_parameter_file,
@@ -386,6 +389,29 @@ def run_parameters(data: bytes) -> None:
         assert state is None or state.is_finite()
 
 
+def run_target(data: bytes) -> None:
+    """A parameter file of targets, where they begin as text, and a marked outline."""
+    with as_file(data, "parameters.yaml") as path, suppress(ParameterError):
+        values = read_parameter_file(path, "target_tracker")
+        parameters = TargetParameters().replaced(
+            {name: values[name] for name in values.keys() & TargetParameters().as_mapping().keys()}
+        )
+        assert TargetParameters().replaced(parameters.as_mapping()) == parameters
+    with suppress(ParameterError):
+        for box in parse_start_text(data.decode(errors="replace")).boxes:
+            check_start(box)
+    with suppress(FrameError):
+        corners = np.frombuffer(data[: len(data) // 16 * 16], "<f8").reshape(-1, 2)
+        check_start(TargetStart(corners))
+
+
+def check_start(start: TargetStart) -> None:
+    """A mark that a picture can hold has a mask in it."""
+    with suppress(FrameError):
+        start.check((64, 48))
+        assert start.mask((48, 64), 1.0).shape == (48, 64)
+
+
 def run_estimates(data: bytes) -> None:
     """A table of estimates: what is read is written again the same."""
     csv.field_size_limit()
@@ -426,6 +452,15 @@ TARGETS: Mapping[str, Target] = MappingProxyType(
             lambda: {
                 "file": format_parameter_file(TrackerParameters(), "All of them.").encode(),
                 "state": b"12.0,0.1,40,0.03",
+            },
+        ),
+        "target": Target(
+            run_target,
+            lambda: {
+                "file": b"target_tracker: {ros__parameters: {particle_count: 70, seed: 3}}",
+                "boxes": b"1.0,2.5,30,40;3,4,10,20",
+                "word": b"detect",
+                "outline": np.array([[3.0, 4.0], [30.0, 5.0], [20.0, 40.0]]).tobytes(),
             },
         ),
         "estimates": Target(run_estimates, estimates_seeds),

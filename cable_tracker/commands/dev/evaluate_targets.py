@@ -6,6 +6,7 @@ from datetime import date
 from pathlib import Path
 from typing import Annotated
 
+import cv2
 import typer
 
 from cable_tracker.campaigns.crew import move_store, run_all, stored_beside
@@ -76,8 +77,9 @@ def evaluate_targets(  # noqa: PLR0917
     ]:
         if name not in known:
             raise ParameterError(f"{name!r} is none of {' | '.join(known)}")
-    if MISSING_PEERS:
-        messages.print(f"note: this OpenCV has no {', '.join(MISSING_PEERS)}", soft_wrap=True)
+    missing = _words_on_missing()
+    if missing:
+        messages.print(missing, style="bold yellow", soft_wrap=True)
     tasks = [
         ScenarioTask(name, seed, methods, FRAMES)
         for seed in seeds_from(seeds, first_seed)
@@ -96,10 +98,21 @@ def evaluate_targets(  # noqa: PLR0917
             )
         move_store(crew, folder)
         results = [each for part in parts for each in part]
-        note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
+        note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}. {missing}".rstrip()
         table = markdown_table(results, methods, note)
         write_figures(folder / FIGURES_CSV, results)
         (folder / TABLE_MARKDOWN).write_text(table, encoding="utf-8")
     console.print(table)
     for file_name in (FIGURES_CSV, TABLE_MARKDOWN):
         console.print(f"  {output / file_name}", soft_wrap=True)
+
+
+def _words_on_missing() -> str:
+    """Say which peers this OpenCV has not, and how to have them; empty where it has all."""
+    if not MISSING_PEERS:
+        return ""
+    return (
+        f"NOT COMPARED WITH {' AND '.join(MISSING_PEERS)}: OpenCV {cv2.__version__} has none."
+        " Install 'opencv-contrib-python-headless<5' in place of opencv-python-headless, in a"
+        " virtual environment of its own."
+    )
