@@ -26,8 +26,13 @@ from cable_tracker.cable.hypotheses.proposals import (
 from cable_tracker.cable.measure.likelihood_ratio import bright_share
 from cable_tracker.cable.model.geometry import unwrap_state
 from cable_tracker.cable.model.state import STATE_SIZE, StateColumn
-from cable_tracker.compilation import compiled, compiled_part
-from cable_tracker.particle_filter.weights import effective_sample_size, log_sum_exp
+from cable_tracker.compilation import compiled, compiled_loop, compiled_part
+from cable_tracker.particle_filter.weights import (
+    effective_sample_size,
+    exponentials,
+    log_sum_exp,
+    logarithms,
+)
 
 WIDTH = int(StateColumn.WIDTH)
 """Numba 0.59 takes no enumeration for an index beside a slice."""
@@ -100,7 +105,9 @@ def conclude(
         unwrap_state(states[row], 0.0, states[row])
     densities, evidence = sample.densities, sample.evidence
     log_prior = log_weights(0.0, sample.ratios[:end], densities.full[:end], sample.mixture[:end])
-    posterior = log_prior + sample.ratios[:end]
+    posterior = np.empty(end)
+    for row in range(end):
+        posterior[row] = log_prior[row] + sample.ratios[row]
     groups, count = find_groups(states, posterior, image_width, anchors)
     if count == 0:
         return _nothing(states, posterior)
@@ -116,12 +123,16 @@ def conclude(
         rules,
     )
     log_evidence = log_sum_exp(corrected)
-    normalised = corrected - log_evidence
-    weights = np.exp(normalised)
+    normalised = np.empty(end)
+    for row in range(end):
+        normalised[row] = corrected[row] - log_evidence
+    weights = exponentials(normalised)
     clusters = clusters_of(states, weights, groups, count)
     if not len(clusters.masses):
         # Correcting may leave all groups light and the rest heavy.
-        groups, count = find_groups(states, np.log(weights), image_width, np.empty((0, STATE_SIZE)))
+        groups, count = find_groups(
+            states, logarithms(weights), image_width, np.empty((0, STATE_SIZE))
+        )
         clusters = clusters_of(states, weights, groups, count)
     border_evidence, visible_length, posterior_bright = _summary(
         clusters.labels,
@@ -170,7 +181,7 @@ def _nothing(states: FloatArray, log_shares: FloatArray) -> Conclusion:
     )
 
 
-@compiled_part
+@compiled_loop
 def _summary(
     labels: IndexArray,
     mass: float,

@@ -178,8 +178,11 @@ class ResponseTable:
     @property
     def absent(self) -> FloatArray:
         """Log-likelihood ratios of a point that shows nothing at all, by class, shape (4,)."""
-        nothing = np.zeros(1, np.float32)
-        ratios = self.look_up(PointMeasures(nothing, nothing, nothing))
+        # In Python: a tracker needs no machine code for many points then.
+        nothing = np.float32(0.0)
+        row, column, cell = response_bin(nothing), slope_bin(nothing), contrast_bin(nothing)
+        edges, contrasts = self.edges_of_both[row, column], self.contrasts_of_both[row // COARSE]
+        ratios = np.minimum(edges + contrasts[cell], LARGEST_RATIO)
         means: FloatArray = ratios.reshape(2, CLASSES).mean(axis=0).astype(np.float64)
         return means
 
