@@ -36,7 +36,8 @@ def test_the_vehicle_goes_where_it_is_told(world: Any) -> None:
     command = Twist()
     command.linear.x = 0.5
     for count in range(1, 40):
-        world.spin(lambda count=count: len(truths) == count)
+        world.spin(lambda count=count: node.frames == count)
         node.on_command(command)
+    world.spin(lambda: len(truths) > 30)
     before, after = (truths[index].pose.pose.position.x for index in (0, -1))
     assert after < before - 0.8
