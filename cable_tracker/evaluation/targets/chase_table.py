@@ -150,4 +150,5 @@ def write_chase(folder: Path, rows: Sequence[ChaseRow], summary: ChaseSummary) -
     axes.set_ylabel("[m]")
     axes.legend(loc="lower right")
     figure.tight_layout()
-    FigureCanvasAgg(figure).print_png(folder / PLOT)
+    FigureCanvasAgg(figure)
+    figure.savefig(folder / PLOT)
