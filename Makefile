@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install check-python test test-all test-jazzy test-processors lint demo gui loop survey docs bench table fuzz soak clean
+.PHONY: help install check-python test test-all test-jazzy jazzy-python test-processors lint demo gui loop survey docs evaluation bench table fuzz soak clean
 
 CANDIDATES := python3 python3.12 python3.11 python3.13 python3.14
 PYTHON ?= $(shell for p in $(CANDIDATES); do \
@@ -14,15 +14,20 @@ BIN := $(VENV)/bin
 SOURCE ?=
 DEMO := demo
 SEED ?= 1
+SEEDS ?= 10
+FOOTAGE ?=
+BLOCK ?=
 TABLE := cable_tracker/cable/measure/border_responses.json
-TABLE_SCENARIOS := S1 S2 S3 S4 S5 S6 night
-TABLE_SEEDS := 200,204-206
+TABLE_SCENARIOS := S1 S2 S3 S4 S5 S6 night tune_*
+TABLE_SEEDS := 200-205
+TABLE_FRAMES := 100
 TABLE_EVERY := 4
 RUNS ?= 100000
 FUZZ_SEED ?= 1
-FUZZ_TARGETS ?= picture raw_image sequence_file mcap sqlite ros1 metadata parameters estimates
+FUZZ_TARGETS ?= picture raw_image sequence_file mcap sqlite ros1 video video_stream metadata parameters estimates
 FUZZ := fuzz
 MINUTES ?= 10
+TIER ?=
 # Tests beside linters: those for every change, and what is left for before a merge.
 PYTEST := python -m pytest -n 2 --timeout 600 -q
 QUICK := -m "not slow and not browser" --hypothesis-profile quick
@@ -38,7 +43,7 @@ export ROS_LOG_DIR ?= $(CURDIR)/$(VENV)/log/ros
 export MPLCONFIGDIR ?= $(CURDIR)/$(VENV)/cache/matplotlib
 
 help:
-	@echo "make demo                  simulate a dive, replay it over DDS, track it, show the errors"
+	@echo "make demo                  simulate dives, an easy and a hard one, track them, show the errors"
 	@echo "make demo SOURCE=path      the same for a recording of yours"
 	@echo "make gui                   watch and tune the filter in a browser, on a simulated dive"
 	@echo "make gui SOURCE=path       the same on a recording of yours"
@@ -50,6 +55,7 @@ help:
 	@echo "make test-processors       the whole suite as other processors and a busy one would run it"
 	@echo "make install               set up $(VENV); the others do it by themselves"
 	@echo "make docs                  write config/*.yaml and docs/parameters.md from the table"
+	@echo "make evaluation            evaluate all methods, and write the tables of docs/evaluation.md"
 	@echo "make bench                 measure speeds, and write them into docs/performance.md"
 	@echo "make table                 learn the tables of the likelihood ratio, in some minutes"
 	@echo "make fuzz RUNS=1000000     feed damaged files to all that reads files, so many to each"
@@ -89,13 +95,17 @@ test: install lint
 test-all: install lint
 	$(BIN)/$(PYTEST) --durations 20 $(TESTS)
 
-# Whole, it takes as long as five times the suite; `TESTS=test/cable` chooses a part of it.
+# Whole, it takes as long as five times the suite. `TESTS=test/cable` chooses a part of it, and
+# `TIER=quick` the tests for every change; `python test/processors.py --help` tells more.
 test-processors: install
-	$(BIN)/python test/processors.py -n 2 --timeout 1200 -q $(TESTS)
+	$(BIN)/python test/processors.py $(TIER:%=--tier %) -n 2 --timeout 1200 -q $(TESTS)
 
 # JAZZY_TIER= (empty) runs all tests. Warnings of deprecated names come from what the platform has.
 test-jazzy: $(JAZZY_VENV)/installed
 	$(JAZZY_VENV)/bin/$(PYTEST) -W default::DeprecationWarning $(JAZZY_TIER) $(TESTS)
+
+jazzy-python:
+	@echo $(JAZZY_PYTHON)
 
 $(JAZZY_VENV)/installed: setup.py setup.cfg constraints.txt constraints-jazzy.txt package.xml
 	@test -n "$(JAZZY_PYTHON)" || { \
@@ -125,6 +135,15 @@ ifeq ($(strip $(SOURCE)),)
 	@$(BIN)/cable-tracker simulate $(DEMO)/dive --frames 300 --seed 1 --force
 	@echo "replaying it to the tracker over DDS, in lockstep ..."
 	@$(BIN)/cable-tracker track $(DEMO)/dive --ros --init truth --output $(DEMO)/dive_tracked --force
+	@echo
+	@echo "now a hard one: an old cable, overgrown, half buried among stones, and quick moves ..."
+	@$(BIN)/cable-tracker simulate $(DEMO)/hard_dive --scenario S4 --seed 1 --force
+	@$(BIN)/cable-tracker track $(DEMO)/hard_dive --init truth --no-bag \
+		--output $(DEMO)/hard_dive_tracked --force
+	@echo "beside it, Hough lines on the same frames ..."
+	@$(BIN)/cable-tracker evaluate --source $(DEMO)/hard_dive --method default --method hough \
+		--seeds 1 --workers 1 --output $(DEMO)/hard_dive_judged --force
+	@echo "look at $(DEMO)/dive_tracked/overlay.png and $(DEMO)/hard_dive_tracked/overlay.png"
 else
 	@echo "replaying $(SOURCE) to the tracker over DDS, in lockstep ..."
 	@$(BIN)/cable-tracker track "$(SOURCE)" --ros --output $(DEMO)/your_recording_tracked --force
@@ -157,13 +176,17 @@ survey: install
 docs: install
 	$(BIN)/python docs/generate.py
 
+evaluation: install
+	$(BIN)/python docs/evaluation_tables.py --seeds $(SEEDS) $(FOOTAGE:%=--footage %) \
+		$(BLOCK:%=--block %)
+
 bench: install
 	$(BIN)/cable-tracker dev bench --dds --force --markdown docs/performance.md
 
 # The tables that ship with the package. The evaluation's dives have the seeds 0, 1, ...
 table: install
-	$(BIN)/cable-tracker learn $(TABLE_SCENARIOS:%=--scenario %) --seeds $(TABLE_SEEDS) \
-		--every $(TABLE_EVERY) --seed 0 --output $(TABLE) --force
+	$(BIN)/cable-tracker learn $(TABLE_SCENARIOS:%=--scenario '%') --seeds $(TABLE_SEEDS) \
+		--frames $(TABLE_FRAMES) --every $(TABLE_EVERY) --seed 0 --output $(TABLE) --force
 
 # What is found lies in $(FUZZ)/findings; mended, it belongs in test/fuzz/examples/TARGET.
 fuzz: install

@@ -87,8 +87,11 @@ setup(
         "console_scripts": [
             "cable-tracker = cable_tracker.cli:main",
             "tracker = cable_tracker.ros.entry:tracker",
+            "target_tracker = cable_tracker.ros.entry:target_tracker",
             "replay = cable_tracker.ros.entry:replay",
             "simulator = cable_tracker.ros.entry:simulator",
+            "target_simulator = cable_tracker.ros.entry:target_simulator",
+            "follower = cable_tracker.ros.entry:follower",
             "controller = cable_tracker.ros.entry:controller",
         ],
     },

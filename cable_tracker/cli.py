@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker import __version__
-from cable_tracker.commands.late import LateCommands
+from cable_tracker.commands.late import LateCommands, with_optional_hints
 from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError
 
 GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
@@ -34,8 +34,9 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "convert": "convert:convert",
             "simulate": "simulate:simulate_command",
         },
-        "Steer by the cable, and prepare a vehicle's computer": {
+        "Steer by cable or target, and prepare a vehicle's computer": {
             "loop": "loop:loop",
+            "chase": "chase:chase",
             "warm-up": "warm_up:warm_up_command",
             "dds-profile": "dds_profile:dds_profile",
         },
@@ -89,6 +90,7 @@ def show_version(wanted: bool) -> None:
 
 
 @app.callback()
+@with_optional_hints
 def root(
     version: Annotated[
         bool,

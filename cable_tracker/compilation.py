@@ -25,11 +25,18 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.extending import register_jitable
 
+from cable_tracker.code_libraries import EntryCompiler
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
-PART: dict[str, Any] = COMMON | {"no_cpython_wrapper": True}
+ENTRY: dict[str, Any] = COMMON | {"pipeline_class": EntryCompiler}
+
+PART: dict[str, Any] = COMMON | {"no_cpython_wrapper": True, "_nrt": True}
 """To unpack what Python hands over takes longest to compile, and a part is never called so."""
+
+LOOP: dict[str, Any] = PART | {"_nrt": False}
+"""Without counting who refers to an array: half of the instructions of a small function."""
 
 FAST = {"reassoc", "contract", "nsz", "arcp"}
 """Liberties of the `fast` ones: sums may be taken in any order, so the processor vectorises."""
@@ -66,13 +73,27 @@ def compiled_fast_part(function: Function) -> Function:
     return cast(Function, register_jitable(fastmath=FAST, **PART)(function))
 
 
+def compiled_loop(function: Function) -> Function:
+    """Compile a part that makes and returns no arrays: it reads and fills those that it is given.
+
+    What it calls must be of this kind or `compiled_inside`. To make an array in one does not
+    compile; to return one would free it too early.
+    """
+    return cast(Function, register_jitable(**LOOP)(function))
+
+
+def compiled_fast_loop(function: Function) -> Function:
+    """Compile such a part whose sums may be taken in any order; see `compiled_fast`."""
+    return cast(Function, register_jitable(fastmath=FAST, **LOOP)(function))
+
+
 def compiled_inside(function: Function) -> Function:
-    """Compile a part into each place that calls it: a small one that is called very often."""
-    return cast(Function, register_jitable(forceinline=True, **PART)(function))
+    """Compile a `compiled_loop` into each place that calls it: a small one, called very often."""
+    return cast(Function, register_jitable(forceinline=True, **LOOP)(function))
 
 
 def _entry(function: Function, **options: Any) -> Function:  # noqa: ANN401
-    options |= COMMON
+    options |= ENTRY
     source = Path(function.__code__.co_filename)
     if PACKAGE not in source.parents:
         return cast(Function, numba.njit(**options)(function))

@@ -28,7 +28,7 @@ class OutputError(CableTrackerError):
 
 
 class ResourceError(CableTrackerError):
-    """A file that ships with the package (configuration, profile) cannot be found."""
+    """What the package needs (a file that ships with it, another package) cannot be used."""
 
 
 class MetricError(CableTrackerError):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cable_tracker.cable.parameters.parameters import ParameterSpec
 from cable_tracker.cable.parameters.presets import PRESETS
+from cable_tracker.target.parameters.presets import TARGET_PRESETS
 
 
 def word(name: str, default: str, meaning: str, choices: tuple[str, ...] = ()) -> ParameterSpec:
@@ -137,6 +138,64 @@ TRACKER_RUNTIME_PARAMETERS = (
 )
 """May be changed at any time."""
 
+TARGET_OWN_START_PARAMETERS = (
+    word(
+        "preset", "default", "Values that the other parameters start from.", tuple(TARGET_PRESETS)
+    ),
+    count(
+        "target_count",
+        1,
+        (1, 16),
+        "Targets to follow; of several, each has its topics in a namespace `target_0`, ...",
+    ),
+    word(
+        "instrument_reliability",
+        "best_effort",
+        "The same as `image_reliability` for `camera_info`, `imu` and `odometry`.",
+        ("best_effort", "reliable"),
+    ),
+)
+TARGET_START_PARAMETERS = (*TARGET_OWN_START_PARAMETERS, *CAMERA_START_PARAMETERS)
+"""Read at start only."""
+
+MOUNTING_NAMES = ("camera_x", "camera_y", "camera_z", "camera_roll", "camera_yaw")
+
+TARGET_METRIC_PARAMETERS = (
+    *(spec for spec in METRIC_PARAMETERS if spec.name in MOUNTING_NAMES),
+    number("camera_pitch", 0.0, "deg", (-180.0, 180.0), "0: straight ahead; 90: straight down."),
+    *(spec for spec in METRIC_PARAMETERS if spec.name == "image_is_rectified"),
+    word("base_frame", "base_link", "frame_id of `relative_pose`."),
+    number(
+        "target_size",
+        0.0,
+        "m",
+        (0.0, 1000.0),
+        "Root of the area that the target shows; 0: not known, range by parallax only.",
+    ),
+    flag("motion_aid", True, "Let `odometry` or `imu` take turns of the camera out."),
+    number(
+        "instrument_wait",
+        0.0,
+        "s",
+        (0.0, 60.0),
+        "Hold a frame back for at most so long, until `camera_info` and, of its time or later,"
+        " `odometry` or `imu` have come; 0: do not wait.",
+    ),
+)
+"""For `bearing`, `relative_pose` and turns of the camera; see docs/targets.md."""
+
+TARGET_RUNTIME_PARAMETERS = (
+    word(
+        "initial_target",
+        "wait",
+        "Where start and reset begin: `wait` for a mark on the topic, `detect`, or boxes"
+        " `x0,y0,x1,y1` in px from the top left, divided by `;`.",
+    ),
+    *CAMERA_RUNTIME_PARAMETERS,
+    *TARGET_METRIC_PARAMETERS,
+)
+"""May be changed at any time."""
+
 REPLAY_START_PARAMETERS = (
     word("source", "", "Recording: a bag, a video, a folder of images, or a sequence file."),
     word("topic", "", "Image topic to take from a bag; needed only where it has several."),
@@ -152,6 +211,13 @@ REPLAY_START_PARAMETERS = (
         True,
         "Begin when a node subscribes and no tracker is warming up; always so in lockstep.",
     ),
+    flag("instruments", True, "Send what else a bag holds: calibration, altitude, imu, ..."),
+    word("vehicle", "", "The user's `vehicle.yaml`; else that in the bag's folder."),
+    word("camera_info_topic", "", "Of the bag; needed only where it has several. `none`: not."),
+    word("altitude_topic", "", "The same of the altitude."),
+    word("imu_topic", "", "The same of the imu."),
+    word("odometry_topic", "", "The same of odometry."),
+    word("fix_topic", "", "The same of fixes."),
     flag("paused", False, "Begin paused."),
     flag("allow_outside", False, "Let a sequence file name files outside its folder."),
     flag("skip_bad_frames", False, "Send frames that cannot be decoded, instead of stopping."),
@@ -170,12 +236,7 @@ REPLAY_RUNTIME_PARAMETERS = (
 )
 """May be changed at any time; `start` takes effect at the next restart."""
 
-SIMULATOR_PARAMETERS = (
-    count("seed", 0, (0, 2**31 - 1), "The same one gives the same world and the same errors."),
-    number("length", 100.0, "m", (1.0, 1e5), "Of the cable; at its end the node ends."),
-    number("buried", 5.0, "m", (0.0, 1e5), "Length of the stretch in its middle under sand."),
-    number("altitude", 2.0, "m", (0.3, 20.0), "That the vehicle keeps."),
-    number("current", 0.1, "m/s", (0.0, 2.0), "Speed of the water; its direction is drawn."),
+VEHICLE_PARAMETERS = (
     count("image_width", 320, (32, 4096), "Of the camera [px]."),
     count("image_height", 240, (32, 4096), "Of the camera [px]."),
     number("rate", 12.5, "1/s", (1.0, 100.0), "Frames per second."),
@@ -191,6 +252,16 @@ SIMULATOR_PARAMETERS = (
         (0.05, 60.0),
         "Without a `cmd_vel` for so long the vehicle stops; not in lockstep.",
     ),
+)
+"""Of every node that simulates a vehicle; read at start only."""
+
+SIMULATOR_PARAMETERS = (
+    count("seed", 0, (0, 2**31 - 1), "The same one gives the same world and the same errors."),
+    number("length", 100.0, "m", (1.0, 1e5), "Of the cable; at its end the node ends."),
+    number("buried", 5.0, "m", (0.0, 1e5), "Length of the stretch in its middle under sand."),
+    number("altitude", 2.0, "m", (0.3, 20.0), "That the vehicle keeps."),
+    number("current", 0.1, "m/s", (0.0, 2.0), "Speed of the water; its direction is drawn."),
+    *VEHICLE_PARAMETERS,
     number(
         "patience",
         60.0,
@@ -205,6 +276,45 @@ SIMULATOR_PARAMETERS = (
         "s",
         (0.0, 1e6),
         "When `cmd_vel` has asked to stand still for so long the node ends; 0: never for that.",
+    ),
+)
+"""Read at start only."""
+
+TARGET_SIMULATOR_PARAMETERS = (
+    count("seed", 0, (0, 2**31 - 1), "The same one gives the same world and the same errors."),
+    number("duration", 300.0, "s", (1.0, 1e5), "After so long the node ends."),
+    number("speed", 0.35, "m/s", (0.0, 2.0), "Of the target."),
+    number("hidden_every", 50.0, "s", (5.0, 1e5), "So often a cloud of silt comes."),
+    number("hidden_for", 6.0, "s", (0.0, 1e4), "And hides the target for so long."),
+    number("altitude", 5.0, "m", (0.3, 20.0), "At which the vehicle begins."),
+    number("current", 0.05, "m/s", (0.0, 2.0), "Speed of the water; its direction is drawn."),
+    *VEHICLE_PARAMETERS,
+)
+"""Read at start only."""
+
+FOLLOWER_PARAMETERS = (
+    number("distance", 2.5, "m", (0.3, 100.0), "To be kept."),
+    number("gain", 0.5, "1/s", (0.0, 10.0), "Surge for each metre too far."),
+    number("integral_gain", 0.06, "1/s²", (0.0, 10.0), "Against a distance that stays."),
+    number("most_surge", 0.8, "m/s", (0.0, 5.0), "Forward; backward half of it."),
+    number("turn_gain", 1.0, "1/s", (0.0, 10.0), "Rate of turn per radian of bearing."),
+    number("most_turn", 0.5, "rad/s", (0.01, 3.0), "Fastest turn."),
+    number("climb_gain", 0.5, "1/s", (0.0, 10.0), "Heave for each metre above."),
+    number("most_heave", 0.2, "m/s", (0.0, 2.0), "Up and down."),
+    number("memory_time", 8.0, "s", (0.0, 600.0), "A lost target is followed on for so long."),
+    number("give_up", 60.0, "s", (0.0, 1e5), "After so long without it the vehicle stands still."),
+    number("search_turn", 0.3, "rad/s", (0.0, 3.0), "Rate of turn while it is looked for."),
+    number("search_angle", 0.4, "rad", (0.05, 3.0), "To either side at first; then ever farther."),
+    flag("lockstep", False, "Answer every `state` with one `cmd_vel`, however long it takes."),
+    number(
+        "settle_time",
+        0.05,
+        "s",
+        (0.0, 60.0),
+        "How long to wait for the `relative_pose` that belongs to a `state`.",
+    ),
+    number(
+        "state_timeout", 1.0, "s", (0.05, 60.0), "Without a `state` for so long: stop the vehicle."
     ),
 )
 """Read at start only."""
@@ -232,4 +342,5 @@ CONTROLLER_PARAMETERS = (
 """Read at start only."""
 
 TRACKER_NODE_PARAMETERS = (*TRACKER_START_PARAMETERS, *TRACKER_RUNTIME_PARAMETERS)
+TARGET_NODE_PARAMETERS = (*TARGET_START_PARAMETERS, *TARGET_RUNTIME_PARAMETERS)
 REPLAY_NODE_PARAMETERS = (*REPLAY_START_PARAMETERS, *REPLAY_RUNTIME_PARAMETERS)

@@ -24,9 +24,13 @@ from cable_tracker.metric.cross_track import CrossTrack, CrossTrackMeter
 from cable_tracker.metric.frames import Mounting
 from cable_tracker.node_parameter_tables import (
     CONTROLLER_PARAMETERS,
+    FOLLOWER_PARAMETERS,
     REPLAY_RUNTIME_PARAMETERS,
     REPLAY_START_PARAMETERS,
     SIMULATOR_PARAMETERS,
+    TARGET_RUNTIME_PARAMETERS,
+    TARGET_SIMULATOR_PARAMETERS,
+    TARGET_START_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
     TRACKER_START_PARAMETERS,
 )
@@ -42,6 +46,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 TITLES = {
     "default": "Preset `default`: what to begin with. Written by `make docs`.",
+    "pipeline": "Preset `pipeline`: wide pipes as inspections see them. Written by `make docs`.",
     "thesis": "Preset `thesis`: Wirth (2008), Tables 5.1, 5.2. Written by `make docs`.",
 }
 
@@ -71,15 +76,16 @@ have is warned of and ignored at its start; `cable-tracker track --params` refus
 ## The filter
 
 Parameters of the node `tracker`, of `cable-tracker track --params FILE`, and of
-`TrackerParameters`. All can be changed while the node runs. `config/default.yaml` and
-`config/thesis.yaml` hold the two presets.
+`TrackerParameters`. All can be changed while the node runs. `config/default.yaml`,
+`config/pipeline.yaml` and `config/thesis.yaml` hold the presets.
 
 """
 
 
 TARGET_INTRODUCTION = """\
-Parameters of `cable-tracker target --params FILE` and of `TargetParameters`; see
-[targets.md](targets.md). `config/target_*.yaml` hold the presets.
+Parameters of the node `target_tracker`, of `cable-tracker target --params FILE`, and of
+`TargetParameters`; see [targets.md](targets.md). All can be changed while the node runs.
+`config/target_*.yaml` hold the presets.
 
 """
 
@@ -92,11 +98,11 @@ def cell(value: object) -> str:
 
 
 def filter_table() -> str:
-    """Return the table of the filter's parameters, with the values of both presets."""
-    lines = ["| name | default | thesis | unit | range | meaning |", "|---|---|---|---|---|---|"]
+    """Return the table of the filter's parameters, with the values of all presets."""
+    lines = [f"| name | {' | '.join(TITLES)} | unit | range | meaning |", "|---" * 7 + "|"]
     for spec in PARAMETER_TABLE:
-        default, thesis = (cell(PRESETS[name].as_mapping()[spec.name]) for name in TITLES)
-        lines.append(row(spec, default, thesis))
+        values = [cell(PRESETS[name].as_mapping()[spec.name]) for name in TITLES]
+        lines.append(row(spec, *values))
     return "\n".join(lines) + "\n"
 
 
@@ -135,9 +141,14 @@ def parameters_page() -> str:
     for title, start in (
         ("The node `simulator`", SIMULATOR_PARAMETERS),
         ("The node `controller`, an example", CONTROLLER_PARAMETERS),
+        ("The node `target_simulator`", TARGET_SIMULATOR_PARAMETERS),
+        ("The node `follower`, an example", FOLLOWER_PARAMETERS),
     ):
         parts += [f"\n## {title}\n\nRead at start only:\n\n", node_table(start)]
     parts += ["\n## The filter of targets\n\n", TARGET_INTRODUCTION, target_table()]
+    parts += ["\n## The node `target_tracker` besides\n\nRead at start only:\n\n"]
+    parts += [node_table(TARGET_START_PARAMETERS), "\nMay be changed while it runs:\n\n"]
+    parts += [node_table(TARGET_RUNTIME_PARAMETERS)]
     return "".join(parts)
 
 

@@ -11,7 +11,8 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 ALL_MAY_IMPORT = {"arrays", "compilation", "errors", "libraries"}
 MAY_IMPORT = {
     "arrays": set(),
-    "compilation": set(),
+    "code_libraries": set(),
+    "compilation": {"code_libraries"},
     "errors": set(),
     "libraries": set(),
     "resources": set(),
@@ -20,9 +21,9 @@ MAY_IMPORT = {
     "tracking": set(),
     "cable": {"tracking", "particle_filter"},
     "target": {"contour", "tracking", "particle_filter"},
-    "node_parameter_tables": {"cable", "tracking"},
-    "sequences": {"cable", "tracking", "particle_filter"},
-    "metric": {"sequences", "node_parameter_tables", "cable", "tracking"},
+    "node_parameter_tables": {"cable", "target", "tracking"},
+    "sequences": {"cable", "target", "tracking", "particle_filter"},
+    "metric": {"sequences", "node_parameter_tables", "cable", "target", "tracking"},
     "detection": {"cable", "tracking"},
     "trackers": {"cable", "tracking", "detection"},
     "visualisation": {"sequences", "cable", "target", "tracking"},
@@ -32,8 +33,8 @@ MAY_IMPORT = {
         "campaigns", "trackers", "detection", "metric", "sequences", "cable", "tracking",
     },
     "evaluation": {
-        "trackers", "simulation", "detection", "visualisation", "sequences", "metric", "cable",
-        "target", "tracking",
+        "campaigns", "trackers", "simulation", "detection", "visualisation", "sequences", "metric",
+        "cable", "target", "tracking", "particle_filter",
     },
     "gui": {
         "trackers", "evaluation", "detection", "visualisation", "sequences",
@@ -48,7 +49,8 @@ MAY_IMPORT = {
         "benchmark", "gui", "evaluation", "trackers", "simulation", "detection",
         "example_controller",
         "visualisation", "sequences",
-        "node_parameter_tables", "metric", "cable", "tracking", "particle_filter", "resources",
+        "node_parameter_tables", "metric", "cable", "target", "tracking", "particle_filter",
+        "resources",
     },
     "commands": {
         "ros", "benchmark", "gui", "evaluation", "survey", "campaigns", "trackers", "simulation",

@@ -13,8 +13,10 @@ from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.compilation import (
     compiled,
     compiled_fast,
+    compiled_fast_loop,
     compiled_fast_part,
     compiled_inside,
+    compiled_loop,
     compiled_part,
 )
 from cable_tracker.trackers import warm_up
@@ -43,7 +45,10 @@ def test_a_compiled_function_returns_what_the_plain_one_returns(compiler):
     assert compiler(sum_of_squares)(values) == sum_of_squares(values)
 
 
-@pytest.mark.parametrize("part", [compiled_part, compiled_fast_part, compiled_inside])
+@pytest.mark.parametrize(
+    "part",
+    [compiled_part, compiled_fast_part, compiled_loop, compiled_fast_loop, compiled_inside],
+)
 def test_a_part_is_plain_for_python_and_compiled_within_an_entry(part):
     def half(value):
         return 0.5 * value

@@ -11,8 +11,7 @@ from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.result import BenchmarkResult
 from cable_tracker.benchmark.round_robin import Label
 from cable_tracker.benchmark.statistics import Percentiles
-from cable_tracker.benchmark.subjects import KERNELS, REFERENCE_PARTICLES
-from cable_tracker.cable.parameters.presets import PRESETS
+from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES, TIMED_PRESETS
 
 FULL_HD, VGA = (1920, 1080), (640, 480)
 FLAT_MEMORY = 64.0
@@ -85,7 +84,7 @@ def _ratio(
     size: tuple[int, int],
     particles: int,
 ) -> float | None:
-    found = result.find(Label("frame", name, size, KERNELS[0], particles))
+    found = result.find(Label("frame", name, size, particles))
     return found.ratio.median if found is not None and found.ratio is not None else None
 
 
@@ -95,9 +94,11 @@ def _over(first: float | None, second: float | None) -> float | None:
 
 def _rival_goals(result: BenchmarkResult) -> list[Goal]:
     goals = []
-    ours = {name: _ratio(result, name, RENDERED_SIZE, REFERENCE_PARTICLES) for name in PRESETS}
+    ours = {
+        name: _ratio(result, name, RENDERED_SIZE, REFERENCE_PARTICLES) for name in TIMED_PRESETS
+    }
     for rival in ("particles", "filterpy"):
-        found = result.find(Label("library", rival, RENDERED_SIZE, "numpy", REFERENCE_PARTICLES))
+        found = result.find(Label("library", rival, RENDERED_SIZE, REFERENCE_PARTICLES))
         theirs = found.ratio.median if found is not None and found.ratio is not None else None
         faster = _over(theirs, ours["thesis"])
         goals.append(Goal(f"`thesis`: the same on {rival} over ours", 5.0, True, faster))

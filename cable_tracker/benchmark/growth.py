@@ -19,8 +19,8 @@ class Growth:
 
     Attributes
     ----------
-    name, kernels : str
-        The preset and its kernels.
+    name : str
+        The preset.
     variable : str
         What differs: particle, image pixel, sample point.
     base : float
@@ -32,7 +32,6 @@ class Growth:
     """
 
     name: str
-    kernels: str
     variable: str
     base: float
     each: float
@@ -62,19 +61,17 @@ VARIABLES = (
 
 
 def fit_growth(measurements: Sequence[Measurement]) -> list[Growth]:
-    """Fit a line for each preset, each kind of kernels and each variable with two points or more.
+    """Fit a line for each preset and each variable with two points or more.
 
     Sample points are those of all particles together.
     """
-    filters = dict.fromkeys(
-        (m.label.name, m.label.kernels) for m in measurements if m.label.section == "frame"
-    )
+    filters = dict.fromkeys(m.label.name for m in measurements if m.label.section == "frame")
     fits = []
-    for name, kernels in filters:
+    for name in filters:
         own = [
             (m.label, m.cpu.median)
             for m in measurements
-            if (m.label.name, m.label.kernels) == (name, kernels) and m.cpu is not None
+            if m.label.name == name and m.cpu is not None
         ]
         for variable in VARIABLES:
             pairs = [(variable.amount(label), ms) for label, ms in own if variable.belongs(label)]
@@ -84,7 +81,6 @@ def fit_growth(measurements: Sequence[Measurement]) -> list[Growth]:
             fits.append(
                 Growth(
                     name,
-                    kernels,
                     variable.name,
                     line.base,
                     line.slope * NANOSECONDS_PER_MS,

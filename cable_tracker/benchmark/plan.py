@@ -23,6 +23,7 @@ from cable_tracker.benchmark.round_robin import (
 )
 from cable_tracker.benchmark.start_time import StartTime, measure_start
 from cable_tracker.benchmark.subjects import (
+    TIMED_PRESETS,
     copy_subjects,
     frame_subjects,
     rival_subjects,
@@ -31,7 +32,7 @@ from cable_tracker.benchmark.subjects import (
     yardstick_subject,
 )
 from cable_tracker.benchmark.yardstick import make_yardstick
-from cable_tracker.cable.parameters.presets import PRESETS
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
 from cable_tracker.trackers import warm_up
 
@@ -119,8 +120,8 @@ class Benchmark:
         self._footages = [footage(plan.frames, size) for size in plan.sizes]
         shown = self._footages[0]
         self._yardstick = make_yardstick(shown.images[0], shown.truths[0])
-        for parameters in PRESETS.values():
-            warm_up(parameters)
+        for name in TIMED_PRESETS:
+            warm_up(preset(name))
         self._subjects = self._make_subjects(shown)
 
     def _make_subjects(self, shown: Footage) -> list[Subject]:
@@ -135,7 +136,7 @@ class Benchmark:
 
     def turn_count(self) -> int:
         """Return how often `advance` is told of one more turn or one more frame."""
-        memory = self._plan.memory * len(PRESETS)
+        memory = self._plan.memory * len(TIMED_PRESETS)
         return len(self._subjects) * self._plan.effort.rounds + memory
 
     def run(self, advance: Advance = lambda count: None) -> Measured:
@@ -145,13 +146,13 @@ class Benchmark:
             measurements = measure_in_turns(self._subjects, self._yardstick, plan.effort, advance)
             accuracies = measure_accuracy(plan.frames)
             profile = [
-                row for name in PRESETS for row in profile_preset(name, shown, plan.profiled)
+                row for name in TIMED_PRESETS for row in profile_preset(name, shown, plan.profiled)
             ]
             memory: list[MemoryUse] = []
-            for name in PRESETS if plan.memory else ():
+            for name in TIMED_PRESETS if plan.memory else ():
                 memory.append(measure_memory_apart(name, plan.frames, plan.memory))
                 advance(plan.memory)
-            starts = tuple(measure_start(name) for name in PRESETS) if plan.starts else ()
+            starts = tuple(measure_start(name) for name in TIMED_PRESETS) if plan.starts else ()
         return Measured(
             tuple(measurements), tuple(accuracies), tuple(profile), tuple(memory), starts
         )

@@ -11,8 +11,7 @@ from cable_tracker.benchmark.goals import Goal, goals_of
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
 from cable_tracker.benchmark.round_robin import Measurement
 from cable_tracker.benchmark.statistics import Percentiles, Quartiles
-from cable_tracker.benchmark.subjects import KERNELS, REFERENCE_PARTICLES
-from cable_tracker.cable.parameters.presets import PRESETS
+from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
 from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
 from cable_tracker.visualisation.files import write_bytes
@@ -82,18 +81,18 @@ def _goal_table(goals: Iterable[Goal]) -> ResultTable:
 
 
 def _frame_table(result: BenchmarkResult) -> ResultTable:
-    cells: dict[tuple[str, str, int], dict[tuple[int, int], str]] = {}
+    cells: dict[tuple[str, int], dict[tuple[int, int], str]] = {}
     sizes: dict[tuple[int, int], None] = {}
     for each in result.of("frame"):
         label = each.label
         sizes[label.size] = None
-        row = cells.setdefault((label.name, label.kernels, label.particles or 0), {})
+        row = cells.setdefault((label.name, label.particles or 0), {})
         row[label.size] = each.skipped or f"{_spread(each.cpu)} = {_times_yardstick(each)}"
     rows = tuple(
-        (name, kernels, str(count), *(row.get(size, NOTHING) for size in sizes))
-        for (name, kernels, count), row in cells.items()
+        (name, str(count), *(row.get(size, NOTHING) for size in sizes))
+        for (name, count), row in cells.items()
     )
-    headings = ("preset", "kernels", "particles", *(f"{_size(size)} [ms]" for size in sizes))
+    headings = ("preset", "particles", *(f"{_size(size)} [ms]" for size in sizes))
     return ResultTable(headings, rows, "Whole frames: median (quartiles) = times the yardstick")
 
 
@@ -107,8 +106,8 @@ def _rival_table(result: BenchmarkResult) -> ResultTable:
     rows = []
     for each in (*ours, *result.of("library"), *result.of("method")):
         label = each.label
-        name = f"{label.name}, {label.kernels}" if label.name in PRESETS else label.name
-        accuracy = accuracies.get(label.name)
+        name = label.name
+        accuracy = accuracies.get(name)
         errors = (accuracy.lost, accuracy.rmse_d, accuracy.rmse_alpha) if accuracy else (None,) * 3
         rows.append(
             (name, _spread(each.cpu), _times_yardstick(each), *(_number(error) for error in errors))
@@ -121,19 +120,12 @@ def _rival_table(result: BenchmarkResult) -> ResultTable:
 
 
 def _step_table(result: BenchmarkResult) -> ResultTable:
-    steps: dict[str, dict[str, Measurement]] = {}
-    for each in result.of("step"):
-        steps.setdefault(each.label.name, {})[each.label.kernels] = each
     rows = tuple(
-        (
-            name,
-            *(_spread(by_kernels[k].cpu) if k in by_kernels else NOTHING for k in KERNELS),
-            *(_times_yardstick(by_kernels[k]) if k in by_kernels else NOTHING for k in KERNELS),
-        )
-        for name, by_kernels in steps.items()
+        (each.label.name, _spread(each.cpu), _times_yardstick(each)) for each in result.of("step")
     )
-    headings = ("step", *(f"{k} [ms]" for k in KERNELS), *(f"{k}, yardsticks" for k in KERNELS))
-    return ResultTable(headings, rows, "Steps that can be called alone, 320x240, 500 particles")
+    return ResultTable(
+        ("step", "ms", "yardsticks"), rows, "Steps that can be called alone, 320x240, 500 particles"
+    )
 
 
 def _copy_table(result: BenchmarkResult) -> ResultTable:
@@ -188,7 +180,6 @@ def _growth_table(result: BenchmarkResult) -> ResultTable:
     rows = tuple(
         (
             growth.name,
-            growth.kernels,
             growth.variable,
             _number(growth.base),
             _number(growth.each),
@@ -196,7 +187,7 @@ def _growth_table(result: BenchmarkResult) -> ResultTable:
         )
         for growth in result.growths
     )
-    headings = ("preset", "kernels", "per", "base [ms]", "each [ns]", "measurements")
+    headings = ("preset", "per", "base [ms]", "each [ns]", "measurements")
     return ResultTable(headings, rows, "How the time of a frame grows")
 
 

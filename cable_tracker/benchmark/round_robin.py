@@ -45,8 +45,6 @@ class Label:
         The preset, the method, or the step.
     size : (int, int)
         Width and height of the frames [px].
-    kernels : str
-        The parameter of that name: compiled or numpy; empty where there is no choice.
     particles : int or None
         How many; None where there are none.
     amount : float
@@ -56,14 +54,13 @@ class Label:
     section: str
     name: str
     size: tuple[int, int]
-    kernels: str = ""
     particles: int | None = None
     amount: float = 0.0
 
     @property
     def family(self) -> tuple[object, ...]:
         """What it shares with those that differ by the number of particles alone."""
-        return self.section, self.name, self.size, self.kernels, self.amount
+        return self.section, self.name, self.size, self.amount
 
 
 @dataclass(frozen=True, slots=True)

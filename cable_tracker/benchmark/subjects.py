@@ -31,8 +31,11 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.trackers import make_proposer
 
-KERNELS = ("compiled",)
 BASELINES = tuple(name for name in METHODS if name not in PRESETS)
+
+TIMED_PRESETS = ("default", "thesis")
+"""Presets that are timed; the others differ from `default` in limits and variances only."""
+
 REFERENCE_PARTICLES = 500
 SPACINGS = (5.0, 10.0, 20.0, 40.0)
 """Distances between sample points whose cost is compared [px at the reference width]."""
@@ -54,7 +57,7 @@ def _loop(make: Callable[[], Method], shown: Footage) -> Step:
 def yardstick_subject(yardstick: Yardstick) -> Subject:
     """Return the yardstick as one to be held against itself."""
     size = yardstick.pixels.shape[1], yardstick.pixels.shape[0]
-    label = Label("yardstick", "literal observation", size, "compiled", len(yardstick.states))
+    label = Label("yardstick", "literal observation", size, len(yardstick.states))
     return Subject(label, functools.partial(_itself, yardstick))
 
 
@@ -74,10 +77,9 @@ def copy_subjects(yardstick: Yardstick, footages: Sequence[Footage]) -> list[Sub
 def frame_subjects(footages: Sequence[Footage], particles: Sequence[int]) -> list[Subject]:
     """Return both presets on whole frames, the fewest particles first."""
     return [
-        filter_subject("frame", name, kernels, count, shown)
+        filter_subject("frame", name, count, shown)
         for shown in footages
-        for name in PRESETS
-        for kernels in KERNELS
+        for name in TIMED_PRESETS
         for count in sorted(particles)
     ]
 
@@ -85,16 +87,15 @@ def frame_subjects(footages: Sequence[Footage], particles: Sequence[int]) -> lis
 def spacing_subjects(shown: Footage) -> list[Subject]:
     """Return both presets with several distances between the sample points."""
     return [
-        filter_subject("spacing", name, KERNELS[0], REFERENCE_PARTICLES, shown, spacing)
-        for name in PRESETS
+        filter_subject("spacing", name, REFERENCE_PARTICLES, shown, spacing)
+        for name in TIMED_PRESETS
         for spacing in SPACINGS
     ]
 
 
-def filter_subject(  # noqa: PLR0917
+def filter_subject(
     section: str,
     name: str,
-    kernels: str,
     count: int,
     shown: Footage,
     spacing: float | None = None,
@@ -106,7 +107,7 @@ def filter_subject(  # noqa: PLR0917
         values["sample_spacing"] = spacing
         amount = count * points_of_a_cable(shown, spacing)
     chosen = ConfiguredFilter(name, preset(name).replaced(values))
-    label = Label(section, name, shown.size, kernels, count, amount)
+    label = Label(section, name, shown.size, count, amount)
     return Subject(label, functools.partial(_loop, functools.partial(chosen.make, 0), shown))
 
 
@@ -133,7 +134,7 @@ def rival_subjects(shown: Footage) -> list[Subject]:
     for name in LIBRARY_LOOPS:
         if is_installed(name):
             make = functools.partial(LibraryMethod, name, REFERENCE_PARTICLES)
-            label = Label("library", name, shown.size, "numpy", REFERENCE_PARTICLES)
+            label = Label("library", name, shown.size, REFERENCE_PARTICLES)
             subjects.append(Subject(label, functools.partial(_loop, make, shown)))
     return subjects
 
@@ -141,14 +142,11 @@ def rival_subjects(shown: Footage) -> list[Subject]:
 def step_subjects(shown: Footage) -> list[Subject]:
     """Return the steps of both presets, as far as they exist alone."""
     subjects = []
-    for name in PRESETS:
-        for kernels in KERNELS:
-            parameters = preset(name).replaced({"particle_count": REFERENCE_PARTICLES})
-            for step_name, step in FilterSteps(parameters, shown).steps().items():
-                label = Label(
-                    "step", f"{name}: {step_name}", shown.size, kernels, REFERENCE_PARTICLES
-                )
-                subjects.append(Subject(label, functools.partial(_itself, step)))
+    for name in TIMED_PRESETS:
+        parameters = preset(name).replaced({"particle_count": REFERENCE_PARTICLES})
+        for step_name, step in FilterSteps(parameters, shown).steps().items():
+            label = Label("step", f"{name}: {step_name}", shown.size, REFERENCE_PARTICLES)
+            subjects.append(Subject(label, functools.partial(_itself, step)))
     return subjects
 
 

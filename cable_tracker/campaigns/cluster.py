@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any
 
 import cv2
@@ -13,44 +12,13 @@ import dask
 from distributed import Client, LocalCluster
 
 from cable_tracker import __version__
+from cable_tracker.campaigns.crew import ClusterSettings
 from cable_tracker.errors import ParameterError
 
-LARGEST_WORKER_COUNT = 256
 CONNECT_TIMEOUT = 20.0
 """How long to wait for a scheduler [s]."""
 
 DASHBOARD = "127.0.0.1:8787"
-
-
-@dataclass(frozen=True, slots=True)
-class ClusterSettings:
-    """Where tasks run.
-
-    Attributes
-    ----------
-    workers : int
-        Processes of a cluster on this machine.
-    scheduler : str or None
-        Address of a running scheduler, as tcp://host:8786; None: a cluster of this machine's own.
-    memory : str
-        Most memory of each worker, as "2 GiB"; it is restarted when it takes more.
-    dashboard : bool
-        Serve Dask's pages at `DASHBOARD`.
-
-    Raises
-    ------
-    ParameterError
-        The number of workers is out of range.
-    """
-
-    workers: int = 1
-    scheduler: str | None = None
-    memory: str = "4 GiB"
-    dashboard: bool = False
-
-    def __post_init__(self) -> None:
-        if not 1 <= self.workers <= LARGEST_WORKER_COUNT:
-            raise ParameterError(f"workers is {self.workers}: give 1 to {LARGEST_WORKER_COUNT}")
 
 
 @contextmanager

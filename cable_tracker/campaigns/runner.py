@@ -6,14 +6,15 @@ import shutil
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import cv2
 from distributed import Client, as_completed, get_worker
 from distributed.scheduler import KilledWorker
 
 from cable_tracker import __version__
-from cable_tracker.campaigns.cluster import ClusterSettings, connected
+from cable_tracker.campaigns.cluster import connected
+from cable_tracker.campaigns.crew import ClusterSettings, Crew, Work, do_and_keep
 from cable_tracker.campaigns.task import Outcome, Task, TaskState, do, is_done
 from cable_tracker.errors import CableTrackerError, OutputError, ParameterError
 
@@ -23,49 +24,41 @@ PROGRESS = "cable_tracker progress"
 TELL_EVERY = 0.5
 """Workers tell no more often [s]."""
 
-Result_co = TypeVar("Result_co", covariant=True)
 Result = TypeVar("Result")
-
-
-class Work(Protocol[Result_co]):
-    """Something that gives a small result, which is sent back instead of written."""
-
-    def run(self, advance: Callable[[], None]) -> Result_co:
-        """Do it; `advance` is to be called after each frame."""
-        ...
 
 
 class _Teller:
     """Tells the client of a task's progress, now and then."""
 
-    def __init__(self) -> None:
+    def __init__(self, number: int) -> None:
+        self._number = number
+        self.total = 0
         self._count = 0
         self._last = time.monotonic()
 
     def __call__(self, count: int = 1) -> None:
+        self.total += count
         self._count += count
         if time.monotonic() - self._last >= TELL_EVERY:
             self.tell()
 
     def tell(self) -> None:
         if self._count:
-            get_worker().log_event(PROGRESS, self._count)
+            get_worker().log_event(PROGRESS, (self._number, self._count))
         self._count, self._last = 0, time.monotonic()
 
 
-def _do_in_worker(task: Task, root: str, version: str) -> str:
-    """Do a task in a worker; return why it failed, or an empty text."""
+def _do_in_worker(task: Task, number: int, root: str, version: str) -> tuple[str, int]:
+    """Do a task in a worker; return why it failed, or an empty text, and how many frames it had."""
     if version != __version__:
-        return _other_version(version)
+        return _other_version(version), 0
     cv2.setNumThreads(1)
-    teller = _Teller()
+    teller = _Teller(number)
     try:
         do(task, Path(root), version, teller)
     except CableTrackerError as error:
-        return str(error)
-    finally:
-        teller.tell()
-    return ""
+        return str(error), teller.total
+    return "", teller.total
 
 
 def _other_version(version: str) -> str:
@@ -134,7 +127,7 @@ def run_campaign(
         else:
             shutil.rmtree(root / task.name, ignore_errors=True)
             left.append(task)
-    if settings.scheduler is None and (settings.workers == 1 or len(left) <= 1):
+    if settings.is_here(len(left)):
         for task in left:
             end(_do_here(task, root, advance))
     elif left:
@@ -162,74 +155,102 @@ def _run_on(
     tell: tuple[Callable[[int], None], Callable[[Outcome], None]],
 ) -> None:
     advance, end = tell
-    client.subscribe_topic(PROGRESS, lambda event: advance(int(event[1])))
+    progress = _Progress(advance)
+    client.subscribe_topic(PROGRESS, lambda event: progress.tell(*event[1]))
+    place = str(root.resolve())
     futures = {
-        client.submit(_do_in_worker, task, str(root.resolve()), __version__, pure=False): task
-        for task in tasks
+        client.submit(_do_in_worker, task, number, place, __version__, pure=False): number
+        for number, task in enumerate(tasks)
     }
     try:
         for future in as_completed(futures):
-            end(_outcome(future, futures[future].name, root))
+            number = futures[future]
+            outcome, total = _outcome(future, tasks[number].name, root)
+            progress.end(number, total)
+            end(outcome)
     finally:
         client.cancel(list(futures))
         client.unsubscribe_topic(PROGRESS)
 
 
-def _outcome(future: Any, name: str, root: Path) -> Outcome:  # noqa: ANN401  Dask has no types.
+def _outcome(future: Any, name: str, root: Path) -> tuple[Outcome, int]:  # noqa: ANN401
+    """Return what came of a future, which has no type, and how many frames it had."""
+    total = 0
     error = future.exception()
     if isinstance(error, KilledWorker):
         reason = "its worker was ended several times, perhaps for want of memory; give more memory"
     elif error is not None:
         reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
     else:
-        reason = str(future.result())
+        reason, total = future.result()
     if not reason and not (root / name).is_dir():
         reason = f"its result is not in {root}; workers on other machines must share this folder"
-    return Outcome(name, TaskState.FAILED if reason else TaskState.DONE, reason)
+    return Outcome(name, TaskState.FAILED if reason else TaskState.DONE, reason), total
 
 
-def _work_in_worker(work: Work[Result], version: str) -> Result:
+def _work_in_worker(
+    work: Work[Result], number: int, version: str, store: Path | None
+) -> tuple[Result, int]:
+    """Do some work in a worker; return its result, and how many frames it had."""
     if version != __version__:
         raise ParameterError(_other_version(version))
-    cv2.setNumThreads(1)
-    teller = _Teller()
-    try:
-        return work.run(lambda: teller(1))
-    finally:
-        teller.tell()
+    teller = _Teller(number)
+    result = do_and_keep(work, teller, store)
+    return result, teller.total
 
 
-def run_all(
-    works: Sequence[Work[Result]],
-    *,
-    settings: ClusterSettings,
-    advance: Callable[[int], None] = lambda count: None,
+class _Progress:
+    """What has been told of each work; what comes after its end is known already."""
+
+    def __init__(self, advance: Callable[[int], None]) -> None:
+        self._advance = advance
+        self._told: dict[int, int] = {}
+        self._ended: set[int] = set()
+
+    def tell(self, number: int, count: int) -> None:
+        """Count frames of a work that goes on."""
+        if number not in self._ended:
+            self._told[number] = self._told.get(number, 0) + count
+            self._advance(count)
+
+    def end(self, number: int, total: int) -> None:
+        """Count the rest of a work."""
+        self._ended.add(number)
+        # A work that was begun again, after its worker was killed, has told too much.
+        self._advance(total - self._told.get(number, 0))
+
+
+def run_on_cluster(
+    works: Sequence[Work[Result]], crew: Crew, advance: Callable[[int], None]
 ) -> list[Result]:
-    """Do all of some work, and return the results in order; the first error ends it.
-
-    Raises
-    ------
-    ParameterError
-        The cluster cannot be used, or a worker was ended again and again.
-    CableTrackerError
-        What stopped the first that failed.
-    """
-    if settings.scheduler is None and (settings.workers == 1 or len(works) <= 1):
-        return [work.run(lambda: advance(1)) for work in works]
-    with connected(settings) as client:
-        client.subscribe_topic(PROGRESS, lambda event: advance(int(event[1])))
-        futures = [client.submit(_work_in_worker, each, __version__, pure=False) for each in works]
+    """Do all of some work on a cluster; see `crew.run_all`."""
+    progress = _Progress(advance)
+    results: dict[int, Result] = {}
+    with connected(crew.settings) as client:
+        client.subscribe_topic(PROGRESS, lambda event: progress.tell(*event[1]))
+        numbers = {
+            client.submit(
+                _work_in_worker, work, number, __version__, crew.store, pure=False
+            ): number
+            for number, work in enumerate(works)
+        }
         try:
-            for future in as_completed(futures):
-                error = future.exception()
-                if isinstance(error, KilledWorker):
-                    raise ParameterError(
-                        "workers: a process was ended several times from outside, perhaps for want"
-                        " of memory; try fewer"
-                    ) from error
-                if error is not None:
-                    raise error
-            return [future.result() for future in futures]
+            for future in as_completed(numbers):
+                number = numbers[future]
+                _raise_what_stopped(future.exception())
+                results[number], total = future.result()
+                progress.end(number, total)
         finally:
-            client.cancel(futures)
+            client.cancel(list(numbers))
             client.unsubscribe_topic(PROGRESS)
+    return [results[number] for number in range(len(works))]
+
+
+def _raise_what_stopped(error: BaseException | None) -> None:
+    if isinstance(error, KilledWorker):
+        raise ParameterError(
+            "workers: a process was ended several times from outside, perhaps for want of memory;"
+            " try fewer"
+        ) from error
+    if error is not None:
+        raise error

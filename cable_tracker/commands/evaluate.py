@@ -11,16 +11,22 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from cable_tracker.campaigns.crew import ClusterSettings, move_store, stored_beside
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.options import (
+    MEMORY,
+    DashboardOption,
     ForceOption,
+    MemoryOption,
     OutsideOption,
     RateOption,
+    ResumeOption,
+    SchedulerOption,
     SkipOption,
     TopicOption,
     TruthOption,
 )
-from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.terminal import advance, console, messages, progress_bar
 from cable_tracker.commands.tuning import ValueOption, chosen_parameters, given_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
@@ -66,6 +72,15 @@ WorkersOption = Annotated[
 def worker_count(workers: int | None) -> int:
     """Return the number of processes when the user names none."""
     return workers if workers is not None else os.cpu_count() or 1
+
+
+def chosen_cluster(
+    workers: int | None, scheduler: str | None, memory: str, dashboard: bool
+) -> ClusterSettings:
+    """Return where tasks run, and say where Dask's pages are."""
+    if dashboard:
+        messages.print("Dask's pages: http://127.0.0.1:8787/status")
+    return ClusterSettings(worker_count(workers), scheduler, memory, dashboard)
 
 
 def seeds_from(count: int, first: int = 0) -> tuple[int, ...]:
@@ -132,6 +147,10 @@ def evaluate(  # noqa: PLR0917
     output: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("evaluation"),
     force: ForceOption = False,
     workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = MEMORY,
+    dashboard: DashboardOption = False,
+    resume: ResumeOption = False,
     topic: TopicOption = None,
     rate: RateOption = 25.0,
     skip_bad_frames: SkipOption = False,
@@ -165,13 +184,16 @@ def evaluate(  # noqa: PLR0917
     )
     header = ReportHeader(TITLE, typed_command(), machine(), date.today().isoformat())
     total = campaign.frame_count()
-    with output_folder(output, REPORT, overwrite=force) as folder:
+    cluster = chosen_cluster(workers, scheduler, memory, dashboard)
+    with (
+        output_folder(output, REPORT, overwrite=force or resume) as folder,
+        stored_beside(output, cluster, resume=resume) as crew,
+    ):
         with progress_bar("evaluating", total) as progress:
             results = run_campaign(
-                campaign,
-                workers=worker_count(workers),
-                advance=lambda count: advance(progress, count),
+                campaign, workers=crew, advance=lambda count: advance(progress, count)
             )
+        move_store(crew, folder)
         with progress_bar("writing the report", None):
             write_report(
                 folder,

@@ -10,6 +10,8 @@ from typing import Annotated, Any, ClassVar, Union, get_args, get_origin, get_ty
 import typer
 from typer.core import TyperGroup
 
+from cable_tracker.errors import ResourceError
+
 NONE: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -42,9 +44,23 @@ class LateCommands(TyperGroup):
         return list(self.places())
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ANN401
-        """Return a command, or None where there is none of this name."""
+        """Return a command, or None where there is none of this name.
+
+        Raises
+        ------
+        ResourceError
+            A package that the command needs is missing or does not fit the others.
+        """
         place = (self.places() | dict(self.former_names)).get(cmd_name)
-        return None if place is None else load_command(cmd_name, place)
+        if place is None:
+            return None
+        try:
+            return load_command(cmd_name, place)
+        except ImportError as error:
+            raise ResourceError(
+                f"{cmd_name} cannot be used here: {error}; docs/dependencies.md says which"
+                " packages fit"
+            ) from error
 
     def format_help(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401
         """Write the help as plain text, which Typer 0.9 does for no group of its own."""
@@ -57,14 +73,18 @@ class LateCommands(TyperGroup):
         widest = max(map(len, self.places()))
         for title, group in self.groups.items():
             rows = [
-                (
-                    name.ljust(widest),
-                    self.get_command(ctx, name).get_short_help_str(formatter.width - 6 - widest),
-                )
+                (name.ljust(widest), self._short_help(ctx, name, formatter.width - 6 - widest))
                 for name in group
             ]
             with formatter.section(title):
                 formatter.write_dl(rows)
+
+    def _short_help(self, ctx: Any, name: str, width: int) -> str:  # noqa: ANN401
+        """Return what a command does; one that cannot be used does not keep the others from it."""
+        try:
+            return str(self.get_command(ctx, name).get_short_help_str(width))
+        except ResourceError:
+            return "(a package that it needs is missing or does not fit)"
 
 
 def load_command(name: str, place: str) -> Any:  # noqa: ANN401

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shutil
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -13,12 +14,21 @@ import typer
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from cable_tracker.campaigns.crew import ClusterSettings, stored_beside
+from cable_tracker.campaigns.task import MARKER
 from cable_tracker.commands.evaluate import seeds_from
 from cable_tracker.commands.loop_campaign import MOST_WORKERS, LoopCampaign, run_campaign
-from cable_tracker.commands.options import ForceOption
+from cable_tracker.commands.options import (
+    MEMORY,
+    DashboardOption,
+    ForceOption,
+    MemoryOption,
+    ResumeOption,
+    SchedulerOption,
+)
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.simulate import parse_size
-from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.terminal import advance, console, messages, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.closed_loop.loop_campaign import (
     METHODS_TABLE,
@@ -83,6 +93,10 @@ def loop(  # noqa: PLR0917
     workers: Annotated[
         int, typer.Option(help="So many runs at once, each of them four processes.")
     ] = 1,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = MEMORY,
+    dashboard: DashboardOption = False,
+    resume: ResumeOption = False,
     output: Annotated[
         Path | None,
         typer.Option(help="Folder for the results.  [default: loop_SEED; of several: loop_runs]"),
@@ -127,8 +141,12 @@ def loop(  # noqa: PLR0917
         *([f"--params={params}"] if params is not None else []),
         *(["--realtime"] if realtime else []),
     ]  # fmt: skip
-    campaign = LoopCampaign(methods, chosen, shared, workers)
-    _run_several(campaign, output if output is not None else Path("loop_runs"), force)
+    if dashboard:
+        messages.print("Dask's pages: http://127.0.0.1:8787/status")
+    cluster = ClusterSettings(workers, scheduler, memory, dashboard)
+    campaign = LoopCampaign(methods, chosen, shared)
+    path = output if output is not None else Path("loop_runs")
+    _run_several(campaign, path, cluster, (force, resume))
 
 
 def _check_methods(methods: Sequence[str], *, is_tuned: bool) -> None:
@@ -153,10 +171,26 @@ def _run_one(ros: ModuleType, request: Any, folder: Path, force: bool) -> None: 
         console.print(f"  {folder / name}", soft_wrap=True)
 
 
-def _run_several(campaign: LoopCampaign, path: Path, force: bool) -> None:
-    with output_folder(path, RUNS, overwrite=force) as folder:
+def _run_several(
+    campaign: LoopCampaign, path: Path, cluster: ClusterSettings, over: tuple[bool, bool]
+) -> None:
+    force, resume = over
+    with (
+        output_folder(path, RUNS, overwrite=force or resume) as folder,
+        stored_beside(path, cluster, resume=resume) as crew,
+    ):
+        assert crew.store is not None
+        if resume and path.is_dir():
+            for run in (marker.parent for marker in path.glob(f"*/{MARKER}")):
+                shutil.copytree(run, crew.store / run.name, dirs_exist_ok=True)
         with progress_bar("runs", len(campaign.cases())) as progress:
-            outcomes = run_campaign(campaign, folder, lambda: advance(progress))
+            outcomes = run_campaign(
+                campaign, crew.store, lambda: advance(progress), cluster=cluster, resume=resume
+            )
+        # The folders of the runs stand beside the tables.
+        for run in crew.store.iterdir():
+            shutil.move(run, folder / run.name)
+        crew.store.rmdir()
         totals = totals_by_method(outcomes)
         write_runs(folder / RUNS, outcomes)
         write_methods(folder / METHODS_TABLE, totals)

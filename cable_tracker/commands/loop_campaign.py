@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import ctypes
+import fcntl
 import os
+import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import time
-from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
 
-from cable_tracker.errors import RecordingError
+from cable_tracker.campaigns.crew import ClusterSettings
+from cable_tracker.campaigns.runner import run_campaign as run_tasks
+from cable_tracker.campaigns.task import Outcome, TaskState
+from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.closed_loop.loop_campaign import LoopOutcome
 from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, read_summary
 
@@ -29,6 +35,9 @@ POLL = 0.2
 GRACE = 30.0
 """Time that a run gets to stop its nodes [s]."""
 
+PR_SET_PDEATHSIG = 1
+"""Of prctl: the signal that a process gets when its parent ends."""
+
 
 @dataclass(frozen=True, slots=True)
 class LoopCampaign:
@@ -42,22 +51,109 @@ class LoopCampaign:
         Each method runs with each of them.
     arguments : sequence of str
         Of `cable-tracker loop`, which all runs share.
-    workers : int
-        How many runs at once, 1 to `MOST_WORKERS`.
     """
 
     methods: Sequence[str]
     seeds: Sequence[int]
     arguments: Sequence[str] = ()
-    workers: int = 1
 
     def cases(self) -> list[tuple[str, int]]:
         """Return method and seed of all runs."""
         return [(method, seed) for method in self.methods for seed in self.seeds]
 
 
+@dataclass(frozen=True, slots=True)
+class LoopTask:
+    """One run.
+
+    Attributes
+    ----------
+    method, seed
+        Who tracks, and what is drawn.
+    arguments : tuple of str
+        Of `cable-tracker loop`.
+    """
+
+    method: str
+    seed: int
+    arguments: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Of its folder."""
+        return f"{self.method}_{self.seed}"
+
+    def fingerprint(self) -> str:
+        """Return a text that changes with what is run."""
+        return repr(self)
+
+    def run(self, folder: Path, advance: Callable[[int], None]) -> None:
+        """Run it in processes of its own.
+
+        Raises
+        ------
+        RosError
+            It has not come to its end; the message is its last line.
+        """
+        result = folder / "run"
+        own = ["--method", self.method, "--seed", str(self.seed), "--output", str(result)]
+        # A file, not a pipe: it is not read while the run lasts.
+        with tempfile.TemporaryFile() as said, free_domain() as domain:
+            process = subprocess.Popen(
+                [sys.executable, "-m", "cable_tracker.cli", "loop", *own, *self.arguments],
+                env={**os.environ, DOMAIN_VARIABLE: str(domain)},
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=said,
+                # A Ctrl-C reaches it through us alone, once; and it does not outlive us.
+                start_new_session=True,
+                preexec_fn=_end_with_parent,  # noqa: PLW1509  It only calls the kernel.
+            )
+            try:
+                # Sleeping instead of waiting for threads: a signal may come any time.
+                while process.poll() is None:
+                    time.sleep(POLL)
+            finally:
+                _stop(process)
+            said.seek(0)
+            lines = said.read().decode(errors="replace").splitlines()
+        advance(1)
+        if process.returncode:
+            reason = next((line.strip() for line in reversed(lines) if line.strip()), "")
+            reason = reason or f"it ended with code {process.returncode}"
+            raise RosError(reason.removeprefix("error: "))
+        for file in result.iterdir():
+            shutil.move(file, folder / file.name)
+        result.rmdir()
+
+
+def _end_with_parent() -> None:
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+@contextmanager
+def free_domain() -> Iterator[int]:
+    """Give a ROS domain that no other run on this machine uses; wait while there is none."""
+    folder = Path(tempfile.gettempdir())
+    while True:
+        for domain in range(FIRST_DOMAIN, LAST_DOMAIN + 1):
+            with (folder / f"cable_tracker_domain_{domain}_{os.getuid()}.lock").open("w") as lock:
+                try:
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except OSError:
+                    continue
+                yield domain
+                return
+        time.sleep(POLL)
+
+
 def run_campaign(
-    campaign: LoopCampaign, folder: Path, advance: Callable[[], None] = lambda: None
+    campaign: LoopCampaign,
+    folder: Path,
+    advance: Callable[[], None] = lambda: None,
+    *,
+    cluster: ClusterSettings | None = None,
+    resume: bool = False,
 ) -> list[LoopOutcome]:
     """Run everything; a run that fails is an outcome like any other.
 
@@ -69,85 +165,43 @@ def run_campaign(
         Gets a folder METHOD_SEED for each run that comes to its end.
     advance : callable
         Called after each run.
+    cluster : ClusterSettings or None
+        Where; None: one after the other, here.
+    resume : bool
+        Keep the runs that are there already.
 
     Returns
     -------
     list of LoopOutcome
         By method, then seed, in the campaign's order.
     """
-    cases = campaign.cases()
-    waiting = deque(cases)
-    free = [FIRST_DOMAIN + number for number in range(campaign.workers)]
-    running: list[_Run] = []
-    outcomes: dict[tuple[str, int], LoopOutcome] = {}
+    tasks = [LoopTask(*case, tuple(campaign.arguments)) for case in campaign.cases()]
+    outcomes = run_tasks(
+        tasks,
+        folder,
+        cluster or ClusterSettings(),
+        resume=resume,
+        finished=lambda outcome: advance(),
+    )
+    return [_outcome(task, each, folder) for task, each in zip(tasks, outcomes, strict=True)]
+
+
+def _outcome(task: LoopTask, outcome: Outcome, folder: Path) -> LoopOutcome:
+    if outcome.state is TaskState.FAILED:
+        return LoopOutcome(task.method, task.seed, None, outcome.reason)
     try:
-        # Sleeping instead of waiting for threads: a signal may come any time.
-        while waiting or running:
-            while waiting and free:
-                running.append(_Run.start(waiting.popleft(), free.pop(), campaign, folder))
-            time.sleep(POLL)
-            for run in [run for run in running if run.process.poll() is not None]:
-                running.remove(run)
-                free.append(run.domain)
-                outcomes[run.case] = run.outcome()
-                advance()
-    finally:
-        _stop(running)
-    return [outcomes[case] for case in cases]
+        return LoopOutcome(task.method, task.seed, read_summary(folder / task.name / SUMMARY))
+    except RecordingError as error:
+        return LoopOutcome(task.method, task.seed, None, str(error))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Run:
-    case: tuple[str, int]
-    domain: int
-    path: Path
-    process: subprocess.Popen[bytes]
-    said: IO[bytes]
-
-    @classmethod
-    def start(
-        cls, case: tuple[str, int], domain: int, campaign: LoopCampaign, folder: Path
-    ) -> _Run:
-        method, seed = case
-        path = folder / f"{method}_{seed}"
-        own = ["--method", method, "--seed", str(seed), "--output", str(path)]
-        # A file, not a pipe: it is not read while the run lasts.
-        said = tempfile.TemporaryFile()  # noqa: SIM115  It lives as long as the run.
-        process = subprocess.Popen(
-            [sys.executable, "-m", "cable_tracker.cli", "loop", *own, *campaign.arguments],
-            env={**os.environ, DOMAIN_VARIABLE: str(domain)},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=said,
-            # A Ctrl-C reaches it through us alone, once.
-            start_new_session=True,
-        )
-        return cls(case, domain, path, process, said)
-
-    def outcome(self) -> LoopOutcome:
-        """Return what came of it, once it has ended."""
-        method, seed = self.case
-        with self.said as said:
-            said.seek(0)
-            lines = said.read().decode(errors="replace").splitlines()
-        if self.process.returncode:
-            reason = next((line.strip() for line in reversed(lines) if line.strip()), "")
-            reason = reason or f"it ended with code {self.process.returncode}"
-            return LoopOutcome(method, seed, None, reason.removeprefix("error: "))
-        try:
-            return LoopOutcome(method, seed, read_summary(self.path / SUMMARY))
-        except RecordingError as error:
-            return LoopOutcome(method, seed, None, str(error))
-
-
-def _stop(running: Sequence[_Run]) -> None:
-    """End runs that are on their way; each of them stops its nodes."""
-    for run in running:
-        run.process.terminate()
-    for run in running:
-        try:
-            run.process.wait(GRACE)
-        except subprocess.TimeoutExpired:
-            run.process.kill()
-            run.process.wait()
-        run.said.close()
+def _stop(process: subprocess.Popen[bytes]) -> None:
+    """End a run that is on its way; it stops its nodes."""
+    if process.poll() is not None:
+        return
+    process.terminate()
+    try:
+        process.wait(GRACE)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()

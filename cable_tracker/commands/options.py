@@ -23,6 +23,18 @@ class Storage(str, Enum):
     SQLITE3 = "sqlite3"
 
 
+SchedulerOption = Annotated[
+    str | None, typer.Option(help="Address of a running Dask scheduler: tcp://host:8786.")
+]
+MemoryOption = Annotated[str, typer.Option(help="Most memory of each worker.")]
+DashboardOption = Annotated[
+    bool, typer.Option("--dashboard", help="Serve Dask's pages at 127.0.0.1:8787.")
+]
+ResumeOption = Annotated[
+    bool, typer.Option("--resume", help="Do only what is missing or has changed.")
+]
+MEMORY = "4 GiB"
+
 PresetName = Enum("PresetName", {name: name for name in PRESETS}, type=str)  # type: ignore[misc]
 InitOption = Annotated[
     str | None,

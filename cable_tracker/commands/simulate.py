@@ -17,8 +17,16 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
-from cable_tracker.simulation.scenario import SimulationSettings, simulate, simulate_scenario
-from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
+from cable_tracker.simulation.dive import Dive
+from cable_tracker.simulation.instrumented_bag import write_instrumented_bag
+from cable_tracker.simulation.scenario import (
+    SimulationSettings,
+    scenario_dive,
+    simulate,
+    simulate_scenario,
+    simulated_dive,
+)
+from cable_tracker.simulation.scenarios import SCENARIO_RATE, SCENARIOS, find_scenario
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveySettings, usual_survey
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
@@ -90,6 +98,7 @@ def simulate_command(  # noqa: PLR0917
         _simulate_survey(output, settings_of_survey, storage, force)
         return
     source: Iterator[Frame]
+    below: tuple[Dive, float] | None = None
     if scenario is not None and scenario in WORLDS:
         if photographs is not None:
             raise ParameterError(f"photographs: the world {scenario} has its own bottom")
@@ -99,6 +108,7 @@ def simulate_command(  # noqa: PLR0917
         frames = find_scenario(scenario).frame_count
         simulated = simulate_scenario(scenario, seed, image_size, photographs=photographs)
         source = (each.frame for each in simulated)
+        below = scenario_dive(scenario, seed, image_size), SCENARIO_RATE
     elif photographs is not None:
         raise ParameterError("photographs cover the bottom of a scenario; name one with --scenario")
     else:
@@ -106,9 +116,14 @@ def simulate_command(  # noqa: PLR0917
             frame_count=frames, rate=rate, image_size=image_size, clutter=clutter, seed=seed
         )
         source = simulate(settings)
+        below = simulated_dive(settings), rate
     with progress_bar("simulating", frames) as progress:
         dive = counted(source, progress)
-        if output_format is SimulationFormat.BAG:
+        if output_format is SimulationFormat.BAG and below is not None:
+            count = write_instrumented_bag(
+                output, dive, *below, seed, storage=storage.value, overwrite=force
+            )
+        elif output_format is SimulationFormat.BAG:
             count = write_bag(output, dive, storage=storage.value, overwrite=force).count
         else:
             count = write_sequence(output, dive, overwrite=force)

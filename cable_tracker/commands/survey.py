@@ -9,17 +9,22 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from cable_tracker.campaigns.cluster import ClusterSettings
+from cable_tracker.campaigns.crew import ClusterSettings
 from cable_tracker.commands.options import (
+    MEMORY,
     AltitudeOption,
     CameraInfoOption,
+    DashboardOption,
     FixOption,
     ForceOption,
     ImuOption,
+    MemoryOption,
     OdometryOption,
     ParamsOption,
     PresetOption,
     RateOption,
+    ResumeOption,
+    SchedulerOption,
     SeedOption,
     TopicOption,
     VehicleOption,
@@ -30,7 +35,7 @@ from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.survey.campaign import RECORDINGS, REPORT, SurveyResult, run_survey
 from cable_tracker.survey.events import Limits
-from cable_tracker.survey.forwards import ForwardSettings
+from cable_tracker.survey.forwards import MOST_RATE, ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
 from cable_tracker.tracking.parameter_files import read_parameter_file
 
@@ -47,18 +52,12 @@ def survey(  # noqa: PLR0917
             "  [default: the first fix]"
         ),
     ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Do only what is missing or has changed.")
-    ] = False,
+    resume: ResumeOption = False,
     force: ForceOption = False,
     workers: Annotated[int, typer.Option(help="Processes on this machine.")] = 1,
-    scheduler: Annotated[
-        str | None, typer.Option(help="Address of a running Dask scheduler: tcp://host:8786.")
-    ] = None,
-    memory: Annotated[str, typer.Option(help="Most memory of each worker.")] = "4 GiB",
-    dashboard: Annotated[
-        bool, typer.Option("--dashboard", help="Serve Dask's pages at 127.0.0.1:8787.")
-    ] = False,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = MEMORY,
+    dashboard: DashboardOption = False,
     pictures: Annotated[bool, typer.Option(help="Keep a picture of each event.")] = True,
     least_burial: Annotated[
         float, typer.Option(help="Shorter buried stretches are not reported [m].")
@@ -69,6 +68,12 @@ def survey(  # noqa: PLR0917
     most_aside: Annotated[
         float, typer.Option(help="The vehicle is too far beside the cable from here on [m].")
     ] = 1.2,
+    most_rate: Annotated[
+        float,
+        typer.Option(
+            help="With odometry, track at most so many pictures per second; 0: all of them."
+        ),
+    ] = MOST_RATE,
     preset_name: PresetOption = None,
     params: ParamsOption = None,
     seed: SeedOption = None,
@@ -94,6 +99,7 @@ def survey(  # noqa: PLR0917
             camera_info_topic, altitude_topic, imu_topic, odometry_topic, fix_topic
         ),
         vehicle=vehicle.resolve() if vehicle is not None else None,
+        most_rate=most_rate,
     )
     limits = Limits(least_burial=least_burial, bend_radius=bend_radius, most_aside=most_aside)
     settings = SurveySettings(forward, limits, parse_datum(datum), pictures)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -19,17 +20,16 @@ from cable_tracker.commands.options import (
     TopicOption,
     open_recording,
 )
+from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, messages, progress_bar
-from cable_tracker.errors import FrameError, ParameterError
+from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.targets.track_target import (
-    CONTACT_SHEET,
-    DETECT,
-    ESTIMATES,
-    VIDEO,
-    TargetRow,
+    TargetFolder,
+    need_usable_frames,
     parse_start,
     track_target,
 )
+from cable_tracker.target.model.start_text import DETECT
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import TARGET_PRESETS, target_preset
 from cable_tracker.target.tracker import TargetTracker
@@ -65,6 +65,12 @@ def target(  # noqa: PLR0917
     rate: RateOption = 25.0,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
+    ros: Annotated[
+        bool, typer.Option("--ros", help="Run the nodes and talk over DDS; needs ROS 2 Jazzy.")
+    ] = False,
+    bag: Annotated[
+        bool, typer.Option("--bag/--no-bag", help="Write the bag with the node's messages.")
+    ] = True,
     timing: Annotated[
         bool,
         typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
@@ -72,25 +78,47 @@ def target(  # noqa: PLR0917
 ) -> None:
     """Follow a target with an outline: a buoy, a vehicle, a diver.
 
-    Writes a table, a sheet of pictures and a video into one folder. The same recording, parameters
-    and seed give the same estimates.
+    Writes a table, a sheet of pictures, a video and a bag into one folder. The same recording,
+    parameters and seed give the same estimates, with --ros and without.
     """
     parameters = _parameters(preset_name.value if preset_name else None, params, seed)
-    tracker = TargetTracker(parameters.replaced(_detector(init, parameters)))
+    parameters = parameters.replaced(_detector(init, parameters))
     try:
         start = parse_start(init)
-    except FrameError as error:
+    except ParameterError as error:
         raise ParameterError(f"init: {error}") from error
     folder = output if output is not None else _default_output(source)
-    with open_recording(source, topic, rate, None, skip_bad_frames, allow_outside) as recording:
-        if start is not None:
-            tracker.initialise(start)
-        with progress_bar("following", recording.frame_count) as progress:
-            rows, damage = track_target(
-                recording, tracker, folder, overwrite=force, timing=timing,
-                advance=lambda: advance(progress),
-            )  # fmt: skip
-    _print(rows, folder)
+    with ExitStack() as stack:
+        recording = stack.enter_context(
+            open_recording(source, topic, rate, None, skip_bad_frames, allow_outside)
+        )
+        results = stack.enter_context(
+            TargetFolder(folder, overwrite=force, timing=timing, with_bag=bag)
+        )
+        progress = stack.enter_context(progress_bar("following", recording.frame_count))
+        if ros:
+            ros_module = need_ros("clients.track_target")
+            request = ros_module.TargetRequest(
+                source={
+                    "source": str(source.resolve()),
+                    "topic": topic or "",
+                    "frame_rate": rate,
+                    "skip_bad_frames": skip_bad_frames,
+                    "allow_outside": allow_outside,
+                },
+                parameters=parameters,
+                initial_target=init,
+            )
+            damage = ros_module.track_target_over_ros(
+                recording, request, results, lambda: advance(progress)
+            )
+        else:
+            tracker = TargetTracker(parameters)
+            if start is not None:
+                tracker.initialise(start)
+            damage = track_target(recording, tracker, results, lambda: advance(progress))
+        need_usable_frames(recording, results.rows, damage)
+    _print(results)
     if damage is not None:
         raise damage
 
@@ -116,16 +144,16 @@ def _default_output(source: Path) -> Path:
     return Path(f"{stem}_target")
 
 
-def _print(rows: list[TargetRow], folder: Path) -> None:
-    statuses = [row.status for row in rows]
+def _print(results: TargetFolder) -> None:
+    statuses = [row.status for row in results.rows]
     counts = {status: statuses.count(status) for status in dict.fromkeys(statuses)}
     words = ", ".join(f"{count} {status}" for status, count in counts.items())
-    console.print(f"{len(rows)} frames: {words}", soft_wrap=True)
-    for row in rows:
-        if row.estimate is not None and row.estimate.event:
-            messages.print(f"note: frame {row.frame}: {row.estimate.event}", soft_wrap=True)
-    times = sorted(row.ms for row in rows if row.ms is not None)
+    console.print(f"{len(results.rows)} frames: {words}", soft_wrap=True)
+    for row in results.rows:
+        if row.event:
+            messages.print(f"note: frame {row.frame}: {row.event}", soft_wrap=True)
+    times = sorted(row.ms for row in results.rows if row.ms is not None)
     if times:
         console.print(f"median time in the tracker: {times[len(times) // 2]:.2f} ms per frame")
-    for name in (ESTIMATES, VIDEO, CONTACT_SHEET):
-        console.print(f"  {folder / name}", soft_wrap=True)
+    for name in results.names:
+        console.print(f"  {results.path / name}", soft_wrap=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 from rich.console import Console
 from rich.progress import (
@@ -31,10 +31,12 @@ def progress_bar(description: str, total: int | None) -> Iterator[Progress]:
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    # Off a terminal the bar would leave an empty line among the messages.
     hidden = not messages.is_terminal
-    with Progress(*columns, console=messages, transient=True, disable=hidden) as progress:
-        progress.add_task(description, total=total)
+    progress = Progress(*columns, console=messages, transient=True, disable=hidden)
+    progress.add_task(description, total=total)
+    # Off a terminal the bar would leave an empty line among the messages, with Rich 13 even a
+    # disabled one that is started and stopped.
+    with nullcontext() if hidden else progress:
         yield progress
 
 

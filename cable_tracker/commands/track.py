@@ -109,6 +109,8 @@ def track(  # noqa: PLR0917
             ResultFolder(folder, overwrite=force, timing=timing, wanted=wanted)
         )
         progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
+        chosen = chosen_instruments(camera_info_topic, altitude_topic, imu_topic, odometry_topic)
+        described = find_vehicle(recording, chosen, vehicle)
         if ros:
             ros_module = need_ros("clients.track_recording")
             request = ros_module.RecordingRequest(
@@ -119,9 +121,12 @@ def track(  # noqa: PLR0917
                     "truth": str(truth.resolve()) if truth else "",
                     "skip_bad_frames": skip_bad_frames,
                     "allow_outside": allow_outside,
+                    "vehicle": str(vehicle.resolve()) if vehicle else "",
+                    **{f"{each.value}_topic": topic for each, topic in chosen.topics.items()},
                 },
                 parameters=parameters,
                 initial_state=state,
+                vehicle=described,
             )
             damage = ros_module.track_recording_over_ros(
                 recording, request, results, lambda: advance(progress)
@@ -129,10 +134,7 @@ def track(  # noqa: PLR0917
         else:
             tracker = make_tracker(parameters)
             start_from(tracker, state)
-            chosen = chosen_instruments(
-                camera_info_topic, altitude_topic, imu_topic, odometry_topic
-            )
-            metres = find_vehicle(recording, chosen, vehicle).metres()
+            metres = described.metres()
             damage = track_recording(recording, tracker, results, lambda: advance(progress), metres)
         _need_usable_frames(results, damage)
     _print_results(results)

@@ -16,7 +16,13 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.compilation import compiled, compiled_fast_part, compiled_inside, compiled_part
+from cable_tracker.compilation import (
+    compiled,
+    compiled_fast_loop,
+    compiled_inside,
+    compiled_loop,
+    compiled_part,
+)
 from cable_tracker.detection.line_pairs import plausible_pairs
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 
@@ -157,8 +163,9 @@ def _cast(
 @compiled
 def _wrap_margins(votes: FloatArray) -> None:
     for step in range(ANGLE_MARGIN):
-        votes[step] = votes[step + ANGLE_BINS]
-        votes[step + ANGLE_BINS + ANGLE_MARGIN] = votes[step + ANGLE_MARGIN]
+        for column in range(votes.shape[1]):
+            votes[step, column] = votes[step + ANGLE_BINS, column]
+            votes[step + ANGLE_BINS + ANGLE_MARGIN, column] = votes[step + ANGLE_MARGIN, column]
 
 
 @compiled
@@ -180,45 +187,59 @@ def strongest_lines(
         Number of lines at most.
     """
     smooth = clearness_of(smoothed(votes))
-    inner = slice(ANGLE_MARGIN, ANGLE_MARGIN + ANGLE_BINS)
     columns = smooth.shape[1]
-    cells = smooth[inner].reshape(-1)
-    peaks = _peaks(cells, highest_near(smooth)[inner].reshape(-1))
-    order = highest_first(cells[peaks], most)
+    peaks = _peaks(smooth, highest_near(smooth))
+    heights = np.empty(len(peaks), np.float32)
+    for index in range(len(peaks)):
+        heights[index] = smooth[peaks[index] // columns, peaks[index] % columns]
+    order = highest_first(heights, most)
     angles, offsets, supports = np.empty(len(order)), np.empty(len(order)), np.empty(len(order))
     for rank in range(len(order)):
         peak = peaks[order[rank]]
         row, column = peak // columns, peak % columns
-        around = smooth[row + ANGLE_MARGIN - 1 : row + ANGLE_MARGIN + 2]
-        turn, shift = _vertex(around[:, column]), 0.0
+        here = smooth[row, column]
+        turn, shift = _vertex(smooth[row - 1, column], here, smooth[row + 1, column]), 0.0
         if 0 < column < columns - 1:
-            shift = _vertex(around[1, column - 1 : column + 2])
-        angles[rank] = (row + turn) * BIN
+            shift = _vertex(smooth[row, column - 1], here, smooth[row, column + 1])
+        angles[rank] = (row - ANGLE_MARGIN + turn) * BIN
         offsets[rank] = (column + shift - middle) * offset_bin
-        supports[rank] = cells[peak]
+        supports[rank] = here
     return angles, offsets, supports
 
 
 @compiled_inside
-def _vertex(values: Image) -> float:
+def _vertex(before: float, here: float, after: float) -> float:
     """Return where the parabola through three values is highest, from -0.5 to 0.5."""
-    bend = 2.0 * values[1] - values[0] - values[2]
+    bend = 2.0 * here - before - after
     if bend <= 0.0:
         return 0.0
-    return float(min(max(0.5 * (values[2] - values[0]) / bend, -0.5), 0.5))
+    return float(min(max(0.5 * (after - before) / bend, -0.5), 0.5))
 
 
 @compiled_part
 def clearness_of(smooth: Image) -> Image:
     """Return how far votes stand above the others at their angle, in spreads; at least 0."""
     clear = np.empty_like(smooth)
-    shared = SHARED_SPREAD * np.std(smooth)
+    shared = SHARED_SPREAD * _mean_and_spread(smooth.reshape(-1))[1]
     for row in range(len(smooth)):
-        mean, spread = np.mean(smooth[row]), np.std(smooth[row])
+        mean, spread = _mean_and_spread(smooth[row])
         for column in range(smooth.shape[1]):
             excess = (smooth[row, column] - mean) / (spread + shared + 1e-6)
             clear[row, column] = max(excess, 0.0)
     return clear
+
+
+@compiled_loop
+def _mean_and_spread(values: Image) -> tuple[float, float]:
+    """Return the mean of numbers (N,) and their standard deviation."""
+    total = np.float32(0.0)
+    for value in values:
+        total += value
+    mean = float(total / len(values))
+    squares = 0.0
+    for value in values:
+        squares += (value - mean) * (value - mean)
+    return mean, math.sqrt(squares / len(values))
 
 
 @compiled_part
@@ -229,7 +250,8 @@ def smoothed(votes: FloatArray) -> Image:
     along = np.empty((height, width), np.float32)
     smooth = np.empty((height, width), np.float32)
     for row in range(height):
-        cells[1:-1] = votes[row]
+        for column in range(width):
+            cells[column + 1] = votes[row, column]
         cells[0], cells[width + 1] = cells[2], cells[width - 1]
         _fold(cells[:-2], cells[1:-1], cells[2:], along[row])
     for row in range(height):
@@ -238,7 +260,7 @@ def smoothed(votes: FloatArray) -> Image:
     return smooth
 
 
-@compiled_fast_part
+@compiled_fast_loop
 def _fold(before: Image, here: Image, after: Image, result: Image) -> None:
     half, quarter = np.float32(0.5), np.float32(0.25)
     for x in range(len(result)):
@@ -262,7 +284,7 @@ def highest_near(smooth: Image) -> Image:
     return highest
 
 
-@compiled_fast_part
+@compiled_fast_loop
 def _raise_to(values: Image, others: Image) -> None:
     for x in range(len(values)):
         values[x] = max(values[x], others[x])
@@ -270,18 +292,21 @@ def _raise_to(values: Image, others: Image) -> None:
 
 @compiled_part
 def _peaks(heights: Image, highest: Image) -> IndexArray:
-    """Return which cells (C,) are as high as the highest near them, shape (P,)."""
-    count = 0
-    peaks = np.empty(len(heights) + 1, np.int64)
-    for cell in range(len(heights)):
-        # Without a branch, which no processor could predict: what is no peak is written over.
-        peaks[count] = cell
-        count += int(heights[cell] >= highest[cell]) & int(heights[cell] > 0.0)
+    """Return the flat indices (P,) of the cells that are as high as the highest near them."""
+    height, width = heights.shape
+    count = np.int64(0)
+    peaks = np.empty(height * width + 1, np.int64)
+    for row in range(ANGLE_MARGIN, height - ANGLE_MARGIN):
+        for column in range(width):
+            # Without a branch, which no processor could predict: what is no peak is written over.
+            peaks[count] = row * width + column
+            value = heights[row, column]
+            count += np.int64(value >= highest[row, column]) & np.int64(value > 0.0)
     return peaks[:count]
 
 
 @compiled_part
-def highest_first(values: FloatArray, most: int) -> IndexArray:
+def highest_first(values: FloatArray | Image, most: int) -> IndexArray:
     """Return the indices of the highest values; of equal ones the first comes first."""
     count = min(most, len(values))
     order = np.empty(count, np.int64)

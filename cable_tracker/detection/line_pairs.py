@@ -10,7 +10,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import borders_cross_inside, turn_sign, wrapped_angle
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.compilation import compiled, compiled_part
+from cable_tracker.compilation import compiled, compiled_loop
 from cable_tracker.detection.border_lines import BorderLines
 from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.pair_limits import PairLimits
@@ -146,7 +146,7 @@ def plausible_pairs(
     return poses[:found], scores[:found]
 
 
-@compiled_part
+@compiled_loop
 def _cable_between(
     angle: float, offset: float, other: float, other_offset: float, pose: FloatArray
 ) -> bool:

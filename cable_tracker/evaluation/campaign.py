@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
+from cable_tracker.campaigns.crew import Workers, run_all
+from cable_tracker.campaigns.task import fingerprint_of_files
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.judged_sequences import JudgedSequence
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
-from cable_tracker.evaluation.workers import run_tasks
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +77,14 @@ class _Task:
     sequence: JudgedSequence
     seed: int
 
+    def fingerprint(self) -> str:
+        """Return a text that changes with what is run, and with the recording."""
+        own = replace(self.campaign, sequences=(self.sequence,), seeds=(self.seed,))
+        sheet = self.seed == self.campaign.seeds[0]
+        tables = [Path(str(each.parameters.response_table)) for each in own.filters]
+        files = [path for path in (*files_of(self.sequence), *tables) if path.exists()]
+        return f"{own!r} {sheet} {' '.join(map(fingerprint_of_files, files))}"
+
     def run(self, advance: Callable[[], None]) -> list[RunResult]:
         campaign = self.campaign
         with_sheet = campaign.with_sheets and self.seed == campaign.seeds[0]
@@ -93,8 +103,17 @@ class _Task:
         return run_together(runs, frames, self.sequence.name, advance)
 
 
+def files_of(sequence: JudgedSequence) -> list[Path]:
+    """Return the files that a sequence is read from; none of a simulated one."""
+    found = (getattr(sequence, name, None) for name in ("path", "truth"))
+    return [each for each in found if isinstance(each, Path)]
+
+
 def run_campaign(
-    campaign: Campaign, *, workers: int = 1, advance: Callable[[int], None] = lambda frames: None
+    campaign: Campaign,
+    *,
+    workers: Workers = 1,
+    advance: Callable[[int], None] = lambda frames: None,
 ) -> list[RunResult]:
     """Run everything.
 
@@ -104,8 +123,8 @@ def run_campaign(
     ----------
     campaign : Campaign
         What to run.
-    workers : int
-        Number of processes; with 1, everything happens in this one.
+    workers : int or Crew
+        Number of processes, or who else does it; with 1, everything happens in this one.
     advance : callable
         Told now and then how many more frames are done.
 
@@ -122,5 +141,5 @@ def run_campaign(
         What stopped the first run that failed.
     """
     tasks = [_Task(campaign, s, seed) for s in campaign.sequences for seed in campaign.seeds]
-    runs = run_tasks(tasks, workers=workers, advance=advance)
+    runs = run_all(tasks, workers=workers, advance=advance)
     return [result for results in runs for result in results]

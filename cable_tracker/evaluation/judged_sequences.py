@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -18,6 +19,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.sequence_file import Label, read_labels
 from cable_tracker.sequences.source import ChosenRecording, Source, is_bag
+from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.scenario import simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
@@ -73,13 +75,13 @@ class JudgedSequence(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class ScenarioSequence:
-    """A built-in scenario of the simulator; each seed is another dive.
+class SimulatedSequence(ABC):
+    """A built-in dive of the simulator; each seed is another one.
 
     Attributes
     ----------
     name : str
-        A key of `SCENARIOS`.
+        A key of the table that it stands in.
     limit : int or None
         Use only so many frames from the beginning.
     """
@@ -88,43 +90,9 @@ class ScenarioSequence:
     limit: int | None = None
 
     @property
+    @abstractmethod
     def description(self) -> str:
-        """What the scenario is about."""
-        return SCENARIOS[self.name].description
-
-    def frame_count(self) -> int | None:
-        """Return the number of frames."""
-        count = SCENARIOS[self.name].frame_count
-        return count if self.limit is None else min(count, self.limit)
-
-    def frames(self, seed: int) -> Iterator[JudgedFrame]:
-        """Simulate the dive of a seed."""
-        for count, item in enumerate(simulate_scenario(self.name, seed)):
-            if count == self.limit:
-                return
-            truth = item.frame.truth
-            yield _judged(item.frame, item.visibility if truth is not None else 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class WorldSequence:
-    """A built-in world of the simulator; each seed is another dive.
-
-    Attributes
-    ----------
-    name : str
-        A key of `WORLDS`.
-    limit : int or None
-        Use only so many frames from the beginning.
-    """
-
-    name: str
-    limit: int | None = None
-
-    @property
-    def description(self) -> str:
-        """What is hard about the world."""
-        return WORLDS[self.name].description
+        """What it is about."""
 
     def frame_count(self) -> int | None:
         """Return the number of frames.
@@ -132,17 +100,58 @@ class WorldSequence:
         Raises
         ------
         RecordingError
-            The world needs photographs, and there are none.
+            It needs photographs, and there are none.
         """
-        world = WORLDS[self.name]
-        if world.photographed:
-            photographs_of(world.split)
-        return world.frame_count if self.limit is None else min(world.frame_count, self.limit)
+        count = self._whole_count()
+        return count if self.limit is None else min(count, self.limit)
 
     def frames(self, seed: int) -> Iterator[JudgedFrame]:
         """Simulate the dive of a seed."""
-        for item in islice(simulate_world(self.name, seed), self.limit):
+        for item in islice(self._dive(seed), self.limit):
             yield _judged(item.frame, item.visibility)
+
+    @abstractmethod
+    def _whole_count(self) -> int:
+        """Return the number of frames where there is no limit."""
+
+    @abstractmethod
+    def _dive(self, seed: int) -> Iterator[SimulatedFrame]:
+        """Simulate all frames of a seed."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioSequence(SimulatedSequence):
+    """A scenario: a key of `SCENARIOS`."""
+
+    @property
+    def description(self) -> str:
+        """What the scenario is about."""
+        return SCENARIOS[self.name].description
+
+    def _whole_count(self) -> int:
+        return SCENARIOS[self.name].frame_count
+
+    def _dive(self, seed: int) -> Iterator[SimulatedFrame]:
+        return simulate_scenario(self.name, seed)
+
+
+@dataclass(frozen=True, slots=True)
+class WorldSequence(SimulatedSequence):
+    """A world: a key of `WORLDS`."""
+
+    @property
+    def description(self) -> str:
+        """What is hard about the world."""
+        return WORLDS[self.name].description
+
+    def _whole_count(self) -> int:
+        world = WORLDS[self.name]
+        if world.photographed:
+            photographs_of(world.split)
+        return world.frame_count
+
+    def _dive(self, seed: int) -> Iterator[SimulatedFrame]:
+        return simulate_world(self.name, seed)
 
 
 @dataclass(frozen=True, slots=True)

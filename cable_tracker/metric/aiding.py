@@ -13,6 +13,7 @@ from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
 from cable_tracker.errors import MetricError
 from cable_tracker.libraries import refusals_as
+from cable_tracker.metric.history import NANOSECONDS
 from cable_tracker.metric.homography import (
     PlaneMotion,
     diffusion_covariance,
@@ -180,9 +181,18 @@ class MotionAiding:
         Altitude, attitude, mounting.
     odometry : Odometry
         Twists of base_link.
+    texture_pause : float
+        Between two looks at the sea bed's texture while it agrees with odometry, and between two
+        computations of what is unknown of a prediction [s]; 0: in every frame. Where the texture
+        has ceased to agree, every frame is looked at.
     """
 
-    def __init__(self, instruments: Instruments, odometry: Odometry) -> None:
+    def __init__(
+        self, instruments: Instruments, odometry: Odometry, texture_pause: float = 0.0
+    ) -> None:
+        self._texture_pause = round(texture_pause * NANOSECONDS)
+        self._texture_due = 0
+        self._sigmas: tuple[float, FloatArray] | None = None
         self._instruments = instruments
         self._odometry = odometry
         self._gate = AgreementGate()
@@ -224,10 +234,10 @@ class MotionAiding:
             return None
 
     def _motion(self, stamp: int, image: Image) -> PlaneMotion | None:
-        prediction = self._predict(stamp)
+        rests = 0 <= self._texture_due - stamp <= self._texture_pause and self._texture_pause > 0
+        prediction = self._predict(stamp, rests)
         predicted = prediction if isinstance(prediction, PlaneMotion) else None
-        seen = self._texture.compare(image, predicted.mapping if predicted is not None else None)
-        self._texture_gate.take(seen)
+        seen = self._look(stamp, image, predicted, rests)
         self._seen = seen
         if predicted is not None and seen is not None and seen.agrees:
             predicted = _widened(predicted, seen.excess, image.shape[1])
@@ -235,13 +245,27 @@ class MotionAiding:
         self._why = prediction.why if isinstance(prediction, NoMotion) else self._why_closed()
         return None if self._why else predicted
 
+    def _look(
+        self, stamp: int, image: Image, predicted: PlaneMotion | None, rests: bool
+    ) -> TextureMotion | None:
+        """Compare a frame with the one before, or trust in what was seen a moment ago."""
+        before = self._seen
+        if rests and predicted is not None and self._texture_gate.verdict and before is not None:
+            self._texture.keep(image)
+            return before
+        self._texture_due = stamp + self._texture_pause
+        seen = self._texture.compare(image, predicted.mapping if predicted is not None else None)
+        self._texture_gate.take(seen)
+        return seen
+
     def _why_closed(self) -> str:
         verdict = self._texture_gate.verdict
         if verdict is None:
             return self._gate.why_closed
         return "" if verdict else DISAGREEMENT
 
-    def _predict(self, stamp: int) -> PlaneMotion | NoMotion:
+    def _predict(self, stamp: int, rests: bool) -> PlaneMotion | NoMotion:
+        """Predict; while the look at the texture rests, what is unknown is as it was."""
         before = self._before
         if before is None:
             return NoMotion("no frame has come before")
@@ -251,12 +275,16 @@ class MotionAiding:
         flight = self._instruments.overflight(before)
         if isinstance(flight, Withheld):
             return NoMotion(str(flight))
+        mapping = homography(flight, change)
+        if rests and self._sigmas is not None and self._sigmas[0] >= change.seconds:
+            return PlaneMotion(mapping, change.seconds, self._sigmas[1])
         covariance = diffusion_covariance(before.state.to_array(), flight, change)
         frames = change.seconds * REFERENCE_RATE
         scale = before.image_size[0] / REFERENCE_WIDTH
         floor = UNMODELLED * np.array([scale, 1.0, scale, 1.0]) * np.sqrt(frames)
         sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0) + floor**2)
-        return PlaneMotion(homography(flight, change), change.seconds, sigmas)
+        self._sigmas = (change.seconds, sigmas)
+        return PlaneMotion(mapping, change.seconds, sigmas)
 
     def observe(self, estimate: CableEstimate) -> None:
         """Take the filter's answer to that frame: predictions are judged by it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections import deque
 from dataclasses import dataclass
 
@@ -84,11 +84,8 @@ class History:
 
     def between(self, start: int, end: int) -> list[tuple[int, FloatArray]]:
         """Return the measurements with start <= stamp < end, stamps [ns] and values."""
-        return [
-            (stamp, values)
-            for stamp, values in zip(self._stamps, self._values, strict=True)
-            if start <= stamp < end
-        ]
+        first, last = bisect_left(self._stamps, start), bisect_left(self._stamps, end)
+        return [(self._stamps[place], self._values[place]) for place in range(first, last)]
 
     def is_frozen(self, count: int, until: int) -> bool:
         """Tell whether the last `count` measurements up to a stamp [ns] are the same bit for bit.

@@ -19,7 +19,7 @@ from cable_tracker.cable.model.geometry import Borders, project_borders, states_
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.metric.calibration import CameraModel
 from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
-from cable_tracker.metric.motion import PoseChange, rotation_by
+from cable_tracker.metric.motion import PoseChange, rotations_by
 from cable_tracker.metric.sigma_points import mean_and_covariance, sigma_points
 
 LEAST_CLEARANCE = 0.1
@@ -127,7 +127,7 @@ def diffusion_covariance(state: FloatArray, flight: Overflight, change: PoseChan
     covariance[:6, :6] = change.covariance
     covariance[6, 6] = flight.height_sigma**2
     errors = sigma_points(np.zeros(7), covariance)
-    turns = np.array([rotation_by(error[3:6]) for error in errors])
+    turns = rotations_by(errors[:, 3:6])
     mappings = _homographies(
         flight,
         change.rotation @ turns,

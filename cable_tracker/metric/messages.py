@@ -12,7 +12,9 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.calibration import Calibration
+from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, roll_and_pitch
+from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.messages import UNKNOWN_VARIANCE, Message, MessageFactory
 
 Y, YAW = 1, 5
@@ -85,6 +87,22 @@ def read_attitude(message: Message, least_sigma: float) -> Attitude:
     return Attitude(roll, pitch, max(sigma, least_sigma))
 
 
+def yaw_of(quaternion: Message) -> float:
+    """Return the yaw of a Quaternion [rad]."""
+    q = quaternion
+    return math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
+
+
+def read_rates_of_turn(message: Message) -> FloatArray | None:
+    """Read the rates of turn of a sensor_msgs/Imu that is mounted like base_link, (3,) [rad/s].
+
+    None if it says that it does not measure them.
+    """
+    if float(message.angular_velocity_covariance[0]) == -1.0:
+        return None
+    return np.array([float(getattr(message.angular_velocity, axis)) for axis in "xyz"])
+
+
 def read_twist(
     message: Message, least_sigmas: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray]:
@@ -101,6 +119,19 @@ def read_twist(
     covariance[~known] = covariance[:, ~known] = 0.0
     covariance[~known, ~known] = least[~known]
     return np.array(twist), covariance
+
+
+METRES_KEYS = ("offset", "heading", "sigma_offset", "sigma_heading")
+NO_METRES_KEY = "no_metres"
+
+
+def report_metres(known: CrossTrack | Withheld) -> dict[str, str]:
+    """Return what a frame's report says in metres: to the last bit, or why there are none."""
+    if isinstance(known, Withheld):
+        return {NO_METRES_KEY: str(known)}
+    sigma = known.standard_deviations()
+    values = (known.offset, known.heading, float(sigma[0]), float(sigma[2]))
+    return dict(zip(METRES_KEYS, map(repr, values), strict=True))
 
 
 def make_cross_track(

@@ -107,27 +107,39 @@ class Odometry:
 
 
 def _integrated(knots: list[tuple[int, FloatArray]], seconds: float) -> PoseChange:
+    values = np.array([each for _, each in knots])
+    steps = np.array([(end - begin) / NANOSECONDS for (begin, _), (end, _) in pairwise(knots)])
+    means = (values[:-1] + values[1:]) / 2
+    turns = means[:, 3:TWIST] * steps[:, None]
+    halves, wholes = np.split(rotations_by(np.concatenate((turns / 2, turns))), 2)
+    # The velocity is that of the middle of the step.
+    ways = np.einsum("nij,nj->ni", halves, means[:, :3]) * steps[:, None]
     rotation, translation = np.eye(3), np.zeros(3)
-    covariance = np.zeros((TWIST, TWIST))
-    for (begin, before), (end, after) in pairwise(knots):
-        step = (end - begin) / NANOSECONDS
-        mean = (before + after) / 2
-        turn = mean[3:TWIST] * step
-        # The velocity is that of the middle of the step.
-        translation += rotation @ (rotation_by(turn / 2) @ mean[:3]) * step
-        rotation = np.asarray(rotation @ rotation_by(turn))
-        covariance += mean[TWIST:].reshape(TWIST, TWIST) * (step / seconds)
+    for way, whole in zip(ways, wholes, strict=True):
+        translation += rotation @ way
+        rotation = np.asarray(rotation @ whole)
+    covariance = (steps / seconds @ means[:, TWIST:]).reshape(TWIST, TWIST)
     # Errors of odometry are biases more than noise: over one step they are taken as constant.
     return PoseChange(rotation, translation, covariance * seconds**2, seconds)
 
 
 def rotation_by(vector: FloatArray) -> FloatArray:
     """Return the rotation by a rotation vector (3,) [rad], shape (3, 3); Rodrigues' formula."""
-    angle = float(np.linalg.norm(vector))
-    x, y, z = vector
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    if angle < 1e-8:
-        return np.asarray(np.eye(3) + cross)
-    sine, cosine = np.sin(angle) / angle, (1.0 - np.cos(angle)) / angle**2
-    turned: FloatArray = np.eye(3) + sine * cross + cosine * (cross @ cross)
+    return np.asarray(rotations_by(vector[None, :])[0])
+
+
+def rotations_by(vectors: FloatArray) -> FloatArray:
+    """Return the rotations by rotation vectors (N, 3) [rad], shape (N, 3, 3)."""
+    angles = np.sqrt((vectors * vectors).sum(axis=1))
+    cross = np.zeros((len(vectors), 3, 3))
+    x, y, z = vectors.T
+    cross[:, 0, 1], cross[:, 0, 2], cross[:, 1, 2] = -z, y, -x
+    cross[:, 1, 0], cross[:, 2, 0], cross[:, 2, 1] = z, -y, x
+    safe = np.maximum(angles, 1e-8)
+    is_turned = angles >= 1e-8
+    sine = np.where(is_turned, np.sin(safe) / safe, 1.0)
+    cosine = np.where(is_turned, (1.0 - np.cos(safe)) / safe**2, 0.0)
+    turned: FloatArray = (
+        np.eye(3) + sine[:, None, None] * cross + cosine[:, None, None] * (cross @ cross)
+    )
     return turned

@@ -8,11 +8,13 @@ measurements are interpolated instead of held.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
+
+import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -51,6 +53,30 @@ LOOK_AHEAD = 250_000_000
 are kept for twice as long."""
 
 
+@dataclass(frozen=True, slots=True)
+class Pauses:
+    """What may be looked at less often than it comes; nothing by default.
+
+    Attributes
+    ----------
+    readings : int
+        Between two readings of imu, odometry and altimeter [ns].
+    calibration : int
+        Between two calibrations [ns].
+    texture : float
+        Between two looks at the sea bed's texture while it agrees with odometry [s].
+    """
+
+    readings: int = 0
+    calibration: int = 0
+    texture: float = 0.0
+
+    def of_instruments(self) -> dict[Instrument, int]:
+        """Return the pauses of instruments; those that are not in it are read whole [ns]."""
+        fast = (Instrument.IMU, Instrument.ODOMETRY, Instrument.ALTITUDE)
+        return {**dict.fromkeys(fast, self.readings), Instrument.CAMERA_INFO: self.calibration}
+
+
 class InstrumentFeed:
     """Hands out the messages of a bag's instruments in step with its frames.
 
@@ -58,10 +84,14 @@ class InstrumentFeed:
     ----------
     source : InstrumentSource
         Where they come from.
+    pauses : mapping of Instrument to int
+        What comes sooner after a message of the same instrument is passed over [ns].
     """
 
-    def __init__(self, source: InstrumentSource) -> None:
-        self._messages = source.messages()
+    def __init__(
+        self, source: InstrumentSource, pauses: Mapping[Instrument, int] | None = None
+    ) -> None:
+        self._messages = source.messages(pauses)
         self._next: InstrumentMessage | None = next(self._messages, None)
 
     def until(self, received: int) -> Iterator[InstrumentMessage]:
@@ -86,14 +116,22 @@ class RecordedMetres:
         Mounting, doubts, and a calibration if the bag has none.
     source : InstrumentSource or None
         Instruments of the bag; None where there are none.
+    pauses : Pauses
+        What is looked at less often than it comes.
     """
 
-    def __init__(self, vehicle: Vehicle, source: InstrumentSource | None) -> None:
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        source: InstrumentSource | None,
+        pauses: Pauses = Pauses(),
+    ) -> None:
         self._values = vehicle.values
-        self._feed = None if source is None else InstrumentFeed(source)
+        own = pauses.of_instruments()
+        self._feed = None if source is None else InstrumentFeed(source, own)
         self._instruments = Instruments(instrument_settings(vehicle.values))
         self._odometry = Odometry()
-        self._aiding = MotionAiding(self._instruments, self._odometry)
+        self._aiding = MotionAiding(self._instruments, self._odometry, pauses.texture)
         self._aids = bool(vehicle.values["motion_aid"]) and (
             source is not None and Instrument.ODOMETRY in source.found.topics
         )
@@ -121,6 +159,11 @@ class RecordedMetres:
         return self._instruments
 
     @property
+    def is_aided(self) -> bool:
+        """Whether there is odometry for the filter."""
+        return self._aids
+
+    @property
     def why_not_aided(self) -> str:
         """Why the last frame was tracked without odometry; empty if it was not."""
         return self._aiding.why_not
@@ -146,7 +189,8 @@ class RecordedMetres:
             if hasattr(message, "range"):
                 metres, limits = read_range(message)
             else:
-                metres, limits = float(message.data), (0.0, MOST_ALTITUDE)
+                # As a Range, which the node hears, would hold it.
+                metres, limits = float(np.float32(message.data)), (0.0, MOST_ALTITUDE)
             self._instruments.take_altitude(stamp, metres, limits)
         elif given.instrument is Instrument.IMU:
             least = math.radians(number(self._values, "imu_sigma"))
@@ -206,9 +250,9 @@ class RecordedVehicle:
         found = self.source is not None and bool(self.source.found.topics)
         return found or self.vehicle.calibration is not None
 
-    def metres(self) -> RecordedMetres | None:
+    def metres(self, pauses: Pauses = Pauses()) -> RecordedMetres | None:
         """Return what turns estimates into metres; None where everything stays in pixels."""
-        return RecordedMetres(self.vehicle, self.source) if self.has_instruments else None
+        return RecordedMetres(self.vehicle, self.source, pauses) if self.has_instruments else None
 
 
 def recorded_vehicle(

@@ -54,6 +54,8 @@ class RelativeNoise:
         Measurements farther than so many sigmas are passed over.
     gate_time : float
         After so long without one that was taken, the gate is open [s].
+    rate_sigma : float
+        Of the rates at the beginning [rad/s, 1/s].
     """
 
     angular_acceleration: float = 0.15
@@ -64,6 +66,26 @@ class RelativeNoise:
     bias_time: float = 20.0
     gate: float = 4.0
     gate_time: float = 0.6
+    rate_sigma: float = 0.5
+
+
+SLOW = RelativeNoise(
+    angular_acceleration=0.01,
+    range_acceleration=0.01,
+    bias_sigma=1.0,
+    bias_time=1e6,
+    rate_sigma=0.01,
+)
+"""Of a target of unknown size that hardly moves: what comes into question is e-fold either way."""
+
+GUESSED_RANGE = 5.0
+"""Of a target of unknown size, to begin with [m]."""
+
+DIFFERENCE = 1e-5
+"""Step of numerical derivatives [rad, log m]."""
+
+LEAST_RANGE = 0.01
+"""So near a target is taken to be at least [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,11 +144,7 @@ class RelativeState:
 
     def position(self) -> FloatArray:
         """Return where the target is: ahead, to the left, up, shape (3,) [m]."""
-        bearing, elevation = self.mean[:2]
-        flat = math.cos(elevation)
-        return self.range * np.array(
-            [flat * math.cos(bearing), flat * math.sin(bearing), math.sin(elevation)]
-        )
+        return _cartesian(self.mean[:3])
 
     def position_covariance(self) -> FloatArray:
         """Return its covariance, shape (3, 3) [m²]."""
@@ -162,6 +180,37 @@ class RelativeState:
         covariance = transition @ self.covariance @ transition.T + added
         return replace(self, mean=mean, covariance=covariance, unseen=self.unseen + dt)
 
+    def seen_from(self, rotation: FloatArray, translation: FloatArray) -> RelativeState:
+        """Return the belief as seen from where the camera has moved to.
+
+        What the camera's own way changes of bearing and elevation depends on the range: sightings
+        from several places make it known (parallax).
+
+        Parameters
+        ----------
+        rotation : FloatArray
+            From the later axes to the earlier ones, shape (3, 3).
+        translation : FloatArray
+            Of the camera, in the earlier axes, shape (3,) [m].
+        """
+
+        def carried(pose: FloatArray) -> FloatArray:
+            return _polar((_cartesian(pose) - translation) @ rotation)
+
+        pose = self.mean[:3]
+        moved = carried(pose)
+        jacobian = np.eye(STATE_SIZE)
+        for column in range(3):
+            step = np.zeros(3)
+            step[column] = DIFFERENCE
+            change = carried(pose + step) - carried(pose - step)
+            change[0] = math.remainder(change[0], 2.0 * math.pi)
+            jacobian[:3, column] = change / (2.0 * DIFFERENCE)
+        mean = self.mean.copy()
+        mean[:3] = moved
+        covariance = jacobian @ self.covariance @ jacobian.T
+        return replace(self, mean=mean, covariance=covariance)
+
     def updated(self, seen: TargetSighting) -> RelativeState:
         """Return the belief after a sighting; unchanged if the gate refuses it.
 
@@ -190,6 +239,37 @@ class RelativeState:
         # Joseph's form keeps the covariance positive.
         covariance = rest @ self.covariance @ rest.T + gain @ np.diag(np.square(sigmas)) @ gain.T
         return replace(self, mean=mean, covariance=covariance, unseen=0.0)
+
+
+def _cartesian(pose: FloatArray) -> FloatArray:
+    """Return ahead, left, up [m] of bearing, elevation and log range, shape (3,)."""
+    bearing, elevation, log_range = (float(value) for value in pose)
+    flat = math.cos(elevation)
+    return math.exp(log_range) * np.array(
+        [flat * math.cos(bearing), flat * math.sin(bearing), math.sin(elevation)]
+    )
+
+
+def _polar(place: FloatArray) -> FloatArray:
+    """Return bearing, elevation and log range of ahead, left, up [m], shape (3,)."""
+    ahead, left, up = (float(value) for value in place)
+    flat = math.hypot(ahead, left)
+    distance = max(math.hypot(flat, up), LEAST_RANGE)
+    return np.array([math.atan2(left, ahead), math.atan2(up, flat), math.log(distance)])
+
+
+def begin_without_size(seen: TargetSighting) -> RelativeState:
+    """Return the belief about a target of unknown size: the range is as good as open.
+
+    The unknown size takes the place of the bias. The target is taken to move slowly (`SLOW`), else
+    the camera's way would say nothing of the range.
+
+    Raises
+    ------
+    ParameterError
+        The first sighting shows no whole target.
+    """
+    return begin_relative_state(seen, max(seen.angular_size, 1e-6) * GUESSED_RANGE, SLOW)
 
 
 def begin_relative_state(
@@ -230,7 +310,7 @@ def _begin(seen: TargetSighting, before: RelativeState) -> RelativeState:
     mean[:3] = seen.bearing, seen.elevation, math.log(before.target_size / seen.angular_size)
     size = noise.size_sigma**2 + noise.bias_sigma**2
     covariance = np.diag(
-        [noise.bearing_sigma**2, noise.bearing_sigma**2, size, 0.25, 0.25, 0.25,
+        [noise.bearing_sigma**2, noise.bearing_sigma**2, size, *[noise.rate_sigma**2] * 3,
          noise.bias_sigma**2]
     )  # fmt: skip
     # What the bias adds to the size, the range takes up.

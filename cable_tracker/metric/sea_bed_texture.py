@@ -85,6 +85,10 @@ class SeaBedTexture:
     def __init__(self) -> None:
         self._before: Image | None = None
 
+    def keep(self, image: Image) -> None:
+        """Keep a picture, to compare the next with it; as `compare`, which also looks at it."""
+        self._before = image
+
     def compare(self, image: Image, mapping: FloatArray | None) -> TextureMotion | None:
         """Keep a picture, and return how it differs from the one before; None: unknown.
 
@@ -96,7 +100,8 @@ class SeaBedTexture:
             The predicted homography from the picture before to this one, shape (3, 3), for points
             of the image frame [px]; None: there is no prediction.
         """
-        before, now = self._before, _reduced(image)
+        before = None if self._before is None else _reduced(self._before)
+        now = _reduced(image)
         self._before = now
         if before is None or mapping is None or before.shape != now.shape:
             return None

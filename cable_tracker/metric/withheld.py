@@ -23,6 +23,8 @@ class Reason(str, Enum):
     OUT_OF_VIEW = "centreline outside the image"
     HORIZON = "centreline at the horizon"
     ACROSS = "cable runs across"
+    NO_TARGET = "no target is claimed"
+    RANGE_UNKNOWN = "range not known"
     NOT_COMPUTED = "the computation failed"
 
 

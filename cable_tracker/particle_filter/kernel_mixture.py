@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.compilation import compiled, compiled_fast_part, compiled_part
+from cable_tracker.compilation import compiled, compiled_fast_loop, compiled_loop
 from cable_tracker.particle_filter.student_t import (
     peak_density,
     relative_density,
@@ -64,7 +64,7 @@ def kernel_mixture(
     )
 
 
-@compiled_fast_part
+@compiled_fast_loop
 def kernels_at(point: FloatArray, mixture: KernelMixture, kernels: Image) -> None:
     """Fill in the kernels (M,) at a point (4 or more,), over their peak."""
     origin, scales = mixture.places[0], mixture.scales
@@ -108,7 +108,7 @@ def log_kernels(points: FloatArray, mixture: KernelMixture) -> FloatArray:
     return logs
 
 
-@compiled_fast_part
+@compiled_fast_loop
 def weighted_sums(kernels: Image, mixture: KernelMixture) -> tuple[float, float]:
     """Return the sum of kernels (M,) by the weights of the mixture, and their mean."""
     first, second = np.float32(0.0), np.float32(0.0)
@@ -118,7 +118,7 @@ def weighted_sums(kernels: Image, mixture: KernelMixture) -> tuple[float, float]
     return float(first), float(second) / len(kernels)
 
 
-@compiled_part
+@compiled_loop
 def choose_kernel(kernels: Image, mixture: KernelMixture, factor: float, position: float) -> int:
     """Return which kernel a position in their sums times `factor` falls on; -1 for none."""
     cumulative = 0.0

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.compilation import compiled
+from cable_tracker.compilation import compiled, compiled_part
 
 
 class NormalisedWeights(NamedTuple):
@@ -29,6 +29,24 @@ class NormalisedWeights(NamedTuple):
     log_weights: FloatArray
     log_evidence: float
     degenerate: bool
+
+
+@compiled_part
+def exponentials(values: FloatArray) -> FloatArray:
+    """Return exp(values), shape (N,). Within a kernel NumPy's own takes long to compile."""
+    result = np.empty(len(values))
+    for row in range(len(values)):
+        result[row] = math.exp(values[row])
+    return result
+
+
+@compiled_part
+def logarithms(values: FloatArray) -> FloatArray:
+    """Return log(values), shape (N,), of values that are not negative."""
+    result = np.empty(len(values))
+    for row in range(len(values)):
+        result[row] = np.log(values[row])
+    return result
 
 
 @compiled
@@ -69,10 +87,13 @@ def normalise_log_weights(log_weights: FloatArray) -> NormalisedWeights:
             peak = value
     result = np.full(len(log_weights), -math.inf)
     if infinite:
-        result[log_weights == math.inf] = -math.log(infinite)
+        for row in range(len(log_weights)):
+            if log_weights[row] == math.inf:
+                result[row] = -math.log(infinite)
         return NormalisedWeights(result, math.inf, False)
     if peak == -math.inf:
-        result[:] = -math.log(len(log_weights))
+        for row in range(len(log_weights)):
+            result[row] = -math.log(len(log_weights))
         return NormalisedWeights(result, -math.inf, True)
     total = 0.0
     for value in log_weights:
@@ -94,7 +115,9 @@ def effective_sample_size(log_weights: FloatArray) -> float:
     """
     # Relative to the largest weight, so that equal weights give N without a rounding error, which
     # would make a filter resample that has no reason to.
-    peak = log_weights.max()
+    peak = -math.inf
+    for value in log_weights:
+        peak = max(peak, value)
     total, squares = 0.0, 0.0
     for value in log_weights:
         relative = math.exp(value - peak)

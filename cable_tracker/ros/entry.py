@@ -1,4 +1,4 @@
-"""What the executables `tracker`, `replay`, `simulator` and `controller` start."""
+"""What the executables start: trackers, replay, simulator, controller."""
 
 from __future__ import annotations
 
@@ -22,9 +22,12 @@ USAGE = (
 )
 NODES = {
     "tracker": ("nodes.tracker_node", "TrackerNode"),
+    "target_tracker": ("nodes.target_tracker_node", "TargetTrackerNode"),
     "baseline": ("rigs.baseline_node", "BaselineNode"),
     "replay": ("nodes.replay_node", "ReplayNode"),
     "simulator": ("nodes.simulator_node", "SimulatorNode"),
+    "target_simulator": ("nodes.target_simulator_node", "TargetSimulatorNode"),
+    "follower": ("nodes.follower_node", "FollowerNode"),
     "controller": ("nodes.controller_node", "ControllerNode"),
 }
 """Module and class of each."""
@@ -76,6 +79,11 @@ def tracker() -> None:
     _end(run("tracker", None))
 
 
+def target_tracker() -> None:
+    """Run the target tracker until it is stopped."""
+    _end(run("target_tracker", None))
+
+
 def replay() -> None:
     """Run the replay node until the recording is at its end."""
     _end(run("replay", None))
@@ -84,6 +92,16 @@ def replay() -> None:
 def simulator() -> None:
     """Run the simulated vehicle until it is at the end of its cable."""
     _end(run("simulator", None))
+
+
+def target_simulator() -> None:
+    """Run the simulated vehicle behind a target until its time is over."""
+    _end(run("target_simulator", None))
+
+
+def follower() -> None:
+    """Run the example of a follower of targets until it is stopped."""
+    _end(run("follower", None))
 
 
 def controller() -> None:

@@ -27,12 +27,31 @@ def image_input(reliability: str) -> QoSProfile:
 def instrument_input(reliability: str) -> QoSProfile:
     """Return the profile of the subscriptions to the vehicle's instruments.
 
-    A few are kept: several come between two frames, and each counts.
+    A few are kept: several come between two frames, and each counts. Reliable keeps more, for a
+    replay that sends at once what was said before its first frame.
     """
+    depth = 20 if reliability == "best_effort" else INSTRUMENTS_KEPT
     return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST, depth=20, reliability=RELIABILITIES[reliability]
+        history=HistoryPolicy.KEEP_LAST, depth=depth, reliability=RELIABILITIES[reliability]
     )
 
+
+INSTRUMENTS_KEPT = 1000
+
+INSTRUMENTS = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=INSTRUMENTS_KEPT,
+    reliability=ReliabilityPolicy.RELIABLE,
+)
+"""What a replay sends of the vehicle's instruments."""
+
+LATCHED = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=100,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""`/tf_static`: subscribers that come later get it too."""
 
 RESULTS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=50, reliability=ReliabilityPolicy.RELIABLE

@@ -53,22 +53,9 @@ def damage(path: Path, count: int, reason: str) -> RecordingError:
 
 
 class FrameSource(ABC):
-    """Frames of a recording, in order. Nothing stays open between two readings.
+    """Frames of a recording, in order; what every `Source` that reads one has in common.
 
-    Attributes
-    ----------
-    path : Path
-        What the user asked for.
-    frame_count : int or None
-        Number of frames; None when it is unknown before all have been read.
-    nominal_rate : float or None
-        Frames per second; None when the recording does not say.
-    has_truth : bool
-        Whether any frame is labelled.
-    compressed : bool
-        Whether the frames hold a `CompressedImage` instead of a `RawImage`.
-    note : str
-        Something the user should be told about the recording; empty if there is nothing.
+    Nothing stays open between two readings. The attributes are those of `Source`.
     """
 
     def __init__(self, path: Path, *, skip_bad_frames: bool = False) -> None:

@@ -245,24 +245,32 @@ class InstrumentSource:
         """Do not read an instrument after all."""
         self.found.topics.pop(instrument, None)
 
-    def messages(self) -> Generator[InstrumentMessage]:
+    def messages(
+        self, pauses: Mapping[Instrument, int] | None = None
+    ) -> Generator[InstrumentMessage]:
         """Yield all messages of the chosen topics, in the order of the bag.
 
         It ends without a word where the bag is damaged: the source of the frames says so. A
-        message that cannot be read is passed over.
+        message that cannot be read is passed over, and so is what was received sooner after another
+        of its instrument than `pauses` says [ns].
         """
         instruments = {topic: instrument for instrument, topic in self.found.topics.items()}
-        for stored, message in self._read(list(instruments)):
+        own = {topic: (pauses or {}).get(each, 0) for topic, each in instruments.items()}
+        for stored, message in self._read(list(instruments), own):
             yield InstrumentMessage(
                 instruments[stored.topic], message, _stamp_of(message, stored.time), stored.time
             )
 
+    def static_messages(self) -> Iterator[Message]:
+        """Yield the messages of `/tf_static`."""
+        if TF_STATIC in self._storage.topics:
+            for _, message in self._read([TF_STATIC]):
+                yield message
+
     def static_transforms(self) -> tuple[StaticTransform, ...]:
         """Read where the frames of the vehicle are; of those said twice, the last counts."""
-        if TF_STATIC not in self._storage.topics:
-            return ()
         found: dict[str, StaticTransform] = {}
-        for _, message in self._read([TF_STATIC]):
+        for message in self.static_messages():
             for each in message.transforms:
                 transform = _transform(each)
                 if transform is not None:
@@ -278,7 +286,10 @@ class InstrumentSource:
             found = next(messages, None)
         return None if found is None else found[1]
 
-    def _read(self, topics: list[str]) -> Generator[tuple[StoredMessage, Message]]:
+    def _read(
+        self, topics: list[str], pauses: Mapping[str, int] | None = None
+    ) -> Generator[tuple[StoredMessage, Message]]:
+        pauses, last = pauses or {}, dict[str, int]()
         with closing(self._storage.messages(topics)) as messages:
             iterator: Iterator[StoredMessage] = iter(messages)
             while True:
@@ -288,6 +299,11 @@ class InstrumentSource:
                     return
                 if stored is None:
                     return
+                before = last.get(stored.topic)
+                # Unpacking takes longer than all else.
+                if before is not None and 0 <= stored.time - before < pauses.get(stored.topic, 0):
+                    continue
+                last[stored.topic] = stored.time
                 try:
                     message = deserialise(stored, is_ros1=self._is_ros1)
                 # Deserialising foreign bytes raises what the parser happens to raise.

@@ -32,8 +32,23 @@ GROUND_TRUTH = OutputTopic("ground_truth", "sensor_msgs/msg/JointState")
 IMAGE = OutputTopic("image", "sensor_msgs/msg/Image")
 COMPRESSED_IMAGE = OutputTopic("image/compressed", "sensor_msgs/msg/CompressedImage")
 
+INSTRUMENTS_SENT = "instruments_sent"
+"""How many messages of each instrument a replay has sent before the frame of a stamp."""
+
 EVERY_FRAME = (STATE, FRAME_REPORT)
 """Published for every frame, whatever becomes of it."""
 
 USABLE_FRAME = (PARTICLES, MARKERS, OVERLAY)
 """Published (while there is a subscriber) for every frame that was not refused."""
+
+TARGET = OutputTopic("target", "geometry_msgs/msg/PoseWithCovarianceStamped")
+CONTOUR = OutputTopic("contour", "geometry_msgs/msg/PolygonStamped")
+BOX = OutputTopic("box", "geometry_msgs/msg/PolygonStamped")
+BEARING = OutputTopic("bearing", "geometry_msgs/msg/Vector3Stamped")
+RELATIVE_POSE = OutputTopic("relative_pose", "geometry_msgs/msg/PoseWithCovarianceStamped")
+TARGET_OVERLAY = OutputTopic("target_tracker/overlay/compressed", "sensor_msgs/msg/CompressedImage")
+TARGET_REPORT = OutputTopic("target_tracker/frame_report", "diagnostic_msgs/msg/DiagnosticArray")
+
+TARGET_USABLE_FRAME = (PARTICLES, MARKERS, TARGET_OVERLAY)
+"""Of the target tracker: published for every frame that was not refused, while a target is
+followed."""

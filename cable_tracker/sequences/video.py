@@ -11,11 +11,12 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.errors import RecordingError
+from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
 from cable_tracker.sequences.opencv_quiet import silence_opencv
+from cable_tracker.sequences.picture_header import MAX_PIXELS
 from cable_tracker.sequences.stamps import stamp_of_frame
 
 VIDEO_SUFFIXES = (".mp4", ".avi", ".mkv", ".mov", ".webm", ".mpg", ".m4v", ".ts")
@@ -34,7 +35,7 @@ def opened_video(path: Path) -> Iterator[cv2.VideoCapture]:
     Raises
     ------
     RecordingError
-        The file is missing, empty, or no video.
+        The file is missing, empty, no video, or one of more than `MAX_PIXELS` pixels.
     """
     silence_opencv()
     try:
@@ -49,9 +50,21 @@ def opened_video(path: Path) -> Iterator[cv2.VideoCapture]:
             raise RecordingError(
                 f"{path}: no video can be read from it; it is damaged, truncated, or not a video"
             )
+        _need_bounded_size(path, capture)
         yield capture
     finally:
         capture.release()
+
+
+def _need_bounded_size(path: Path, capture: cv2.VideoCapture) -> None:
+    """Refuse what takes gigabytes to decode, before it is decoded."""
+    width = capture.get(cv2.CAP_PROP_FRAME_WIDTH)
+    height = capture.get(cv2.CAP_PROP_FRAME_HEIGHT)
+    if width * height > MAX_PIXELS:
+        raise RecordingError(
+            f"{path}: a video of {width:.0f} x {height:.0f} pixels, more than the {MAX_PIXELS}"
+            " allowed; make a smaller one of it"
+        )
 
 
 def frame_rate(capture: cv2.VideoCapture) -> float:
@@ -107,8 +120,14 @@ class VideoSource(FrameSource):
             # Jumping to a frame by its number lands beside it in many files.
             count = pass_over(capture, start)
             while (picture := next_picture(capture)) is not None:
-                image = raw_from_array(picture, "bgr8")
-                yield Frame(count, stamp_of_frame(count, self._rate), image)
+                yield self._frame(count, picture)
                 count += 1
         if count < (self.frame_count or 1):
             raise damage(self.path, count, f"the file promises {self.frame_count or 'some'}")
+
+    def _frame(self, index: int, picture: Image) -> Frame | UnreadableFrame:
+        stamp = stamp_of_frame(index, self._rate)
+        try:
+            return Frame(index, stamp, raw_from_array(picture, "bgr8"))
+        except FrameError as error:
+            return UnreadableFrame(index, stamp, str(error))

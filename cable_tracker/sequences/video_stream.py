@@ -15,6 +15,7 @@ from av.error import FFmpegError
 
 from cable_tracker.arrays import Image
 from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.picture_header import MAX_PIXELS
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.typestores import add_definition
 
@@ -124,6 +125,8 @@ class StreamDecoder:
             context = av.CodecContext.create(name, "r")
             assert isinstance(context, av.VideoCodecContext)
             context.thread_count = 1
+            # A few bytes can claim a picture that takes gigabytes.
+            context.options = {"max_pixels": str(MAX_PIXELS)}
             self._context, self._format, self._is_sound = context, packet.format, False
         unit = av.Packet(packet.data)
         unit.pts = unit.dts = self._number

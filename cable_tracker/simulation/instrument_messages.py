@@ -17,6 +17,7 @@ from cable_tracker.simulation.instruments import (
     InstrumentErrors,
     OdometryReading,
 )
+from cable_tracker.simulation.vehicle import Motion
 
 ODOM, BASE, CAMERA, ALTIMETER = "odom", "base_link", "camera", "altimeter"
 """Frames; "camera" is an optical frame."""
@@ -69,7 +70,7 @@ def make_imu(
     return factory.make(
         "sensor_msgs/msg/Imu",
         header=header,
-        orientation=_quaternion(factory, reading.angles),
+        orientation=make_quaternion(factory, reading.angles),
         orientation_covariance=spread(errors.attitude),
         angular_velocity=_vector(factory, reading.turn),
         angular_velocity_covariance=spread(errors.turn),
@@ -84,7 +85,7 @@ def make_odometry(factory: MessageFactory, header: Message, reading: OdometryRea
     pose = factory.make(
         "geometry_msgs/msg/Pose",
         position=factory.make("geometry_msgs/msg/Point", x=x, y=y, z=z),
-        orientation=_quaternion(factory, reading.angles),
+        orientation=make_quaternion(factory, reading.angles),
     )
     twist = factory.make(
         "geometry_msgs/msg/Twist",
@@ -105,6 +106,25 @@ def make_odometry(factory: MessageFactory, header: Message, reading: OdometryRea
             twist=twist,
             covariance=factory.doubles(reading.twist_covariance.ravel()),
         ),
+    )
+
+
+def make_true_odometry(factory: MessageFactory, header: Message, motion: Motion) -> Message:
+    """Pack where the vehicle is as Odometry, without doubt."""
+    nothing = np.zeros((6, 6))
+    reading = OdometryReading(motion.position, motion.angles, nothing, motion.twist, nothing)
+    return make_odometry(factory, header, reading)
+
+
+def make_quaternion(factory: MessageFactory, angles: FloatArray) -> Message:
+    """Pack roll, pitch, yaw [rad] as Quaternion."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(angles / 2), np.sin(angles / 2)
+    return factory.make(
+        "geometry_msgs/msg/Quaternion",
+        x=float(sr * cp * cy - cr * sp * sy),
+        y=float(cr * sp * cy + sr * cp * sy),
+        z=float(cr * cp * sy - sr * sp * cy),
+        w=float(cr * cp * cy + sr * sp * sy),
     )
 
 
@@ -182,17 +202,6 @@ def optical_rotation(mounting: float) -> FloatArray:
 def _vector(factory: MessageFactory, values: FloatArray) -> Message:
     x, y, z = (float(value) for value in values)
     return factory.make("geometry_msgs/msg/Vector3", x=x, y=y, z=z)
-
-
-def _quaternion(factory: MessageFactory, angles: FloatArray) -> Message:
-    (cr, cp, cy), (sr, sp, sy) = np.cos(angles / 2), np.sin(angles / 2)
-    return factory.make(
-        "geometry_msgs/msg/Quaternion",
-        x=float(sr * cp * cy - cr * sp * sy),
-        y=float(cr * sp * cy + sr * cp * sy),
-        z=float(cr * cp * sy - sr * sp * cy),
-        w=float(cr * cp * cy + sr * sp * sy),
-    )
 
 
 def _quaternion_of_matrix(factory: MessageFactory, matrix: FloatArray) -> Message:

@@ -14,15 +14,22 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
-from cable_tracker.simulation.camera import Camera, CameraPoses, VehiclePoses
-from cable_tracker.simulation.dive import CABLE_RADIUS, FOCAL, Seeds, Surroundings, lay_out
+from cable_tracker.simulation.borders import project_tube
+from cable_tracker.simulation.camera import Camera
+from cable_tracker.simulation.dive import FOCAL, Seeds, Surroundings, lay_out
 from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
 from cable_tracker.simulation.laid_cable import BuriedStretch
 from cable_tracker.simulation.look import Bottom, Look, Skin, Water
 from cable_tracker.simulation.renderer import SceneRenderer
 from cable_tracker.simulation.scenario import check_seed, check_size
-from cable_tracker.simulation.tube import Tube, random_bends
+from cable_tracker.simulation.seen_cable import (
+    bent_cable,
+    cable_of_seed,
+    cable_points,
+    camera_poses,
+    nearest_along,
+    seen_state,
+)
 from cable_tracker.simulation.vehicle import (
     Current,
     Motion,
@@ -34,20 +41,11 @@ from cable_tracker.simulation.vehicle import (
 MOUNTING = math.radians(20.0)
 """How far the camera looks forward [rad]."""
 
-CURVATURE = 0.04
-"""The cable never bends more than this [1/m]."""
-
-BEND_LENGTHS = (24.0, 45.0)
-"""Shortest and longest bend of the cable [m]."""
-
 BURIAL_RAMP = 0.3
 """Way over which the sand rises and falls at the ends of the buried stretch [m]."""
 
 START_ASIDE, START_TURNED = 0.4, math.radians(8.0)
 """How far from the cable the vehicle starts at most, and how askew [m, rad]."""
-
-NEAREST_STEPS = 6
-"""Steps to the nearest point of the cable."""
 
 LOOK = Look(
     bottom=Bottom(stones=0.8, algae=0.8),
@@ -156,7 +154,7 @@ class LiveWorld:
         motion_rng, own_rng = (np.random.default_rng(seed) for seed in seeds.route.spawn(2))
         width = settings.image_size[0]
         self._camera = Camera(settings.image_size, FOCAL * width / 320, MOUNTING)
-        self._tube = _course(course_rng)
+        self._tube = bent_cable(course_rng)
         picture_rng = np.random.default_rng(seeds.picture)
         scene, cable = lay_out(
             self._camera,
@@ -228,15 +226,11 @@ class LiveWorld:
 
     def cable_at(self, along: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return points and directions of the cable in the world, each (N, 3), at places (N,)."""
-        return _points_of(self._tube, along)
+        return cable_points(self._tube, along)
 
     def cross_track(self, motion: Motion) -> TrueCrossTrack:
         """Return where the cable is beside the vehicle."""
-        along = float(motion.position[0])
-        for _ in range(NEAREST_STEPS):
-            point, direction = (part[0] for part in self.cable_at(np.array([along])))
-            way = float((motion.position[:2] - point[:2]) @ direction[:2])
-            along += way * float(direction[0])
+        along = nearest_along(self._tube, motion.position[:2], float(motion.position[0]))
         point, direction = (part[0] for part in self.cable_at(np.array([along])))
         aside = point[:2] - motion.position[:2]
         error = float(direction[0] * aside[1] - direction[1] * aside[0])
@@ -246,41 +240,19 @@ class LiveWorld:
 
     def picture(self, motion: Motion) -> Image:
         """Take the next picture: grey, uint8, shape (H, W)."""
-        poses = self._camera_poses(motion)
+        poses = camera_poses(self._camera, motion)
         return self._renderer.render(poses.positions[0], poses.rotations[0], self._time)
 
     def true_state(self, motion: Motion) -> CableState | None:
         """Return the cable in the image; None if nothing of it can be seen."""
-        poses = self._camera_poses(motion)
+        poses = camera_poses(self._camera, motion)
         projected = project_tube(self._tube, self._camera, poses)
         hidden = self._renderer.hidden(
             self._cable, poses.positions[0], projected.world[0], projected.inside[0]
         )
-        if visible_share(projected, 0, hidden) <= 0.0:
-            return None
-        return CableState.from_array(fit_states(projected, self._camera.image_size)[0])
-
-    def _camera_poses(self, motion: Motion) -> CameraPoses:
-        roll, pitch, yaw = motion.angles
-        x, y, z = motion.position
-        # The renderer counts a raised nose as positive.
-        poses = VehiclePoses(np.array([[-y, x, z]]), np.array([[yaw, -pitch, roll]]))
-        return self._camera.poses(poses)
+        return seen_state(projected, hidden, self._camera.image_size)[0]
 
 
 def cable_course(seed: int, along: FloatArray) -> FloatArray:
     """Return points of the cable that a seed gives, (N, 3) [m], at places (N,) along it."""
-    return _points_of(_course(np.random.default_rng(Seeds.of(seed).course)), along)[0]
-
-
-def _course(rng: np.random.Generator) -> Tube:
-    return Tube(CABLE_RADIUS, random_bends(CURVATURE, BEND_LENGTHS, 2, rng))
-
-
-def _points_of(tube: Tube, along: FloatArray) -> tuple[FloatArray, FloatArray]:
-    points, directions = tube.axis(along)
-    return _from_renderer(points), _from_renderer(directions)
-
-
-def _from_renderer(vectors: FloatArray) -> FloatArray:
-    return np.stack((vectors[..., 1], -vectors[..., 0], vectors[..., 2]), axis=-1)
+    return cable_points(cable_of_seed(seed), along)[0]

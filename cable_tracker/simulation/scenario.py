@@ -125,15 +125,20 @@ def simulate(settings: SimulationSettings) -> Iterator[Frame]:
 
     Stamps start at 1 s and follow the rate; the frame_id is "camera".
     """
+    seeds, dive = Seeds.of(settings.seed), simulated_dive(settings)
+    surroundings = Surroundings(Look.for_clutter(settings.clutter, settings.noise))
+    for simulated in run(dive, surroundings, settings.frame_count, settings.rate, seeds):
+        yield simulated.frame
+
+
+def simulated_dive(settings: SimulationSettings) -> Dive:
+    """Return camera, cable and motion of `simulate`."""
     seeds = Seeds.of(settings.seed)
-    dive = Dive(
+    return Dive(
         camera=_camera(settings.image_size, MOUNTING),
         tube=_random_tube(CURVATURE, seeds),
         trajectory=random_trajectory(np.random.default_rng(seeds.route)),
     )
-    surroundings = Surroundings(Look.for_clutter(settings.clutter, settings.noise))
-    for simulated in run(dive, surroundings, settings.frame_count, settings.rate, seeds):
-        yield simulated.frame
 
 
 def simulate_scenario(

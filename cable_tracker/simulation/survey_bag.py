@@ -23,6 +23,7 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages import make_header, make_image, make_state
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import FIRST_STAMP
 from cable_tracker.simulation.instrument_messages import (
     ALTIMETER,
@@ -38,15 +39,13 @@ from cable_tracker.simulation.instrument_messages import (
     make_static_transforms,
     optical_rotation,
 )
-from cable_tracker.simulation.instruments import OdometryReading
-from cable_tracker.simulation.live_world import MOUNTING
+from cable_tracker.simulation.instruments import InstrumentErrors, OdometryReading
+from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.simulation.survey_dive import (
     FIX_SIGMA,
     SurveyDive,
     SurveySettings,
     Tick,
-    cable_points,
-    survey_cable,
 )
 
 ORIGIN = (54.25, 7.9)
@@ -137,14 +136,14 @@ def write_survey_bag(
     dive = SurveyDive(settings)
     frames, seconds = 0, 0.0
     with BagWriter(path, storage, overwrite=overwrite) as bag:
-        writer = _Writer(bag, dive)
+        writer = _Writer(bag, dive.camera, dive.errors)
         for tick in dive.ticks():
             writer.write(tick)
             seconds = tick.seconds
             if tick.picture is not None:
                 frames += 1
                 advance(float(tick.motion.position[0]))
-    (path / VEHICLE).write_text(_vehicle_text(dive), encoding="utf-8")
+    (path / VEHICLE).write_text(vehicle_text(dive.cable_height), encoding="utf-8")
     (path / TRUTH).write_text(json.dumps(truth_of(settings)), encoding="utf-8")
     return WrittenDive(frames, seconds)
 
@@ -152,7 +151,7 @@ def write_survey_bag(
 def truth_of(settings: SurveySettings) -> dict[str, object]:
     """Return what `truth.json` says."""
     along = np.arange(-2.0, settings.length + 4.0, COURSE_STEP)
-    course = cable_points(survey_cable(settings.cable_seed), along)[0][:, :2]
+    course = cable_points(cable_of_seed(settings.cable_seed), along)[0][:, :2]
     return {
         "origin": ORIGIN,
         "bearing": BEARING,
@@ -165,28 +164,42 @@ def truth_of(settings: SurveySettings) -> dict[str, object]:
     }
 
 
-def _vehicle_text(dive: SurveyDive) -> str:
+def vehicle_text(cable_height: float) -> str:
+    """Return what `vehicle.yaml` says; the height is that of the cable's axis [m]."""
     return (
         "# What no topic of this bag says.\n"
-        f"cable_height: {dive.cable_height}\n"
+        f"cable_height: {cable_height}\n"
         "altitude_is_vertical: true\n"
     )
 
 
-class _Writer:
-    def __init__(self, bag: BagWriter, dive: SurveyDive) -> None:
+class InstrumentWriter:
+    """Writes what the instruments of a simulated vehicle say, and where it really is.
+
+    Parameters
+    ----------
+    bag : BagWriter
+        Where to; gets the mounting of camera and altimeter at once.
+    camera : Camera
+        The vehicle's.
+    errors : InstrumentErrors
+        How wrong the instruments are.
+    """
+
+    def __init__(self, bag: BagWriter, camera: Camera, errors: InstrumentErrors) -> None:
         self._bag = bag
-        self._dive = dive
+        self._camera = camera
+        self._errors = errors
         self._factory = RosbagsMessages()
         self._earth = Earth()
-        rotation = optical_rotation(MOUNTING)
+        rotation = optical_rotation(camera.mounting)
         transforms = make_static_transforms(self._factory, FIRST_STAMP, rotation)
         bag.write("/tf_static", "tf2_msgs/msg/TFMessage", transforms, FIRST_STAMP)
 
     def write(self, tick: Tick) -> None:
-        """Write everything about an instant."""
+        """Write everything about an instant but its picture."""
         stamp = FIRST_STAMP + round(tick.seconds * NANOSECONDS)
-        factory, bag, errors = self._factory, self._bag, self._dive.errors
+        factory, bag, errors = self._factory, self._bag, self._errors
         in_odom = make_header(factory, stamp, ODOM)
         at_base = make_header(factory, stamp, BASE)
         odometry = make_odometry(factory, in_odom, tick.odometry)
@@ -198,12 +211,11 @@ class _Writer:
             height = float(tick.motion.position[2]) - DEPTH
             fix = make_fix(factory, at_base, self._earth.fix(tick.fix, height))
             bag.write("/fix", "sensor_msgs/msg/NavSatFix", fix, stamp)
-        if tick.picture is not None:
-            self._write_picture(tick, stamp)
+        if tick.altitude is not None:
+            self._write_altitude(tick, tick.altitude, stamp)
 
-    def _write_picture(self, tick: Tick, stamp: int) -> None:
+    def _write_altitude(self, tick: Tick, altitude: float, stamp: int) -> None:
         factory, bag = self._factory, self._bag
-        assert tick.picture is not None and tick.altitude is not None
         at_altimeter = make_header(factory, stamp, ALTIMETER)
         at_camera = make_header(factory, stamp, CAMERA)
         nothing, motion = np.zeros((6, 6)), tick.motion
@@ -212,18 +224,33 @@ class _Writer:
             (
                 "/altitude",
                 "sensor_msgs/msg/Range",
-                make_range(factory, at_altimeter, tick.altitude),
+                make_range(factory, at_altimeter, altitude),
             ),
             (
                 "/camera_info",
                 "sensor_msgs/msg/CameraInfo",
-                make_camera_info(factory, at_camera, self._dive.camera),
+                make_camera_info(factory, at_camera, self._camera),
             ),
             (
                 "/ground_truth/odometry",
                 "nav_msgs/msg/Odometry",
                 make_odometry(factory, make_header(factory, stamp, ODOM), truth),
             ),
+        ):
+            bag.write(topic, kind, message, stamp)
+
+
+class _Writer(InstrumentWriter):
+    """Writes the pictures of a survey too."""
+
+    def write(self, tick: Tick) -> None:
+        super().write(tick)
+        if tick.picture is None:
+            return
+        stamp = FIRST_STAMP + round(tick.seconds * NANOSECONDS)
+        factory = self._factory
+        at_camera = make_header(factory, stamp, CAMERA)
+        for topic, kind, message in (
             (
                 f"/{output_topics.GROUND_TRUTH.name}",
                 output_topics.GROUND_TRUTH.type_name,
@@ -235,4 +262,4 @@ class _Writer:
                 make_image(factory, raw_from_array(tick.picture, "mono8"), at_camera),
             ),
         ):
-            bag.write(topic, kind, message, stamp)
+            self._bag.write(topic, kind, message, stamp)

@@ -18,9 +18,9 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
-from cable_tracker.simulation.camera import Camera, CameraPoses, VehiclePoses
-from cable_tracker.simulation.dive import CABLE_RADIUS, FOCAL, Seeds, Surroundings, lay_out
+from cable_tracker.simulation.borders import project_tube
+from cable_tracker.simulation.camera import Camera
+from cable_tracker.simulation.dive import FOCAL, Seeds, Surroundings, lay_out
 from cable_tracker.simulation.instruments import (
     ImuReading,
     InstrumentErrors,
@@ -28,18 +28,19 @@ from cable_tracker.simulation.instruments import (
     OdometryReading,
 )
 from cable_tracker.simulation.laid_cable import BuriedStretch
-from cable_tracker.simulation.live_world import (
-    BEND_LENGTHS,
-    BURIAL_RAMP,
-    CURVATURE,
-    LOOK,
-    MOUNTING,
-)
+from cable_tracker.simulation.live_world import BURIAL_RAMP, LOOK, MOUNTING
 from cable_tracker.simulation.look import Skin
 from cable_tracker.simulation.renderer import SceneRenderer
 from cable_tracker.simulation.scenario import check_seed, check_size
+from cable_tracker.simulation.seen_cable import (
+    cable_of_seed,
+    cable_points,
+    camera_poses,
+    nearest_along,
+    seen_state,
+)
 from cable_tracker.simulation.trajectory import Bands, Harmonics
-from cable_tracker.simulation.tube import Tube, random_bends
+from cable_tracker.simulation.tube import Tube
 from cable_tracker.simulation.vehicle import (
     Current,
     Motion,
@@ -63,14 +64,17 @@ TURN_GAIN, MOST_TURN = 1.0, 0.4
 SWAY_GAIN, MOST_SWAY = 0.4, 0.2
 """Sideways velocity per metre beside the wanted place [1/s], and the highest [m/s]."""
 
-NEAREST_STEPS = 6
-"""Steps to the nearest point of the cable."""
-
 FIX_SIGMA = 0.5
 """Of an acoustic fix, east and north each [m]."""
 
 CROSSING_RADIUS = 0.06
 """Of the cables that lie across [m]."""
+
+LEAST_ACROSS = math.sin(math.radians(15.0))
+"""Sine of the angle from the cable at which a line counts as across it."""
+
+SHARE_WAY = 0.5
+"""Over which it is said how much of a cable is hidden [m]."""
 
 EXCURSION_RAMP = 4.0
 """Way over which the pilot leaves the cable, and comes back [m]."""
@@ -223,7 +227,7 @@ class SurveyDive:
         motion_rng, reading_rng = (np.random.default_rng(seed) for seed in own.route.spawn(2))
         width = settings.image_size[0]
         self._camera = Camera(settings.image_size, FOCAL * width / 320, MOUNTING)
-        self._tube = survey_cable(settings.cable_seed)
+        self._tube = cable_of_seed(settings.cable_seed)
         picture_rng = np.random.default_rng(cables.picture)
         scene, cable = lay_out(
             self._camera,
@@ -234,6 +238,7 @@ class SurveyDive:
         )
         assert cable is not None
         self._cable = cable
+        self._streaks = scene.streaks
         self._renderer = SceneRenderer(self._camera, scene, LOOK, picture_rng)
         self._wander = Harmonics.random(settings.wander, WANDER_BANDS, motion_rng)
         current = Current.random(settings.current, np.random.default_rng(own.course))
@@ -257,6 +262,31 @@ class SurveyDive:
     def cable_height(self) -> float:
         """Height of the cable's axis above the bottom [m]."""
         return self._tube.height
+
+    def lines_across(self) -> FloatArray:
+        """Return where other cables, ropes and furrows lie across the cable, shape (N,) [m]."""
+        across = list(self._settings.crossings)
+        for streak in self._streaks:
+            sine, cosine = math.sin(streak.angle), math.cos(streak.angle)
+            if abs(sine) < LEAST_ACROSS or abs(streak.p / sine) > streak.half_length + 1.0:
+                continue
+            across.append((streak.q - streak.p * cosine / sine) * self._tube.radius)
+        return np.sort(across)
+
+    def hidden_share(self, along: FloatArray) -> FloatArray:
+        """Return which share of both borders is hidden about places along the cable, shape (N,).
+
+        `along` (N,) [m]; over `SHARE_WAY`, seen from above.
+        """
+        shares = np.empty(len(along))
+        steps = np.linspace(-SHARE_WAY / 2, SHARE_WAY / 2, 21)
+        for number, place in enumerate(along):
+            points, _ = self._tube.axis(np.array([place]))
+            position = np.array([*points[0, :2], self._settings.altitude])
+            world = self._tube.silhouette(position[None], (place + steps)[None])[0]
+            usable = np.isfinite(world).all(axis=-1)
+            shares[number] = self._renderer.hidden(self._cable, position, world, usable).mean()
+        return shares
 
     def ticks(self) -> Iterator[Tick]:
         """Dive until the end of the cable, or until three times the time that it should take."""
@@ -308,7 +338,7 @@ class SurveyDive:
     def _advance(self, seconds: float, along: float, period: float) -> float:
         """Let the pilot steer and the vehicle go on; return where along the cable it is now."""
         x, y, _, yaw = self._vehicle.pose
-        along = self._nearest(np.array([x, y]), along)
+        along = nearest_along(self._tube, np.array([x, y]), along)
         points, directions = cable_points(self._tube, np.array([along, along + AIM_AHEAD]))
         course = math.atan2(directions[1, 1], directions[1, 0])
         left = np.array([-directions[0, 1], directions[0, 0]])
@@ -334,48 +364,12 @@ class SurveyDive:
             most = max(most, min(1.0, rise, fall))
         return most * self._settings.excursion
 
-    def _nearest(self, place: FloatArray, along: float) -> float:
-        for _ in range(NEAREST_STEPS):
-            points, directions = cable_points(self._tube, np.array([along]))
-            way = float((place - points[0, :2]) @ directions[0, :2])
-            along += way * float(directions[0, 0])
-        return along
-
     def _look(self, motion: Motion, seconds: float) -> tuple[Image, CableState | None, float]:
-        poses = self._camera_poses(motion)
+        poses = camera_poses(self._camera, motion)
         position, rotation = poses.positions[0], poses.rotations[0]
         picture = self._renderer.render(position, rotation, seconds)
         projected = project_tube(self._tube, self._camera, poses)
-        if not projected.in_view()[0]:
-            return picture, None, 0.0
         hidden = self._renderer.hidden(
             self._cable, position, projected.world[0], projected.inside[0]
         )
-        visibility = visible_share(projected, 0, hidden)
-        if visibility <= 0.0:
-            return picture, None, 0.0
-        states = fit_states(projected, self._camera.image_size)
-        return picture, CableState.from_array(states[0]), visibility
-
-    def _camera_poses(self, motion: Motion) -> CameraPoses:
-        roll, pitch, yaw = motion.angles
-        x, y, z = motion.position
-        # The renderer counts a raised nose as positive.
-        poses = VehiclePoses(np.array([[-y, x, z]]), np.array([[yaw, -pitch, roll]]))
-        return self._camera.poses(poses)
-
-
-def survey_cable(cable_seed: int) -> Tube:
-    """Return the cable that a seed draws."""
-    rng = np.random.default_rng(Seeds.of(cable_seed).course)
-    return Tube(CABLE_RADIUS, random_bends(CURVATURE, BEND_LENGTHS, 2, rng))
-
-
-def cable_points(tube: Tube, along: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return points and directions of a cable in the world, each (N, 3), at places (N,) [m]."""
-    points, directions = tube.axis(along)
-    return _from_renderer(points), _from_renderer(directions)
-
-
-def _from_renderer(vectors: FloatArray) -> FloatArray:
-    return np.stack((vectors[..., 1], -vectors[..., 0], vectors[..., 2]), axis=-1)
+        return picture, *seen_state(projected, hidden, self._camera.image_size)

@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cable_tracker.campaigns.cluster import ClusterSettings
+from cable_tracker.campaigns.crew import ClusterSettings
 from cable_tracker.campaigns.runner import run_campaign
 from cable_tracker.campaigns.task import Outcome, TaskState, fingerprint_of_files
-from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.survey.merging import MergedRoute, merge
 from cable_tracker.survey.navigation import LocalFrame
 from cable_tracker.survey.outputs.frames import join_frames
@@ -38,15 +38,13 @@ class SurveyTask:
         The recording.
     settings : SurveySettings
         How.
+    name : str
+        What it is called, and its folder.
     """
 
     path: Path
     settings: SurveySettings
-
-    @property
-    def name(self) -> str:
-        """Of its folder."""
-        return self.path.name
+    name: str
 
     def fingerprint(self) -> str:
         """Return a text that changes with the recording and the settings."""
@@ -56,7 +54,7 @@ class SurveyTask:
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:
         """Survey it."""
-        survey_recording(self.path, folder, self.settings, advance)
+        survey_recording(self.path, folder, self.settings, advance, name=self.name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +76,27 @@ class SurveyResult:
     rows: tuple[RecordingRow, ...]
 
 
+def names_of(paths: Sequence[Path]) -> list[str]:
+    """Return what recordings are called: as their files, with the folder before where two agree.
+
+    Raises
+    ------
+    ParameterError
+        One recording is given twice.
+    """
+    whole = [path.resolve() for path in paths]
+    twice = sorted({str(path) for path in whole if whole.count(path) > 1})
+    if twice:
+        raise ParameterError(f"{', '.join(twice)} is given twice; leave one out")
+    for depth in range(1, max(len(path.parts) for path in whole) + 1):
+        names = ["_".join(path.parts[-depth:]).replace("/", "") for path in whole]
+        agree = {name for name in names if names.count(name) > 1}
+        if not agree:
+            break
+    short = [path.name for path in whole]
+    return [long if short.count(own) > 1 else own for own, long in zip(short, names, strict=True)]
+
+
 def run_survey(
     paths: Sequence[Path],
     output: Path,
@@ -95,13 +114,16 @@ def run_survey(
     Raises
     ------
     ParameterError
-        Two recordings have one name, or the cluster cannot be used.
+        A recording is given twice, or the cluster cannot be used.
     OutputError
         The folder cannot be written.
     """
     datum = settings.datum or find_datum(paths, settings.forward)
     settings = SurveySettings(settings.forward, settings.limits, datum, settings.pictures)
-    tasks = [SurveyTask(path.resolve(), settings) for path in paths]
+    names = names_of(paths)
+    tasks = [
+        SurveyTask(path.resolve(), settings, name) for path, name in zip(paths, names, strict=True)
+    ]
     root = output / RECORDINGS
     outcomes = run_campaign(tasks, root, cluster, resume=resume, advance=advance)
     dives: dict[str, SurveyedDive] = {}

@@ -102,6 +102,9 @@ CROSSING_REACH, CROSSING_ANGLE = 0.6, math.radians(20.0)
 FEWEST_SIGHTS = 4
 """In fewer pictures it is a rope or a shadow."""
 
+LEAST_WEIGHT = 0.05
+"""Claims that count less in the smoothing are of something else."""
+
 LEAST_LOST = 1.0
 """Silence over a shorter way is no event [m]."""
 
@@ -140,7 +143,7 @@ class _Maker:
         row = int(route.rows[point])
         frame = int(self.dive.table.rows["frame"][row])
         stamp = int(self.dive.table.rows["stamp"][row])
-        return Event(kind, along, end, (x, y), stamp, frame, detail, self.dive.path.name)
+        return Event(kind, along, end, (x, y), stamp, frame, detail, self.dive.name)
 
 
 def runs(mask: BoolArray) -> list[tuple[int, int]]:
@@ -151,7 +154,7 @@ def runs(mask: BoolArray) -> list[tuple[int, int]]:
 
 def _found_and_lost(maker: _Maker, course: Course) -> list[Event]:
     route = maker.route
-    claimed = np.isfinite(course.looks.claims).all(axis=1)
+    claimed = course.cable.weights > LEAST_WEIGHT
     along = course.cable.along - route.start
     inside = (along >= -0.5) & (along <= route.along[-1] + 0.5)
     events: list[Event] = []

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
@@ -16,11 +17,17 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.detection.hough import HoughDetector
-from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.detection.search_region import scaled_state
+from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import rotations_of
 from cable_tracker.metric.homography import Overflight
-from cable_tracker.metric.recorded import RecordedMetres, RecordedVehicle, recorded_vehicle
+from cable_tracker.metric.recorded import (
+    Pauses,
+    RecordedMetres,
+    RecordedVehicle,
+    recorded_vehicle,
+)
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
@@ -39,12 +46,36 @@ FIX_WIDTH = 5
 UNSAID_FIX_VARIANCE = 25.0
 """Of a fix that says nothing about its doubt [m²]."""
 
-METRES_EVERY = 60_000_000
-"""Metres are worked out no more often [ns]: looked at again some centimetres farther on, a cable is
-not known better."""
+MOST_RATE = 5.0
+"""With odometry no more pictures per second are tracked [1/s]: it tells how the cable moves in
+between, and what is seen again some centimetres farther on is not known better."""
+
+FASTEST_RATE = 1000.0
+
+EARLY = 0.05
+"""A picture that is early by this share of the pause between two counts as in time."""
+
+METRES_PAUSE = 190_000_000
+"""Between two pictures in which metres are worked out [ns]: at half a metre a second, a cable is
+looked at every 10 cm, and each place of it several times."""
+
+TEXTURE_PAUSE = 0.5
+"""Between two looks at the sea bed's texture while odometry agrees with it [s]."""
+
+INSTRUMENT_PAUSE = 30_000_000
+"""Between two readings of a fast instrument [ns]; what comes more often is passed over."""
+
+POSE_PAUSE = 90_000_000
+"""Between two poses that are kept [ns]: a vehicle's way is smooth over a tenth of a second."""
+
+CALIBRATION_PAUSE = 1_000_000_000
+"""The same of the calibration [ns]."""
 
 CROSSING_STRIDE = 0.5
 """Between two pictures that are searched for lines across the cable [s]."""
+
+CROSSING_WIDTH = 160
+"""They are searched in a picture of this width [px]: where a line is does not matter to a pixel."""
 
 LEAST_CROSSING = math.radians(25.0)
 """What runs less across is not told from the cable's own borders, ropes and furrows beside it."""
@@ -69,6 +100,8 @@ class ForwardSettings:
         Topics of the instruments.
     vehicle : Path or None
         The user's `vehicle.yaml`.
+    most_rate : float
+        Pictures per second that are tracked at most where there is odometry [1/s]; 0: all.
     """
 
     parameters: TrackerParameters = field(default_factory=lambda: preset("default"))
@@ -76,6 +109,11 @@ class ForwardSettings:
     rate: float = 25.0
     choice: InstrumentChoice = field(default_factory=InstrumentChoice)
     vehicle: Path | None = None
+    most_rate: float = MOST_RATE
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.most_rate <= FASTEST_RATE:
+            raise ParameterError(f"most-rate is {self.most_rate:g}: give 0 to {FASTEST_RATE:g} /s")
 
 
 @dataclass(slots=True, eq=False)
@@ -94,6 +132,8 @@ class ForwardDive:
         `FIX_WIDTH` numbers each.
     notes : list of str
         What the user should know: what is missing, where the recording broke off.
+    given_name : str
+        Instead of the recording's own name; empty: none.
     """
 
     path: Path
@@ -101,6 +141,12 @@ class ForwardDive:
     poses: Samples = field(default_factory=lambda: Samples(POSE_WIDTH))
     fixes: Samples = field(default_factory=lambda: Samples(FIX_WIDTH))
     notes: list[str] = field(default_factory=list)
+    given_name: str = ""
+
+    @property
+    def name(self) -> str:
+        """What the recording is called: its own name, unless another is given."""
+        return self.given_name or self.path.name
 
 
 def track_forwards(
@@ -130,6 +176,12 @@ def track_forwards(
             if not len(dive.table):
                 raise
             dive.notes.append(str(error))
+        if run.passed_over:
+            total = run.passed_over + len(dive.table)
+            dive.notes.append(
+                f"{len(dive.table)} of {total} pictures were tracked, {settings.most_rate:g} a"
+                " second: odometry tells what lies between"
+            )
     if not len(dive.table):
         raise RecordingError(f"{path}: holds no frames; record it again")
     return dive
@@ -138,7 +190,8 @@ def track_forwards(
 def _run_all(recording: Source, run: _Run, advance: Callable[[int], None]) -> None:
     try:
         for frame in recording.frames():
-            run.take(frame)
+            if run.wants(frame.stamp):
+                run.take(frame)
             advance(1)
     finally:
         run.close()
@@ -150,15 +203,31 @@ class _Run:
     ) -> None:
         self._dive = dive
         self._tracker = make_tracker(settings.parameters)
-        metres = vehicle.metres()
+        pauses = Pauses(INSTRUMENT_PAUSE, CALIBRATION_PAUSE, TEXTURE_PAUSE)
+        metres = vehicle.metres(pauses)
         self._metres = metres if metres is not None else RecordedMetres(vehicle.vehicle, None)
+        aided = self._metres.is_aided and settings.most_rate > 0.0
+        self._pause = round(1e9 / settings.most_rate) if aided else 0
+        self._due: int | None = None
+        self.passed_over = 0
         self._look_ahead = float(str(vehicle.vehicle.values["look_ahead"])) or 1.0
         self._finder = HoughDetector()
         self._next_search = -(2**62)
-        self._measured = -(2**62)
+        self._measured = self._posed = -(2**62)
 
     def close(self) -> None:
         self._metres.__exit__(None, None, None)
+
+    def wants(self, stamp: int) -> bool:
+        """Tell whether the picture of a time [ns] is tracked; each is asked about once."""
+        due, pause = self._due, self._pause
+        if due is not None and due - 2 * pause < stamp < due - EARLY * pause:
+            self.passed_over += 1
+            return False
+        # After a silence, or where the clock has jumped back, the count begins anew.
+        on_time = due is not None and 0 <= stamp - due + pause < 2 * pause
+        self._due = (due if on_time and due is not None else stamp) + pause
+        return True
 
     def take(self, frame: Frame) -> None:
         for message in self._metres.advance(frame):
@@ -177,7 +246,7 @@ class _Run:
         self._metres.observe(estimate)
         if estimate.status is TrackingStatus.TRACKING:
             row["d"], row["alpha"], row["w"], row["beta"] = estimate.state.to_array()[:4]
-        if 0 <= frame.stamp - self._measured < METRES_EVERY:
+        if 0 <= frame.stamp - self._measured < METRES_PAUSE:
             return
         self._measured = frame.stamp
         self._measure(row, grey, estimate)
@@ -198,8 +267,11 @@ class _Run:
     def _note(self, given: InstrumentMessage) -> None:
         message = given.message
         if given.instrument is Instrument.ODOMETRY:
+            if 0 <= given.stamp - self._posed < POSE_PAUSE:
+                return
             pose = read_pose(message)
             if np.isfinite(pose).all():
+                self._posed = given.stamp
                 self._dive.poses.add(given.stamp, pose)
         elif given.instrument is Instrument.FIX:
             fix = read_fix(message)
@@ -246,8 +318,9 @@ class _Run:
         self._next_search = estimate.stamp + round(CROSSING_STRIDE * 1e9)
         state, (width, height) = estimate.state, estimate.image_size
         own = np.array([math.cos(state.angle), math.sin(state.angle)])
-        for found in self._finder.detect(grey):
-            other = found.state
+        scale = max(width / CROSSING_WIDTH, 1.0)
+        for found in self._finder.detect(_reduced(grey, scale)):
+            other = scaled_state(found.state, scale)
             across = abs(_as_line(other.angle - state.angle))
             if found.score < LEAST_SCORE or across < LEAST_CROSSING:
                 continue
@@ -262,6 +335,14 @@ class _Run:
             self._dive.table.crossings.append(
                 CrossingSight(len(self._dive.table) - 1, float(middle[0]), _as_line(angle))
             )
+
+
+def _reduced(grey: Image, scale: float) -> Image:
+    """Return a picture whose sides are so many times smaller."""
+    if scale <= 1.0:
+        return grey
+    size = (round(grey.shape[1] / scale), max(1, round(grey.shape[0] / scale)))
+    return cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
 
 
 FrameRow = np.void

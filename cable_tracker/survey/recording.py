@@ -125,8 +125,12 @@ def survey_recording(
     folder: Path,
     settings: SurveySettings,
     advance: Callable[[int], None] = lambda count: None,
+    *,
+    name: str = "",
 ) -> SurveyedDive:
     """Track a recording, smooth it, find its events, and write all of it into a new folder.
+
+    It is called by its own name, unless another is given.
 
     Raises
     ------
@@ -136,6 +140,7 @@ def survey_recording(
         The folder cannot be written.
     """
     dive = track_forwards(path, settings.forward, advance)
+    dive.given_name = name
     surveyed, course = analyse(dive, settings)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -164,7 +169,7 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
         placing = None if earth is None else _placing(earth)
         turn = 0.0 if earth is None else earth.turn
         routes = make_routes(looks, course.cable, rows, placing, turn)
-    name = dive.path.name
+    name = dive.name
     placed = tuple(
         PlacedRoute(name, each, tuple(find_events(dive, course, each, settings.limits)))
         for each in routes
@@ -241,7 +246,7 @@ def _events_in_time(dive: ForwardDive) -> list[Event]:
         Event(
             EventKind.FOUND if claimed[k] else EventKind.LOST,
             float("nan"), float("nan"), nowhere, int(rows["stamp"][k]), int(rows["frame"][k]),
-            "in pixels only", dive.path.name,
+            "in pixels only", dive.name,
         )
         for k in edges
     ]  # fmt: skip

@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.survey.frame_table import TRACKING, Rows
 from cable_tracker.survey.navigation import Poses
-from cable_tracker.survey.smoothing import Looks, SmoothedCable
+from cable_tracker.survey.smoothing import Looks, SmoothedCable, filled
 
 SPACING = 0.5
 """Between two points of a route [m]."""
@@ -257,6 +257,7 @@ def _diameters(
 ) -> FloatArray:
     owner = _rows_of(looks, members, len(rows))
     known = (owner >= 0) & (rows["status"] == TRACKING) & np.isfinite(rows["diameter"])
+    known &= cable.weights[owner] > 0.0
     along = cable.along[owner[known]]
     place = np.round((along - wanted[0]) / SPACING).astype(np.int64)
     inside = (place >= 0) & (place < len(wanted))
@@ -285,7 +286,9 @@ def _profile(
     look = owner[used]
     off = np.abs(rows["aside"][used] - cable.states[look, 0])
     allowed = ON_ROUTE * np.sqrt(cable.covariances[look, 0, 0]) + 0.05
-    used, look = used[off <= allowed], look[off <= allowed]
+    # What is claimed of something else tells nothing about the cable.
+    tells = (off <= allowed) & (cable.weights[look] > 0.0)
+    used, look = used[tells], look[tells]
     ahead = rows["profile_ahead"][used] - rows["look"][used][:, None]
     along = cable.along[look][:, None] + ahead / np.cos(cable.states[look, 1])[:, None]
     scores = rows["profile_score"][used]
@@ -308,7 +311,7 @@ def _in_view(
 ) -> BoolArray:
     """Tell for each place whether the cable passed through a picture while the camera was there."""
     first, count = bins
-    half = rows["half_view"][looks.first[members]].astype(np.float64)
+    half = filled(rows["half_view"])[looks.first[members]]
     inside = np.abs(cable.states[members, 0]) < half
     place = np.floor((cable.along[members] - first) / PROFILE_SPACING).astype(np.int64)
     fine = (place >= 0) & (place < count)

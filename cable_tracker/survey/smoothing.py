@@ -62,6 +62,13 @@ ROUNDS = 3
 LEAST_SCALE, MOST_SCALE = 0.5, 8.0
 """By how much the tracker's standard deviations may be corrected at most, by what they miss."""
 
+ODD_DIAMETER = 0.4
+"""A claim whose diameter is off the dive's usual one by this share may be of something else: it
+counts only where it fits to what the others say."""
+
+FITTING, SURE_ENOUGH = 3.0, 0.25
+"""It fits within so many standard deviations, where the others know the place so well [m]."""
+
 FIRST = (4.0, math.radians(30.0) ** 2, BEND**2)
 """Variances of place, direction and curvature where nothing is known [m², rad², 1/m²]."""
 
@@ -80,6 +87,8 @@ class Looks:
         Place beside the look line and direction from it, shape (S, 2) [m, rad]; NaN without.
     covariances : FloatArray
         Of place, both, direction, shape (S, 3).
+    odd : BoolArray
+        Whether a claim's diameter is out of the ordinary, shape (S,).
     breaks : BoolArray
         Whether a step does not go on from the one before, shape (S,).
     first, last : FloatArray
@@ -90,6 +99,7 @@ class Looks:
     stamps: IndexArray
     claims: FloatArray
     covariances: FloatArray
+    odd: BoolArray
     breaks: BoolArray
     first: IndexArray
     last: IndexArray
@@ -109,7 +119,8 @@ class SmoothedCable:
     covariances : FloatArray
         Shape (S, 3, 3).
     weights : FloatArray
-        How much each claim counted, 0 to about 1, shape (S,); 0 without a claim.
+        How much each claim counted, 0 to about 1, shape (S,); 0 without a claim, or for one that is
+        of something else.
     scale : float
         By how much the tracker's standard deviations were too small.
     piece : FloatArray
@@ -134,10 +145,7 @@ def look_steps(rows: Rows, poses: FloatArray) -> Looks:
     poses : FloatArray
         x, y, yaw of the vehicle in each frame, shape (N, 3); NaN where it is not known.
     """
-    look = rows["look"].copy()
-    known = np.isfinite(look)
-    usual = float(np.median(look[known])) if known.any() else 0.0
-    look[~known] = usual
+    look = filled(rows["look"])
     yaw = poses[:, 2]
     places = np.column_stack(
         (poses[:, 0] + look * np.cos(yaw), poses[:, 1] + look * np.sin(yaw), yaw)
@@ -150,6 +158,7 @@ def look_steps(rows: Rows, poses: FloatArray) -> Looks:
     columns = ("aside", "heading", "aside_variance", "aside_heading", "heading_variance")
     table = np.column_stack([rows[name].astype(np.float64) for name in columns])
     tracked = (rows["status"] == TRACKING) & np.isfinite(table).all(axis=1)
+    diameters = np.full(count, np.nan)
     for number, (start, end) in enumerate(zip(starts, ends, strict=True)):
         members = usable[start:end]
         members = members[tracked[members]]
@@ -158,6 +167,7 @@ def look_steps(rows: Rows, poses: FloatArray) -> Looks:
         seen = _in_frame(places[usable[start]], places[members], table[members, :2])
         claims[number] = np.median(seen, axis=0)
         covariances[number] = table[members, 2:].mean(axis=0)
+        diameters[number] = np.median(rows["diameter"][members])
     own = places[usable[starts]]
     gaps = np.hypot(*np.diff(own[:, :2], axis=0, prepend=own[:1, :2]).T)
     breaks = gaps > LONGEST_STEP
@@ -169,10 +179,30 @@ def look_steps(rows: Rows, poses: FloatArray) -> Looks:
         rows["stamp"][usable[starts]],
         claims,
         covariances,
+        _odd(diameters),
         breaks,
         usable[starts],
         rows_at[ends],
     )
+
+
+def filled(values: FloatArray) -> FloatArray:
+    """Return values (N,) with those between for what is not known."""
+    known = np.flatnonzero(np.isfinite(values))
+    if not len(known):
+        return np.zeros(len(values))
+    return np.asarray(np.interp(np.arange(len(values)), known, values[known]))
+
+
+def _odd(diameters: FloatArray) -> BoolArray:
+    """Tell which diameters (S,) [m] are out of the ordinary; NaN is not."""
+    known = np.isfinite(diameters)
+    if not known.any():
+        return np.zeros(len(diameters), bool)
+    usual = float(np.median(diameters[known]))
+    with np.errstate(invalid="ignore"):
+        odd: BoolArray = np.abs(diameters - usual) > ODD_DIAMETER * usual
+    return odd
 
 
 def _in_frame(reference: FloatArray, places: FloatArray, claims: FloatArray) -> FloatArray:
@@ -202,10 +232,11 @@ def _starts(places: FloatArray, step: float) -> IndexArray:
     return starts[:count]
 
 
-def smooth(looks: Looks) -> SmoothedCable:
-    """Smooth the claims of a dive in both directions."""
+def smooth(looks: Looks, *, way_back: bool = True) -> SmoothedCable:
+    """Smooth the claims of a dive in both directions, or only filter them forwards."""
     claimed = np.isfinite(looks.claims).all(axis=1)
-    weights = np.where(claimed, 1.0, 0.0)
+    # What may be something else has to fit to what the others say, so these come first.
+    weights = np.where(claimed & ~looks.odd, 1.0, 0.0)
     scale = 1.0
     along, states, covariances = np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3, 3))
     steps = np.hypot(*np.diff(looks.places[:, :2], axis=0, prepend=looks.places[:1, :2]).T)
@@ -214,18 +245,29 @@ def smooth(looks: Looks) -> SmoothedCable:
     for _ in range(ROUNDS):
         noise = (_noise(looks.covariances, scale).T * shared).T
         along, states, covariances = _both_ways(
-            looks.places, seconds, looks.claims, noise, weights, looks.breaks
+            looks.places, seconds, looks.claims, noise, weights, looks.breaks, way_back
         )
         off = looks.claims - states[:, :2]
         plain = _noise(looks.covariances, scale)
         far = off[:, 0] ** 2 / plain[:, 0] + off[:, 1] ** 2 / plain[:, 2]
-        if claimed.any():
-            miss = math.sqrt(float(np.median(far[claimed])) / 1.386)
+        usual = claimed & ~looks.odd
+        if usual.any():
+            miss = math.sqrt(float(np.median(far[usual])) / 1.386)
             scale = float(np.clip(scale * miss, LEAST_SCALE, MOST_SCALE))
             far = far / max(miss, 1e-9) ** 2
-        weights[claimed] = (DEGREES + 2.0) / (DEGREES + far[claimed])
+        counts = usual | (claimed & _fits(off, plain, covariances))
+        weights = np.where(counts, (DEGREES + 2.0) / (DEGREES + far), 0.0)
     piece = np.cumsum(looks.breaks).astype(np.int64) - 1
     return SmoothedCable(along, states, covariances, weights, scale, piece)
+
+
+def _fits(off: FloatArray, noise: FloatArray, covariances: FloatArray) -> BoolArray:
+    """Tell which claims lie where the cable is known to be, shape (S,)."""
+    known = covariances[:, 0, 0] < SURE_ENOUGH**2
+    near = off[:, 0] ** 2 < FITTING**2 * (noise[:, 0] + covariances[:, 0, 0])
+    along = off[:, 1] ** 2 < FITTING**2 * (noise[:, 2] + covariances[:, 1, 1])
+    fits: BoolArray = known & near & along
+    return fits
 
 
 def _noise(covariances: FloatArray, scale: float) -> FloatArray:
@@ -310,6 +352,7 @@ def _both_ways(  # noqa: PLR0917
     noise: FloatArray,
     weights: FloatArray,
     breaks: BoolArray,
+    way_back: bool,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Filter forwards and smooth backwards; see `smooth`."""
     count = len(places)
@@ -338,7 +381,7 @@ def _both_ways(  # noqa: PLR0917
             mean, spread = _claimed(mean, spread, claims[k], noise[k] / weights[k])
         means[k], spreads[k] = mean, spread
     for k in range(count - 2, -1, -1):
-        if is_new[k + 1]:
+        if is_new[k + 1] or not way_back:
             continue
         back = spreads[k] @ moves[k + 1].T @ np.linalg.inv(spreads_before[k + 1])
         means[k] += back @ (means[k + 1] - means_before[k + 1])

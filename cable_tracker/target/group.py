@@ -20,30 +20,60 @@ from cable_tracker.tracking.status import TrackingStatus
 
 
 class TargetGroup:
-    """Follow several marked targets through a sequence of frames.
+    """Follow several targets through a sequence of frames.
 
     Parameters
     ----------
-    starts : sequence of TargetStart
-        One for each target, in the first frame.
+    count : int
+        How many, one at least.
     parameters : TargetParameters
         Of all; the seeds follow one another.
     """
 
-    def __init__(self, starts: Sequence[TargetStart], parameters: TargetParameters) -> None:
-        self._trackers = [
-            TargetTracker(parameters.replaced({"seed": parameters.seed + number}))
-            for number in range(len(starts))
-        ]
-        for tracker, start in zip(self._trackers, starts, strict=True):
-            tracker.initialise(start)
+    def __init__(self, count: int, parameters: TargetParameters) -> None:
+        self._parameters = parameters
+        self._trackers = tuple(
+            TargetTracker(_with_seed(parameters, number)) for number in range(count)
+        )
         self._estimates: list[TargetEstimate] = []
+
+    @property
+    def trackers(self) -> tuple[TargetTracker, ...]:
+        """Of every target one."""
+        return self._trackers
+
+    @property
+    def parameters(self) -> TargetParameters:
+        """The parameters in force; the seed is that of the first target."""
+        return self._parameters
 
     @property
     def shares(self) -> FloatArray:
         """Weights pi_m of the filters, by their presence; summing to one, or zero for none."""
         presences = np.array([estimate.presence for estimate in self._estimates])
         return presences / max(float(presences.sum()), 1e-300)
+
+    def configure(self, parameters: TargetParameters) -> None:
+        """Take other parameters from now on, and keep the beliefs; see `TargetTracker`."""
+        self._parameters = parameters
+        for number, tracker in enumerate(self._trackers):
+            tracker.configure(_with_seed(parameters, number))
+
+    def reset(self) -> None:
+        """Forget everything, marks too."""
+        self._estimates = []
+        for tracker in self._trackers:
+            tracker.reset()
+
+    def initialise(self, number: int, start: TargetStart) -> None:
+        """Take what is marked in the next frame for a target, instead of its present one.
+
+        Raises
+        ------
+        FrameError
+            It lies outside the frames that came before, or is larger.
+        """
+        self._trackers[number].initialise(start)
 
     def process(
         self, image: Image, stamp: int, motion: CameraMotion | None = None
@@ -53,14 +83,25 @@ class TargetGroup:
         Raises
         ------
         FrameError
-            The frame cannot be used.
+            The frame cannot be used, or cannot hold what was marked in it. Nothing has changed, but
+            for marks, which are dropped.
         """
-        before = self._estimates
-        self._estimates = [
-            tracker.process(image, stamp, motion, _claimed_but(before, number))
-            for number, tracker in enumerate(self._trackers)
-        ]
-        return self._estimates
+        for tracker in self._trackers:
+            tracker.check(image, stamp)
+        before, now = self._estimates, list(self._estimates)
+        for number, tracker in enumerate(self._trackers):
+            if tracker.is_searching:
+                # Two of them must not take the same candidate.
+                others = _followed_but(now, number, self._trackers)
+            else:
+                others = _claimed_but(before, number)
+            now[number : number + 1] = [tracker.process(image, stamp, motion, others)]
+        self._estimates = now
+        return now
+
+
+def _with_seed(parameters: TargetParameters, number: int) -> TargetParameters:
+    return parameters.replaced({"seed": parameters.seed + number}) if number else parameters
 
 
 def _claimed_but(estimates: Sequence[TargetEstimate], number: int) -> FloatArray:
@@ -69,5 +110,17 @@ def _claimed_but(estimates: Sequence[TargetEstimate], number: int) -> FloatArray
         estimate.state
         for index, estimate in enumerate(estimates)
         if index != number and estimate.status is TrackingStatus.TRACKING
+    ]
+    return np.array(states) if states else NO_OTHERS
+
+
+def _followed_but(
+    estimates: Sequence[TargetEstimate], number: int, trackers: Sequence[TargetTracker]
+) -> FloatArray:
+    """Return the states of the targets that are followed, claimed or not, other than one."""
+    states = [
+        estimate.state
+        for index, estimate in enumerate(estimates)
+        if index != number and not trackers[index].is_searching
     ]
     return np.array(states) if states else NO_OTHERS

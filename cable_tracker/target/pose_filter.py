@@ -38,12 +38,11 @@ from cable_tracker.target.measure.region import HueModel, score_poses
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.births import Births
 from cable_tracker.target.model.camera_motion import CameraMotion
-from cable_tracker.target.model.forecast import Forecast, Proposal, log_mix
+from cable_tracker.target.model.forecast import Forecast, Proposal, choose_columns, log_mix
 from cable_tracker.target.model.state import PLACES, POSE_SIZE, PoseColumn, wrap_angle
 from cable_tracker.target.model.template import Template, distances_about, make_template
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
-from cable_tracker.tracking.survival import SurvivalRates, survival_probabilities
 
 LEAST_PRESENCE, MOST_PRESENCE = 1e-3, 1.0 - 1e-3
 """The probability of presence stays between, so that it can turn again in time."""
@@ -72,14 +71,36 @@ GOOD_OVERLAP = 0.6
 CLEAR_OF_TARGET = 1.5
 """Random places this far from the target count as clutter, in roots of its area."""
 
-FIRST_LIKENESS = UsualScore(0.8, 0.01)
-"""Of a target to itself, before any frame has shown it."""
+FIRST_LIKENESS, FIRST_GREY_LIKENESS = UsualScore(0.8, 0.01), UsualScore(0.95, 0.0025)
+"""Of a target to itself, before any frame has shown it: in colour, and in grey."""
 
 WHOLE_SIZE = 0.2
 """Log scales this far from the usual one still belong to a target that nothing hides."""
 
+RIVAL_SCORE = 0.75
+"""Another peak whose region scores at least this share of the target's usual score is like it."""
+
+RIVAL_NEAR, RIVAL_FAR, RIVAL_TOUCHES = 1.2, 2.6, 1.9
+"""At such distances from the target it may soon cover it, or just has; one that is last seen nearer
+than the third has merged with it: in roots of the area."""
+
+RIVAL_FRAMES = 5
+"""Both must be seen in so many frames in a row: a target that jumps is beside itself for one."""
+
+RIVAL_TIME = 1.2
+"""For so long after one was there, and is not any more, both are taken for one [s]."""
+
+HELD_GAIN = 0.15
+"""Of the usual gain of the rates while a rival is near."""
+
+MERGED_SHARPNESS = 0.05
+"""Of the usual weight of the score while two are one: it is best in the middle of both."""
+
 SIZE_TAIL = 4.0
 """Degrees of freedom of the log scale about its running mean."""
+
+RESHAPED_EVERY = 3
+"""The remembered shape follows every so many lessons, so much faster each time."""
 
 SCORE_RATE = 0.05
 """Share per frame with which the usual score follows."""
@@ -96,6 +117,7 @@ class _Known:
     usual_log_scale: float
     births: Births
     first_size: float
+    lessons: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,7 +156,7 @@ class Weighed(NamedTuple):
     states: FloatArray
     log_prior: FloatArray
     log_birth: FloatArray
-    kernel_logs: FloatArray
+    kernel_values: FloatArray
     scores: FloatArray
 
 
@@ -156,6 +178,8 @@ class PoseFilter:
         self._known: _Known | None = None
         self._presence = 0.0
         self._estimate = np.zeros(POSE_SIZE)
+        self._since_rival = math.inf
+        self._rival_frames = 0
 
     @property
     def particles(self) -> Particles | None:
@@ -192,7 +216,7 @@ class PoseFilter:
             look.template,
             look.appearance,
             self._usual(look.score),
-            FIRST_LIKENESS,
+            FIRST_LIKENESS if frame.is_coloured else FIRST_GREY_LIKENESS,
             0.0,
             Births(look.state, 0.0, p.memory_time, frame.shape),
             look.template.size,
@@ -224,7 +248,7 @@ class PoseFilter:
         drawn = self._draw(look, dt)
         scores = drawn.scores
         self._judge_presence(look, drawn, scores)
-        log_weights = drawn.log_prior - drawn.log_proposal + self._parameters.sharpness * scores
+        log_weights = drawn.log_prior - drawn.log_proposal + self._sharpness() * scores
         log_weights -= self._crowding(drawn.states, others)
         total = log_sum_exp(log_weights)
         self._particles = Particles(drawn.states, log_weights - total)
@@ -320,8 +344,9 @@ class PoseFilter:
     def _draw(self, look: _Look, dt: float) -> _Drawn:
         """Draw the particles of a frame, with the densities of belief and proposal at each."""
         p, rng = self._parameters, self._rng
-        forecast = self._forecast(look, dt)
         peaks, strengths = self._peaks(look)
+        self._watch_for_rivals(look, peaks, dt)
+        forecast = self._forecast(look, dt)
         refined_count = round(p.refinement_share * p.particle_count)
         search_count = round(p.search_share * p.particle_count)
         place_count = round(p.place_share * p.particle_count) if len(peaks) else 0
@@ -343,12 +368,12 @@ class PoseFilter:
             mixture.append(Proposal(spread, even, refined_count / p.particle_count))
             more = self._weighed(look, mixture[-1].draw(refined_count, rng), forecast)
             drawn = Weighed(*(np.concatenate(pair) for pair in zip(drawn, more, strict=True)))
-        followed = log_mix(drawn.kernel_logs, forecast.even)
+        followed = log_mix(drawn.kernel_values, forecast.even, forecast.kernels)
         proposed = [followed + math.log(mixture[0].share)]
         proposed += [part.log_density(drawn.states[:, :PLACES]) for part in mixture[1:]]
         if search_count:
             proposed.append(math.log(search_count / p.particle_count) + drawn.log_birth)
-        self._choose_rates(drawn.states, drawn.kernel_logs, forecast, dt)
+        self._choose_rates(drawn.states, drawn.kernel_values, forecast, dt)
         return _Drawn(
             drawn.states, drawn.log_prior, np.logaddexp.reduce(proposed), drawn.scores,
             forecast.predicted,
@@ -360,9 +385,9 @@ class PoseFilter:
         states[:, :PLACES] = places
         reference = self._estimate[PoseColumn.ANGLE]
         states[:, 3] = reference + wrap_angle(states[:, 3] - reference)
-        log_prior, log_birth, kernel_logs = forecast.log_density(states)
+        log_prior, log_birth, kernel_values = forecast.log_density(states)
         log_prior = log_prior + self._log_size_factor(states)
-        return Weighed(states, log_prior, log_birth, kernel_logs, self._scores(look, states))
+        return Weighed(states, log_prior, log_birth, kernel_values, self._scores(look, states))
 
     def _forecast(self, look: _Look, dt: float) -> Forecast:
         """Return the belief before the frame is looked at."""
@@ -372,7 +397,8 @@ class PoseFilter:
         ancestors = self._particles.states[
             systematic_resampling(self._particles.weights, p.ancestor_count, self._rng)
         ]
-        rates = ancestors[:, PLACES:] * p.rate_damping**frames
+        damping = 1.0 if self._holds_rates() else p.rate_damping
+        rates = ancestors[:, PLACES:] * damping**frames
         centres = ancestors[:, :PLACES].copy()
         centres[:, :2] += rates * dt
         reference = self._estimate[PoseColumn.ANGLE]
@@ -394,24 +420,59 @@ class PoseFilter:
 
     def _best(self, drawn: Weighed) -> FloatArray:
         """Return the best of the places that have been drawn, shape (K, 4)."""
-        worth = drawn.log_prior + self._parameters.sharpness * drawn.scores
+        worth = drawn.log_prior + self._sharpness() * drawn.scores
         best: FloatArray = drawn.states[np.argsort(-worth)[:REFINED], :PLACES]
         return best
 
     def _choose_rates(
-        self, states: FloatArray, kernel_logs: FloatArray, forecast: Forecast, dt: float
+        self, states: FloatArray, kernel_values: FloatArray, forecast: Forecast, dt: float
     ) -> None:
         """Give every particle the rates of an ancestor that it may come from, corrected."""
-        peaks = kernel_logs.max(axis=1, keepdims=True)
-        shares = np.cumsum(np.exp(kernel_logs - peaks), axis=1)
-        positions = self._rng.random(len(states)) * shares[:, -1]
-        parents = np.minimum((shares < positions[:, None]).sum(axis=1), shares.shape[1] - 1)
+        parents = choose_columns(kernel_values, self._rng.random(len(states)))
         unforeseen = states[:, :2] - forecast.kernels.places[parents, :2]
         # A jump that no movement explains says nothing about the rates.
         limit = 0.5 * self._size()
         reach = np.hypot(unforeseen[:, 0], unforeseen[:, 1])
         gain = self._parameters.rate_gain * np.where(reach > limit, 0.0, 1.0)
+        if self._holds_rates():
+            gain *= 0.0 if self._is_merged() else HELD_GAIN
         states[:, PLACES:] = forecast.rates[parents] + gain[:, None] * unforeseen / dt
+
+    def _watch_for_rivals(self, look: _Look, peaks: FloatArray, dt: float) -> None:
+        """Note when something like the target comes near it, or just has been.
+
+        What cannot be told from it may be told by its way: two that cross keep their rates.
+        """
+        self._since_rival += dt
+        if len(peaks) == 0 or self._known is None:
+            return
+        apart = np.hypot(*(peaks[:, :2] - self._estimate[:2]).T) / self._size()
+        beside = (apart > RIVAL_NEAR) & (apart < RIVAL_FAR)
+        # The target itself must be seen at its place: else what is beside it may be itself.
+        if not beside.any() or not (apart <= RIVAL_NEAR).any():
+            self._rival_frames = 0
+            return
+        poses = np.zeros((len(peaks), POSE_SIZE))
+        poses[:, :PLACES] = peaks
+        alike = self._scores(look, poses) >= RIVAL_SCORE * self._known.usual.mean
+        if not (alike & beside).any() or not (alike & (apart <= RIVAL_NEAR)).any():
+            self._rival_frames = 0
+            return
+        self._rival_frames += 1
+        if self._rival_frames >= RIVAL_FRAMES:
+            touches = float(apart[beside & alike].min()) < RIVAL_TOUCHES
+            # One that is last seen farther away has not merged with the target.
+            self._since_rival = 0.0 if touches else math.inf
+
+    def _holds_rates(self) -> bool:
+        return self._since_rival <= RIVAL_TIME
+
+    def _is_merged(self) -> bool:
+        """Tell whether target and rival are taken for one."""
+        return 0.0 < self._since_rival <= RIVAL_TIME
+
+    def _sharpness(self) -> float:
+        return self._parameters.sharpness * (MERGED_SHARPNESS if self._is_merged() else 1.0)
 
     def _scales(self, frames: float, look: _Look) -> FloatArray:
         """Return the scales of the diffusion's kernel, shape (4,)."""
@@ -449,8 +510,8 @@ class PoseFilter:
         height, width = look.frame.shape
         inside = np.minimum(width / 2 - np.abs(centres[:, 0]), height / 2 - np.abs(centres[:, 1]))
         margin = p.leaving_margin * width / REFERENCE_WIDTH
-        rates = SurvivalRates(p.disappearance_rate, p.leaving_rate, margin)
-        probabilities: FloatArray = survival_probabilities(inside, rates, dt)
+        at_edge = 1.0 / (1.0 + np.exp(np.clip(inside / margin, -700.0, 700.0)))
+        probabilities: FloatArray = np.exp(-(p.disappearance_rate + p.leaving_rate * at_edge) * dt)
         return probabilities
 
     def _judge_presence(self, look: _Look, drawn: _Drawn, scores: FloatArray) -> None:
@@ -506,7 +567,7 @@ class PoseFilter:
             look.ratios, self._estimate, known.template, p.prior_softness, self._contours()
         )
         shown = self._shown(look, outline)
-        self._judge_likeness(shown)
+        self._judge_likeness(shown, is_coloured=look.frame.is_coloured)
         covariance = weighted_covariance(self._particles.states, weights, self._estimate)
         size = self._size()
         sigma = math.sqrt(max(covariance[0, 0], covariance[1, 1]))
@@ -548,13 +609,14 @@ class PoseFilter:
         likeness = appearance.likeness(target, self._parameters.first_look_share)
         return _Shown(target, around, likeness)
 
-    def _judge_likeness(self, shown: _Shown | None) -> None:
+    def _judge_likeness(self, shown: _Shown | None, *, is_coloured: bool) -> None:
         """Update the probability of presence by the colours within the contour."""
         assert self._known is not None
         if shown is None:
             return
         p, known = self._parameters, self._known
-        ratio = log_ratio_of_likeness(shown.likeness, known.usual_likeness)
+        least = p.likeness_spread if is_coloured else p.grey_likeness_spread
+        ratio = log_ratio_of_likeness(shown.likeness, known.usual_likeness, least)
         ratio = min(max(ratio, -p.likeness_limit), p.likeness_limit)
         before = PredictedExistence(self._presence, 0.0)
         self._presence = update_existence(
@@ -569,17 +631,18 @@ class PoseFilter:
             shown.target, shown.around, p.appearance_rate_of_target, p.appearance_rate_around
         )
         template = known.template
-        if p.shape_rate > 0.0:
-            template = self._reshaped(outline, look.frame.shape)
+        if p.shape_rate > 0.0 and known.lessons % RESHAPED_EVERY == 0:
+            template = self._reshaped(outline)
         self._known = replace(
             known,
             appearance=appearance,
             template=template,
             usual=known.usual.seen(score, SCORE_RATE),
             usual_likeness=known.usual_likeness.seen(shown.likeness, SCORE_RATE),
+            lessons=known.lessons + 1,
         )
 
-    def _reshaped(self, outline: Outline, shape: tuple[int, int]) -> Template:
+    def _reshaped(self, outline: Outline) -> Template:
         """Return the template moved towards the contour, both about their centroids."""
         assert self._known is not None
         template, p = self._known.template, self._parameters
@@ -591,7 +654,8 @@ class PoseFilter:
         )
         size = math.sqrt(outline.area)
         seen = distances_about(outline.mask, centre, size, self._estimate[PoseColumn.ANGLE])
-        blended = (1.0 - p.shape_rate) * template.distances + p.shape_rate * seen
+        share = 1.0 - (1.0 - p.shape_rate) ** RESHAPED_EVERY
+        blended = (1.0 - share) * template.distances + share * seen
         return make_template(blended.astype(np.float32), template.size, p.template_points)
 
 

@@ -7,7 +7,7 @@ import copy
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.target.detect.candidates import DETECTORS
@@ -110,6 +110,30 @@ class TargetTracker:
             start.check(self._frame.size)
         self._start = start
 
+    @property
+    def is_searching(self) -> bool:
+        """Whether the next frame is searched for a target: none is followed, and none marked."""
+        return self._start is None and self._is_searching()
+
+    def check(self, image: Image, stamp: int) -> None:
+        """See that `process` can take a frame.
+
+        Raises
+        ------
+        FrameError
+            It cannot. Nothing has changed, but for a mark that the frame cannot hold: it is
+            dropped.
+        """
+        check_target_frame(image)
+        frame = FrameMark((image.shape[1], image.shape[0]), stamp)
+        if self._start is not None:
+            try:
+                self._start.check(frame.size)
+            except FrameError:
+                self._start = None
+                raise
+        succession(self._frame, frame, self._parameters.maximum_gap)
+
     def process(
         self,
         image: Image,
@@ -152,7 +176,7 @@ class TargetTracker:
         if start is not None:
             return self._begin(seen, start, step.event)
         if self._is_searching():
-            return self._search(seen, step.event)
+            return self._search(seen, step.event, in_frame_pixels(others, 1.0 / seen.zoom))
         known = None if step.event else motion
         apart = in_frame_pixels(others, 1.0 / seen.zoom)
         finding = self._engine.advance(seen, step.dt, known, apart)
@@ -168,10 +192,12 @@ class TargetTracker:
             and (self._presence < self._parameters.presence_to_lose)
         )
 
-    def _search(self, seen: WorkingFrame, event: str) -> TargetEstimate:
+    def _search(self, seen: WorkingFrame, event: str, others: FloatArray) -> TargetEstimate:
         """Take the likeliest candidate of the detector that stands out, if there is one."""
         if self._parameters.detector != "none":
             for candidate in DETECTORS[self._parameters.detector](seen):
+                if _covers_any(candidate.mask, others):
+                    continue
                 engine = self._make_engine()
                 try:
                     finding = engine.start(seen, candidate.mask, is_exact=True)
@@ -240,6 +266,15 @@ class TargetTracker:
             score=finding.score,
             event=event,
         )
+
+
+def _covers_any(mask: BoolArray, others: FloatArray) -> bool:
+    """Tell whether a mask (H, W) holds the centre of one of the poses (K, 6)."""
+    height, width = mask.shape
+    columns = np.rint((width - 1) / 2 + others[:, 0]).astype(int)
+    rows = np.rint((height - 1) / 2 - others[:, 1]).astype(int)
+    inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+    return bool(mask[rows[inside], columns[inside]].any())
 
 
 def corners_of(outline: Outline, zoom: float) -> FloatArray:

@@ -7,6 +7,10 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Protocol
 
+LARGEST_STEP = 0.5
+"""Share of the loss time that one frame counts for at most: however slow the camera, one frame does
+not make a cable lost."""
+
 
 class TrackingStatus(str, Enum):
     """How far the tracker may be trusted."""
@@ -74,7 +78,8 @@ class StatusMachine:
         rises, holds : bool
             Whether the frame speaks for claiming a target, and for going on to claim it.
         dt : float
-            Time since the frame before [s].
+            Time since the frame before [s]. A frame counts for it, but against a claim for no more
+            than half of the loss time.
         parameters : StatusTimes
             Times.
         """
@@ -85,7 +90,7 @@ class StatusMachine:
     def _while_claimed(self, holds: bool, dt: float, parameters: StatusTimes) -> StatusMachine:
         if holds:
             return replace(self, contrary_time=0.0, unclaimed_time=0.0)
-        contrary = self.contrary_time + dt
+        contrary = self.contrary_time + min(dt, LARGEST_STEP * parameters.loss_time)
         if contrary >= parameters.loss_time:
             return StatusMachine(TrackingStatus.LOST)
         return replace(self, contrary_time=contrary)

@@ -19,7 +19,9 @@ LEGEND_HEIGHT = 18
 """Of the line of numbers, at a width of 480 [px]."""
 
 
-def draw_target(image: Image, estimate: TargetEstimate, particles: FloatArray | None) -> Image:
+def draw_target(
+    image: Image, estimate: TargetEstimate, particles: FloatArray | None, *, line: int = 0
+) -> Image:
     """Return a picture with contour, box, particles and numbers.
 
     The box is drawn only while the target is claimed.
@@ -32,6 +34,8 @@ def draw_target(image: Image, estimate: TargetEstimate, particles: FloatArray | 
         Of this frame.
     particles : FloatArray or None
         Poses in pixels of the frame, shape (N, 6).
+    line : int
+        Line of the legend, from the top; of several targets each has its own.
     """
     canvas = image.copy() if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
     height, width = canvas.shape[:2]
@@ -49,19 +53,20 @@ def draw_target(image: Image, estimate: TargetEstimate, particles: FloatArray | 
     if claimed and estimate.box is not None:
         left, top, right, bottom = (round(side) for side in estimate.box)
         cv2.rectangle(canvas, (left, top), (right, bottom), colour, thick)
-    _write_legend(canvas, estimate, scale, colour)
+    _write_legend(canvas, estimate, scale, colour, line)
     return canvas
 
 
 def _write_legend(
-    canvas: Image, estimate: TargetEstimate, scale: float, colour: tuple[int, int, int]
+    canvas: Image, estimate: TargetEstimate, scale: float, colour: tuple[int, int, int], line: int
 ) -> None:
-    strip = canvas[: round(LEGEND_HEIGHT * scale)]
+    top, bottom = (round(LEGEND_HEIGHT * scale * number) for number in (line, line + 1))
+    strip = canvas[top:bottom]
     strip //= 3
     text = f"{estimate.status.value}  presence {estimate.presence:.2f}"
     if estimate.status is TrackingStatus.TRACKING:
         x, y = estimate.state[:2]
         text += f"  x {x:.0f}  y {y:.0f} px  scale {estimate.scale:.2f}"
-    place = (round(6 * scale), round(13 * scale))
+    place = (round(6 * scale), top + round(13 * scale))
     font, thick = cv2.FONT_HERSHEY_SIMPLEX, max(round(scale), 1)
     cv2.putText(canvas, text, place, font, 0.42 * scale, colour, thick, cv2.LINE_AA)

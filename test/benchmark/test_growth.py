@@ -6,7 +6,7 @@ from cable_tracker.benchmark.statistics import Quartiles
 
 
 def measured(milliseconds, **label):
-    given = {"section": "frame", "name": "thesis", "size": (320, 240), "kernels": "numpy"} | label
+    given = {"section": "frame", "name": "thesis", "size": (320, 240)} | label
     return Measurement(Label(**given), Quartiles(milliseconds, milliseconds, milliseconds, 1))
 
 
@@ -36,16 +36,14 @@ def test_one_measurement_makes_no_line():
 
 
 def test_what_was_left_out_does_not_count():
-    left_out = Measurement(
-        Label("frame", "thesis", (320, 240), "numpy", 100_000), skipped="left out"
-    )
+    left_out = Measurement(Label("frame", "thesis", (320, 240), 100_000), skipped="left out")
     assert fit_growth([measured(1.0, particles=500), left_out]) == []
 
 
-def test_presets_and_kernels_have_lines_of_their_own():
+def test_presets_have_lines_of_their_own():
     both = [
-        measured(0.001 * count * factor, particles=count, kernels=kernels)
-        for kernels, factor in (("compiled", 1.0), ("numpy", 10.0))
+        measured(0.001 * count * factor, particles=count, name=name)
+        for name, factor in (("thesis", 1.0), ("default", 10.0))
         for count in (500, 1000)
     ]
     assert [growth.each for growth in fit_growth(both)] == pytest.approx([1000.0, 10_000.0])

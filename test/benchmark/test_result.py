@@ -4,7 +4,7 @@ from cable_tracker.benchmark.result import BenchmarkResult, Circumstances, is_be
 from cable_tracker.benchmark.round_robin import Label, Measurement
 from cable_tracker.benchmark.statistics import Quartiles
 
-LABEL = Label("frame", "thesis", (320, 240), "numpy", 500)
+LABEL = Label("frame", "thesis", (320, 240), 500)
 SPREAD = Quartiles(1.0, 2.0, 3.0, 4)
 RESULT = BenchmarkResult(
     Circumstances("bench", "today", "here", "1", (0.0, 0.1, 0.2), (0.3, 0.4, 0.5), ("particles",)),

@@ -97,7 +97,7 @@ def test_what_would_take_too_long_by_what_fewer_particles_took_is_not_even_prepa
         prepared.append(None)
         return busy(100_000)
 
-    subjects = [Subject(Label("frame", "x", SIZE, "numpy", n), prepare) for n in (1, 10**9)]
+    subjects = [Subject(Label("frame", "x", SIZE, n), prepare) for n in (1, 10**9)]
     first, second = measure_in_turns(subjects, busy(10), Effort(rounds=1))
     assert first.cpu is not None
     assert second.skipped.startswith("left out: about")

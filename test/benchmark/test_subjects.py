@@ -17,7 +17,7 @@ from cable_tracker.benchmark.subjects import (
     step_subjects,
     yardstick_subject,
 )
-from cable_tracker.cable.parameters.presets import PRESETS, preset
+from cable_tracker.cable.parameters.presets import preset
 
 
 def test_every_step_of_both_presets_can_be_called_again_and_again(shown):
@@ -44,7 +44,7 @@ def test_what_the_filter_reads_of_a_picture_is_worked_out_anew_at_every_call(sho
 
 def test_the_grid_has_every_combination_the_fewest_particles_first(shown):
     grid = [each.label for each in frame_subjects([shown, footage(2, (64, 48))], (500, 300))]
-    assert len(grid) == len(set(grid)) == 2 * len(PRESETS) * len(subjects.KERNELS) * 2
+    assert len(grid) == len(set(grid)) == 2 * len(subjects.TIMED_PRESETS) * 2
     assert [label.particles for label in grid[:2]] == [300, 500]
 
 

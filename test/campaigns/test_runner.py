@@ -16,8 +16,8 @@ pytestmark = pytest.mark.filterwarnings("default")
 from campaign_tasks import Failing, KillsItsWorkerOnce, Square, Work  # noqa: E402
 from distributed import LocalCluster  # noqa: E402
 
-from cable_tracker.campaigns.cluster import ClusterSettings  # noqa: E402
-from cable_tracker.campaigns.runner import run_all, run_campaign  # noqa: E402
+from cable_tracker.campaigns.crew import ClusterSettings, Crew, run_all  # noqa: E402
+from cable_tracker.campaigns.runner import run_campaign  # noqa: E402
 from cable_tracker.campaigns.task import TaskState, fingerprint_of_files  # noqa: E402
 from cable_tracker.errors import ParameterError, RecordingError  # noqa: E402
 
@@ -81,12 +81,12 @@ def test_many_tiny_tasks_all_come_to_their_end(both, tmp_path):
 
 
 def test_results_that_are_sent_back_come_in_order(both):
-    assert run_all([Work(n) for n in range(5)], settings=both) == [0, 1, 4, 9, 16]
+    assert run_all([Work(n) for n in range(5)], workers=Crew(both)) == [0, 1, 4, 9, 16]
 
 
 def test_the_first_error_ends_work_that_is_sent_back(both):
     with pytest.raises(RecordingError, match="a negative number"):
-        run_all([Work(1), Work(-1)], settings=both)
+        run_all([Work(1), Work(-1)], workers=Crew(both))
 
 
 def test_resuming_does_only_what_is_missing_or_has_changed(tmp_path):
@@ -107,7 +107,7 @@ def test_what_a_killed_client_left_is_kept(cluster, tmp_path):
     program = (
         "from pathlib import Path\n"
         "from campaign_tasks import Square\n"
-        "from cable_tracker.campaigns.cluster import ClusterSettings\n"
+        "from cable_tracker.campaigns.crew import ClusterSettings\n"
         "from cable_tracker.campaigns.runner import run_campaign\n"
         f"settings = ClusterSettings(scheduler={cluster.scheduler_address!r})\n"
         "tasks = [Square(n, wait=0.0 if n < 2 else 300.0) for n in range(4)]\n"

@@ -90,6 +90,27 @@ def test_seeds_begin_where_they_are_told(command, tmp_path):
     assert "seeds 40 to 41" in (out / REPORT).read_text(encoding="utf-8")
 
 
+def test_an_evaluation_that_goes_on_does_only_what_is_missing(command, tmp_path):
+    out = tmp_path / "out"
+
+    def evaluated(seeds, *words):
+        code, _, error = command(
+            "evaluate", "--scenario", "S6", "--method", "thesis", "--frames", 2, "--workers", 1,
+            "--seeds", seeds, "--output", out, *words,
+        )  # fmt: skip
+        assert (code, error) == (0, "")
+        return (out / "runs.csv").read_text().splitlines()[1:]
+
+    first = evaluated(1)
+    kept = {file.name: file.stat().st_mtime_ns for file in (out / "tasks").iterdir()}
+    assert len(kept) == 1
+    both = evaluated(2, "--resume")
+    # The very same row, with the times that it took then.
+    assert both[0] == first[0] and len(both) == 2
+    assert len(list((out / "tasks").iterdir())) == 2
+    assert not out.with_name("out.tasks").exists()
+
+
 def test_a_labelled_recording_is_evaluated(command, labels, tmp_path):
     out = tmp_path / "out"
     code, _, _ = command(

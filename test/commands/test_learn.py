@@ -6,7 +6,7 @@ import pytest
 
 from cable_tracker import cli
 from cable_tracker.cable.measure.response_table import is_table, load_table
-from cable_tracker.commands.learn import describe_origin, parse_seeds
+from cable_tracker.commands.learning_sources import LearningPlan, describe_origin, parse_seeds
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import read_estimates
@@ -68,10 +68,11 @@ def left_behind():
 def test_a_bag_with_ground_truth_makes_a_table_for_track(command, bag):
     code, printed, messages = command("learn", bag, "--output", "table.json")
     assert (code, messages) == (0, "")
-    assert printed.startswith(f"{FRAMES} frames, ")
-    assert printed.endswith("learnt from dive: table.json\n")
+    assert printed.startswith(f"{2 * FRAMES} frames, ")
+    source = "dive; as they are and with the cable faded, blurred and in noise"
+    assert printed.endswith(f"learnt from {source}: table.json\n")
     table = load_table("table.json")
-    assert table.source == "dive"
+    assert table.source == source
     assert table.edges.max() > 0.5
     assert (table.absent < 0.0).all()
     Path("p.yaml").write_text("response_table: table.json\n")
@@ -86,7 +87,8 @@ def test_all_kinds_of_sources_teach_the_same(command, bag, labels, unlabelled):
         ("sequence", (labels,)),
         ("pictures", (unlabelled, "--truth", labels)),
     ):
-        assert command("learn", *source, "--output", f"{name}.json")[0] == 0
+        wanted = ("learn", *source, "--harder", 0, "--output", f"{name}.json")
+        assert command(*wanted)[0] == 0
     bag_table, sequence, pictures = (
         load_table(f"{name}.json") for name in ("bag", "sequence", "pictures")
     )
@@ -97,18 +99,42 @@ def test_all_kinds_of_sources_teach_the_same(command, bag, labels, unlabelled):
 
 
 def test_several_sources_and_scenarios_add_up(command, bag, labels):
-    _, alone, _ = command("learn", bag, "--output", "a.json")
-    code, both, _ = command(
-        "learn", bag, labels, "--scenario", "S6", "--seeds", "3", "--every", 100,
-        "--output", "b.json",
+    code, printed, _ = command(
+        "learn", bag, labels, "--scenario", "S6", "--scenario", "tune_cl*", "--seeds", "3",
+        "--frames", 7, "--every", 5, "--harder", 2, "--output", "b.json",
     )  # fmt: skip
     assert code == 0
-    assert alone.startswith("6 frames")
     assert load_table("b.json").source == (
-        f"simulated S6 with seed 3; dive; {labels.name}; one frame in 100"
+        f"simulated S6, tune_cl* with seed 3, 7 frames of each; dive; {labels.name};"
+        " one frame in 5; as they are and with the cable faded, blurred and in noise, 2 times"
     )
-    # Every 100th frame of three sequences, the first of each among them.
-    assert 2 < int(both.split()[0]) < 20
+    # The frames 0 and 5 of four sequences, each three times.
+    assert printed.startswith(f"{4 * 2 * 3} frames, ")
+
+
+def test_harder_frames_teach_fainter_borders(command, bag):
+    for name, harder in (("as_it_is", 0), ("harder", 8)):
+        assert command("learn", bag, "--harder", harder, "--output", name)[0] == 0
+    as_it_is, harder_too = (load_table(name) for name in ("as_it_is", "harder"))
+    # A faint border is met only then: without it, its class is that of the next stronger ones.
+    moderate, ridge = 62, 0
+    faintest = slice(0, 1)
+    assert (
+        harder_too.edges[faintest, moderate, ridge].mean()
+        > as_it_is.edges[faintest, moderate, ridge].mean()
+    )
+
+
+def test_frames_without_a_cable_teach_what_a_bottom_looks_like(command):
+    wanted = ("learn", "--scenario", "tune_clear", "--frames", 2, "--harder", 0, "--output")
+    _, alone, _ = command(*wanted, "a.json")
+    _, with_decoys, _ = command(*wanted, "b.json", "--scenario", "tune_decoys")
+    (frames, borders, elsewhere), (same_frames, same_borders, more) = (
+        [int(word) for word in line.splitlines()[0].split() if word.isdigit()]
+        for line in (alone, with_decoys)
+    )
+    assert (frames, borders) == (same_frames, same_borders)
+    assert more > elsewhere
 
 
 def test_the_same_seed_gives_the_same_file_and_another_one_does_not(command, bag):
@@ -151,7 +177,7 @@ def test_bad_frames_are_passed_over_where_that_is_wanted(command, labels):
     assert left_behind() == {"pictures"}
     code, printed, _ = command("learn", labels, "--output", "table.json", "--skip-bad-frames")
     assert code == 0
-    assert printed.startswith(f"{FRAMES - 1} frames")
+    assert printed.startswith(f"{2 * (FRAMES - 1)} frames")
 
 
 @pytest.mark.parametrize(
@@ -165,7 +191,9 @@ def test_bad_frames_are_passed_over_where_that_is_wanted(command, labels):
         (("nothing.mcap",), "nothing.mcap: there is no such file"),
         (("garbage.mcap",), "garbage.mcap"),
         (("dive", "--seeds", "1"), "give it with --scenario"),
-        (("--scenario", "S7"), "scenario 'S7' is unknown"),
+        (("dive", "--frames", "1"), "give it with --scenario"),
+        (("--scenario", "S7"), "'S7' is none of S1 | "),
+        (("--scenario", "report_clear"), "report_clear is a world to report on"),
         (("--scenario", "S1", "--seeds", "1-"), "seeds: '1-' is not of the form 0,4-6"),
         (("--scenario", "no_cable", "--every", "100"), "no labelled frame shows a border"),
         (("dive", "--seed", "-1"), "seed: -1 is outside"),
@@ -209,13 +237,15 @@ def test_what_are_no_seeds(text):
 
 
 def test_the_origin_names_scenarios_and_seeds():
-    assert describe_origin(["S1", "night"], [2, 3], [], None, 1) == (
+    plan = LearningPlan(harder=0)
+    assert describe_origin(["S1", "night"], [2, 3], [], None, plan) == (
         "simulated S1, night with seeds 2, 3"
     )
 
 
 def test_the_origin_names_no_folders():
-    origin = describe_origin([], [], [Path("/home/me/dive.mcap")], Path("/x/y/labels.txt"), 4)
+    plan = LearningPlan(every=4, harder=0)
+    origin = describe_origin([], [], [Path("/home/me/dive.mcap")], Path("/x/y/labels.txt"), plan)
     assert origin == "dive.mcap labelled by labels.txt; one frame in 4"
 
 

@@ -3,11 +3,13 @@ import csv
 import cv2
 import numpy as np
 import pytest
+from rosbags.highlevel import AnyReader
 from typer.testing import CliRunner
 
 from cable_tracker.cli import app
 from cable_tracker.errors import CableTrackerError
 from cable_tracker.evaluation.targets.track_target import HEADER
+from cable_tracker.sequences.typestores import typestore
 from cable_tracker.simulation.targets.sequence import simulate_target
 
 
@@ -47,7 +49,7 @@ def test_a_marked_target_is_followed_into_a_folder(folder, first_box, tmp_path):
     box = [float(cell) for cell in lines[1][11:15]]
     assert box == pytest.approx(first_box, abs=6.0)
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        "estimates.csv", "overlay.webm", "overlay.png",
+        "estimates.csv", "overlay.webm", "overlay.png", "bag",
     }  # fmt: skip
 
 
@@ -85,3 +87,25 @@ def test_a_parameter_file_may_name_the_preset(folder, first_box, tmp_path):
     words = ",".join(str(side) for side in first_box)
     result = run(folder, "--init", words, "--params", file, "--output", tmp_path / "out")
     assert result.exit_code == 0, result.output
+
+
+def test_the_bag_holds_what_the_node_would_publish(folder, first_box, tmp_path):
+    words = ",".join(str(side) for side in first_box)
+    result = run(folder, "--init", words, "--output", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    with AnyReader([tmp_path / "out" / "bag"], default_typestore=typestore()) as reader:
+        counts = {each.topic: each.msgcount for each in reader.connections}
+        boxes = [
+            reader.deserialize(data, each.msgtype)
+            for each, _, data in reader.messages()
+            if each.topic == "/box"
+        ]
+    assert counts == dict.fromkeys(
+        (
+            "/state", "/target", "/contour", "/box", "/particles", "/markers",
+            "/target_tracker/frame_report", "/target_tracker/overlay/compressed",
+        ),
+        8,
+    )  # fmt: skip
+    corner = boxes[0].polygon.points[0]
+    assert (corner.x, corner.y) == pytest.approx(first_box[:2], abs=6.0)

@@ -7,13 +7,15 @@ import os
 import sqlite3
 import struct
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import islice
 from pathlib import Path
 from types import MappingProxyType
 
+import av
 import cv2
 import numpy as np
 from mcap.writer import CompressionType
@@ -33,6 +35,10 @@ from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.image_folder import load_picture
 from cable_tracker.sequences.sequence_file import Label, read_labels, write_labels
 from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.video_stream import DECODERS, DecodedPicture, Packet, StreamDecoder
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.model.start_text import parse_start_text
+from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_files import (
     filter_parameters,
     format_parameter_file,
@@ -41,6 +47,10 @@ from cable_tracker.tracking.parameter_files import (
 
 MOST_FRAMES = 20
 """Frames that are read of a damaged recording."""
+
+VIDEO_SIZE = (64, 48)
+VIDEO_FRAMES = 3
+CODINGS = (*sorted(DECODERS), "unknown")
 
 STAMP = 1_700_000_000_000_000_000
 STORES = {1: get_typestore(Stores.ROS1_NOETIC), 2: get_typestore(Stores.ROS2_JAZZY)}
@@ -192,6 +202,72 @@ def run_file(name: str) -> Callable[[bytes], None]:
     return run
 
 
+def encoded_packets(context: av.VideoCodecContext | av.VideoStream) -> Iterator[av.Packet]:
+    """Encode a square that moves."""
+    width, height = VIDEO_SIZE
+    for number in range(VIDEO_FRAMES):
+        picture = np.full((height, width, 3), 90, np.uint8)
+        picture[10:30, 8 * number : 8 * number + 20] = 220
+        yield from context.encode(av.VideoFrame.from_ndarray(picture, format="bgr24"))
+    yield from context.encode(None)
+
+
+def video_file(container: str, codec: str) -> bytes:
+    """Return a video of three frames."""
+    with as_file(b"", f"seed.{container}") as path:
+        with av.open(str(path), "w") as video:
+            stream = video.add_stream(codec, rate=25)
+            stream.width, stream.height = VIDEO_SIZE
+            stream.pix_fmt = "yuvj420p" if codec == "mjpeg" else "yuv420p"
+            for packet in encoded_packets(stream):
+                video.mux(packet)
+        return path.read_bytes()
+
+
+def video_seeds() -> dict[str, bytes]:
+    """Return videos of three containers and codings."""
+    return {
+        "mp4": video_file("mp4", "mpeg4"),
+        "avi": video_file("avi", "mjpeg"),
+        "webm": video_file("webm", "libvpx"),
+    }
+
+
+def run_video_stream(data: bytes) -> None:
+    """Packets of a video stream: coding, then length (2 bytes) and bytes of each."""
+    decoder = StreamDecoder()
+    coding = CODINGS[data[0] % len(CODINGS)] if data else ""
+    place = 1
+    for number in range(MOST_FRAMES):
+        if place + 2 > len(data):
+            break
+        length = int.from_bytes(data[place : place + 2], "little")
+        unit = data[place + 2 : place + 2 + length]
+        place += 2 + length
+        check_pictures(decoder.take(Packet(STAMP + number, "eye", coding, unit)))
+    check_pictures(decoder.end())
+
+
+def check_pictures(decoded: Iterable[DecodedPicture]) -> None:
+    """Each packet has a picture, or a reason why there is none."""
+    for each in decoded:
+        assert (each.picture is None) == bool(each.reason)
+
+
+def video_stream_seeds() -> dict[str, bytes]:
+    """Return streams of two codings."""
+    seeds = {}
+    for coding, encoder in (("h264", "libx264"), ("vp9", "libvpx-vp9")):
+        context = av.CodecContext.create(encoder, "w")
+        assert isinstance(context, av.VideoCodecContext)
+        context.width, context.height = VIDEO_SIZE
+        context.pix_fmt, context.time_base = "yuv420p", Fraction(1, 25)
+        units = [bytes(packet) for packet in encoded_packets(context)]
+        parts = [len(unit).to_bytes(2, "little") + unit for unit in units]
+        seeds[coding] = bytes([CODINGS.index(coding)]) + b"".join(parts)
+    return seeds
+
+
 def make_message(ros: int, number: int) -> object:
     """Return an image of 8 x 6 pixels."""
     types = STORES[ros].types
@@ -313,6 +389,29 @@ def run_parameters(data: bytes) -> None:
         assert state is None or state.is_finite()
 
 
+def run_target(data: bytes) -> None:
+    """A parameter file of targets, where they begin as text, and a marked outline."""
+    with as_file(data, "parameters.yaml") as path, suppress(ParameterError):
+        values = read_parameter_file(path, "target_tracker")
+        parameters = TargetParameters().replaced(
+            {name: values[name] for name in values.keys() & TargetParameters().as_mapping().keys()}
+        )
+        assert TargetParameters().replaced(parameters.as_mapping()) == parameters
+    with suppress(ParameterError):
+        for box in parse_start_text(data.decode(errors="replace")).boxes:
+            check_start(box)
+    with suppress(FrameError):
+        corners = np.frombuffer(data[: len(data) // 16 * 16], "<f8").reshape(-1, 2)
+        check_start(TargetStart(corners))
+
+
+def check_start(start: TargetStart) -> None:
+    """A mark that a picture can hold has a mask in it."""
+    with suppress(FrameError):
+        start.check((64, 48))
+        assert start.mask((48, 64), 1.0).shape == (48, 64)
+
+
 def run_estimates(data: bytes) -> None:
     """A table of estimates: what is read is written again the same."""
     csv.field_size_limit()
@@ -345,12 +444,23 @@ TARGETS: Mapping[str, Target] = MappingProxyType(
         "mcap": Target(run_file("dive.mcap"), mcap_seeds),
         "sqlite": Target(run_file("dive.db3"), sqlite_seeds),
         "ros1": Target(run_file("dive.bag"), ros1_seeds),
+        "video": Target(run_file("dive.mp4"), video_seeds),
+        "video_stream": Target(run_video_stream, video_stream_seeds),
         "metadata": Target(run_metadata, lambda: {"written": bag_files("mcap")["metadata.yaml"]}),
         "parameters": Target(
             run_parameters,
             lambda: {
                 "file": format_parameter_file(TrackerParameters(), "All of them.").encode(),
                 "state": b"12.0,0.1,40,0.03",
+            },
+        ),
+        "target": Target(
+            run_target,
+            lambda: {
+                "file": b"target_tracker: {ros__parameters: {particle_count: 70, seed: 3}}",
+                "boxes": b"1.0,2.5,30,40;3,4,10,20",
+                "word": b"detect",
+                "outline": np.array([[3.0, 4.0], [30.0, 5.0], [20.0, 40.0]]).tobytes(),
             },
         ),
         "estimates": Target(run_estimates, estimates_seeds),

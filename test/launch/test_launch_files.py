@@ -15,13 +15,19 @@ from cable_tracker.node_parameter_tables import (
     CONTROLLER_PARAMETERS,
     REPLAY_NODE_PARAMETERS,
     SIMULATOR_PARAMETERS,
+    TARGET_NODE_PARAMETERS,
     TRACKER_NODE_PARAMETERS,
 )
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.parameter_table import parameter_table
 
 ROOT = Path(__file__).resolve().parents[2]
 LAUNCH = ROOT / "launch"
 SPECS: dict[str, dict[str, Any]] = {
     "tracker": dict(PARAMETERS_BY_NAME) | {spec.name: spec for spec in TRACKER_NODE_PARAMETERS},
+    "target_tracker": {
+        spec.name: spec for spec in (*parameter_table(TargetParameters), *TARGET_NODE_PARAMETERS)
+    },
     "replay": {spec.name: spec for spec in REPLAY_NODE_PARAMETERS},
     "simulator": {spec.name: spec for spec in SIMULATOR_PARAMETERS},
     "controller": {spec.name: spec for spec in CONTROLLER_PARAMETERS},
@@ -54,8 +60,9 @@ def start(play: Play) -> Play:
 FILES = sorted(path.name for path in LAUNCH.glob("*.launch.py"))
 
 
-def test_there_is_one_for_the_tracker_a_recording_and_the_loop() -> None:
-    assert {"loop.launch.py", "replay.launch.py", "tracker.launch.py"} <= set(FILES)
+def test_there_is_one_for_each_tracker_a_recording_and_the_loop() -> None:
+    wanted = {"loop", "replay", "target", "tracker"}
+    assert {f"{name}.launch.py" for name in wanted} <= set(FILES)
 
 
 @pytest.mark.parametrize("file", FILES)
@@ -130,6 +137,33 @@ class TestTracker:
     def test_a_word_out_of_place_is_refused(self, play: Play) -> None:
         with pytest.raises(RuntimeError, match="image_transport"):
             play("tracker.launch.py", image_transport="jpeg")
+
+
+class TestTarget:
+    @pytest.mark.parametrize("preset", ["default", "thesis", "docking", "diver"])
+    def test_every_preset_has_its_file(self, start: Play, preset: str) -> None:
+        node = start("target.launch.py", preset=preset)["target_tracker"]
+        assert node.values()["preset"] == preset
+        assert node.files() == [ROOT / "config" / f"target_{preset}.yaml"]
+
+    def test_start_size_and_count_reach_the_node(self, start: Play) -> None:
+        node = start(
+            "target.launch.py",
+            initial_target="10,20,60,80", target_size="0.5", target_count="2", namespace="auv",
+        )["target_tracker"]  # fmt: skip
+        assert node.values()["initial_target"] == "10,20,60,80"
+        assert node.values()["target_size"] == 0.5
+        assert node.values()["target_count"] == 2
+        assert node.namespace == "auv"
+
+    @pytest.mark.parametrize("name", ["image", "camera_info", "imu", "odometry"])
+    def test_every_input_can_be_given_another_topic(self, start: Play, name: str) -> None:
+        node = start("target.launch.py", **{name: "/auv/front"})["target_tracker"]
+        assert node.remappings[name] == "/auv/front"
+
+    def test_marks_can_be_given_another_topic(self, start: Play) -> None:
+        node = start("target.launch.py", initial_target_topic="/mark")["target_tracker"]
+        assert node.remappings["initial_target"] == "/mark"
 
 
 class TestReplay:

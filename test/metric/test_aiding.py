@@ -301,3 +301,25 @@ class TestWithTexture:
             for said in (1.0, 1.3)
         ]
         assert (sigmas[1] > 1.5 * sigmas[0]).all()
+
+    def test_looks_at_it_may_rest_while_it_agrees(self, drive, bottom, monkeypatch):
+        drive.aiding._texture_pause = 10 * FRAME
+        looks = []
+        compare = SeaBedTexture.compare
+
+        def counted(*given):
+            looks.append(drive._frame)
+            return compare(*given)
+
+        monkeypatch.setattr(SeaBedTexture, "compare", counted)
+        used = self.driven(drive, bottom, Drive.SWAY, 40)
+        assert all(motion is not None for motion in used[2:])
+        assert len(looks) < 10
+
+    def test_it_is_looked_at_in_every_frame_once_it_has_ceased_to_agree(self, drive, bottom):
+        drive.aiding._texture_pause = 10 * FRAME
+        self.driven(drive, bottom, Drive.SWAY, 12)
+        used = self.driven(drive, bottom, 3.0, 30, first=12)
+        assert used[12:] == [None] * 18
+        used = self.driven(drive, bottom, Drive.SWAY, CALM_PICTURES + 4, first=42)
+        assert used[-1] is not None

@@ -57,8 +57,11 @@ if HAS_ROS:
     from rclpy.signals import SignalHandlerOptions
 
     from cable_tracker.ros.nodes.controller_node import ControllerNode
+    from cable_tracker.ros.nodes.follower_node import FollowerNode
     from cable_tracker.ros.nodes.replay_node import ReplayNode
     from cable_tracker.ros.nodes.simulator_node import SimulatorNode
+    from cable_tracker.ros.nodes.target_simulator_node import TargetSimulatorNode
+    from cable_tracker.ros.nodes.target_tracker_node import TargetTrackerNode
     from cable_tracker.ros.nodes.tracker_node import TrackerNode
     from cable_tracker.ros.rigs.baseline_node import BaselineNode
 
@@ -151,6 +154,11 @@ class World:
         """Make a tracker that may still be compiling."""
         return self.add(TrackerNode(**self._arguments(parameters)))
 
+    def target_tracker(self, **parameters: Any) -> Any:
+        node = self.add(TargetTrackerNode(**self._arguments(parameters)))
+        node.wait_until_warm()
+        return node
+
     def baseline(self, **parameters: Any) -> Any:
         """Make a stand-in for the tracker."""
         node = self.add(BaselineNode(**self._arguments(parameters)))
@@ -164,6 +172,12 @@ class World:
 
     def simulator(self, **parameters: Any) -> Any:
         return self.add(SimulatorNode(**self._arguments(parameters)))
+
+    def target_simulator(self, **parameters: Any) -> Any:
+        return self.add(TargetSimulatorNode(**self._arguments(parameters)))
+
+    def follower(self, **parameters: Any) -> Any:
+        return self.add(FollowerNode(**self._arguments(parameters)))
 
     def controller(self, **parameters: Any) -> Any:
         return self.add(ControllerNode(**self._arguments(parameters)))
@@ -272,6 +286,12 @@ def header_of(index: int) -> Any:
 
     sec, nanosec = divmod(FIRST + index * STEP, 1_000_000_000)
     return Header(stamp=Time(sec=sec, nanosec=nanosec), frame_id="eye")
+
+
+@pytest.fixture
+def header() -> Callable[[int], Any]:
+    """Make the header of the frame of an index."""
+    return header_of
 
 
 @pytest.fixture

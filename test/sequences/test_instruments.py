@@ -110,6 +110,12 @@ def test_messages_come_with_both_of_their_times(bag):
     assert [each.stamp for each in messages] == [10, 20, 35]
 
 
+def test_what_comes_sooner_after_another_than_is_asked_for_is_passed_over(bag):
+    source = InstrumentSource(bag, "/image")
+    assert [each.received for each in source.messages({Instrument.ALTITUDE: 11})] == [15, 35]
+    assert len(list(source.messages({Instrument.IMU: 11}))) == 3
+
+
 def test_the_mounting_is_read_from_tf_static(bag):
     transforms = InstrumentSource(bag, "/image").static_transforms()
     rotation, place = place_in(transforms, "camera", "base_link")

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from cable_tracker.errors import RecordingError
+from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.stamps import FIRST_STAMP, stamp_of_frame
 from cable_tracker.sequences.video import VideoSource
@@ -117,3 +117,20 @@ def test_the_real_footage_has_240_frames(footage):
     first = next(frames)
     assert (first.image.width, first.image.height) == (1280, 720)
     assert 1 + sum(1 for _ in frames) == 240
+
+
+def test_a_video_of_too_many_pixels_is_refused_before_it_is_decoded(monkeypatch, make_video):
+    path = make_video()
+    monkeypatch.setattr("cable_tracker.sequences.video.MAX_PIXELS", 100)
+    with pytest.raises(RecordingError, match="more than the 100 allowed"):
+        VideoSource(path)
+
+
+def test_a_frame_of_too_many_pixels_is_a_bad_frame(monkeypatch, make_video):
+    path = make_video()
+    monkeypatch.setattr("cable_tracker.sequences.encodings.MAX_PIXELS", 100)
+    with pytest.raises(RecordingError, match="skip-bad-frames"):
+        next(VideoSource(path).frames())
+    frame = next(VideoSource(path, skip_bad_frames=True).frames())
+    with pytest.raises(FrameError):
+        decode_grey(frame.image)

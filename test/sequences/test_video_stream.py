@@ -104,6 +104,14 @@ def test_other_codings_are_read(tmp_path, encoder, coding):
     assert is_as_coded(shown(path), range(COUNT))
 
 
+@pytest.mark.parametrize(("encoder", "coding"), [("libx264", "h264"), ("libvpx-vp9", "vp9")])
+def test_a_picture_of_too_many_pixels_is_not_decoded(tmp_path, monkeypatch, encoder, coding):
+    monkeypatch.setattr("cable_tracker.sequences.video_stream.MAX_PIXELS", 1000)
+    path = bag_of(tmp_path / "bag", packets(encoder), coding)
+    with pytest.raises(RecordingError, match="not one picture"):
+        shown(path)
+
+
 def test_pictures_that_are_coded_out_of_order_come_in_order(tmp_path):
     options = {"preset": "medium", "x264-params": "bframes=2:b-adapt=0:repeat-headers=1"}
     coded = packets("libx264", **options)

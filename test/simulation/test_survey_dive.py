@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import ParameterError
+from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.simulation.survey_dive import (
     TICKS,
     SurveyDive,
     SurveySettings,
-    cable_points,
-    survey_cable,
     usual_survey,
 )
 
@@ -26,7 +25,7 @@ def test_every_manieth_tick_has_a_picture_and_an_altitude():
 
 def test_the_vehicle_stays_over_the_cable_to_its_end():
     ticks = list(SurveyDive(SMALL).ticks())
-    tube = survey_cable(SMALL.cable_seed)
+    tube = cable_of_seed(SMALL.cable_seed)
     course = cable_points(tube, np.arange(-3.0, 8.0, 0.05))[0][:, :2]
     for tick in ticks:
         away = np.hypot(*(course - tick.motion.position[:2]).T).min()

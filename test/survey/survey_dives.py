@@ -27,6 +27,8 @@ class Plan:
     noise: float = 0.02
     seed: int = 0
     wrong: Sequence[tuple[float, float]] = ()
+    rope: Sequence[tuple[float, float]] = ()
+    """Where something thinner is claimed instead, beside the cable."""
 
 
 def course(along: np.ndarray, bend: float) -> tuple[np.ndarray, np.ndarray]:
@@ -57,16 +59,23 @@ def make_dive(plan: Plan, path: Path = Path("dive")) -> ForwardDive:
         errors = keep * errors + np.sqrt(1 - keep**2) * rng.standard_normal(2)
         true = true_aside(np.array([x, y, heading]), plan.bend)
         ahead = along + LOOK
-        if any(start <= ahead <= end for start, end in plan.hidden):
+        on_rope = any(start <= ahead <= end for start, end in plan.rope)
+        if not on_rope and any(start <= ahead <= end for start, end in plan.hidden):
             row["status"] = 2
             continue
-        off = 0.6 if any(start <= ahead <= end for start, end in plan.wrong) else 0.0
+        off = (
+            1.2
+            if on_rope
+            else 0.6
+            if any(start <= ahead <= end for start, end in plan.wrong)
+            else 0.0
+        )
         row["status"] = TRACKING
         row["aside"] = true[0] + plan.noise * errors[0] + off
         row["heading"] = true[1] + 0.01 * errors[1]
         row["aside_variance"], row["aside_heading"] = plan.noise**2, 0.0
         row["heading_variance"] = 1e-4
-        row["diameter"] = 0.16
+        row["diameter"] = 0.06 if on_rope else 0.16
         bins = np.linspace(LOOK + 0.8, LOOK - 0.8, PROFILE_BINS)
         row["profile_ahead"] = bins
         seen = [not any(a <= along + b <= e for a, e in plan.hidden) for b in bins]

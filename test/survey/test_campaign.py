@@ -1,6 +1,6 @@
 import pytest
 
-from cable_tracker.campaigns.cluster import ClusterSettings
+from cable_tracker.campaigns.crew import ClusterSettings
 from cable_tracker.campaigns.task import TaskState
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveySettings as Simulated

@@ -1,11 +1,15 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from survey_dives import Plan, make_dive
+from survey_dives import Plan, make_dive, poses_of
 
 from cable_tracker.survey.events import EventKind
 from cable_tracker.survey.forwards import ForwardDive
 from cable_tracker.survey.frame_table import CrossingSight
 from cable_tracker.survey.recording import SurveySettings, analyse
+from cable_tracker.survey.route import make_routes
+from cable_tracker.survey.smoothing import look_steps, smooth
 
 
 def events(dive: ForwardDive, kind: EventKind):
@@ -24,6 +28,19 @@ def test_the_ends_of_a_buried_stretch_are_known_to_a_few_decimetres():
     # The route begins where the camera looked first.
     assert event.along + 0.7 == pytest.approx(15.0, abs=0.5)
     assert event.end + 0.7 == pytest.approx(21.0, abs=0.5)
+
+
+def test_what_is_claimed_of_something_else_is_not_seen_as_the_cable():
+    dive = make_dive(Plan())
+    rows = dive.table.rows
+    looks = look_steps(rows, poses_of(dive).at(rows["stamp"]))
+    cable = smooth(looks)
+    other = (cable.along > 15.0) & (cable.along < 25.0)
+    weights = np.where(other, 0.0, cable.weights)
+    (route,) = make_routes(looks, replace(cable, weights=weights), rows)
+    along = route.profile.along + route.start
+    assert np.isnan(route.profile.seen[(along > 17.0) & (along < 23.0)]).all()
+    assert np.isfinite(route.profile.seen[(along > 5.0) & (along < 12.0)]).all()
 
 
 def test_short_gaps_are_no_events():

@@ -45,6 +45,31 @@ def test_wrong_claims_lose_their_weight():
     assert rms((cable.states[:, 0] - truth)[off]) < 0.1
 
 
+def test_claims_of_something_thinner_over_a_buried_stretch_do_not_draw_the_cable_along():
+    looks, cable, truth = smoothed(Plan(hidden=((15.0, 24.0),), rope=((16.0, 23.0),)))
+    assert looks.odd.sum() > 50
+    assert cable.weights[looks.odd].max() == 0.0
+    sigma = np.sqrt(cable.covariances[:, 0, 0])
+    assert rms((cable.states[:, 0] - truth)[looks.odd]) < 0.2
+    assert np.mean(np.abs(cable.states[:, 0] - truth) < 1.96 * sigma) > 0.85
+
+
+def test_a_cable_that_looks_thin_where_it_is_known_to_be_counts():
+    dive = make_dive(Plan())
+    rows = dive.table.rows
+    rows["diameter"][100:120] = 0.08
+    looks = look_steps(rows, poses_of(dive).at(rows["stamp"]))
+    assert looks.odd.any()
+    assert smooth(looks).weights[looks.odd].min() > 0.2
+
+
+def test_without_the_way_back_claims_that_come_later_tell_nothing():
+    looks, cable, truth = smoothed(Plan(hidden=((15.0, 22.0),)))
+    forwards = smooth(looks, way_back=False)
+    gap = ~np.isfinite(looks.claims[:, 0])
+    assert rms((forwards.states[:, 0] - truth)[gap]) > 2 * rms((cable.states[:, 0] - truth)[gap])
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_regions_hold_the_cable_about_as_often_as_they_say(seed):
     _, cable, truth = smoothed(Plan(length=80.0, noise=0.03, seed=seed))

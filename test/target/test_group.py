@@ -15,7 +15,9 @@ def test_two_of_one_kind_are_both_kept(draw):
         return np.where(mask[..., None], right, left)
 
     starts = [TargetStart.from_box(x - 16, 108, x + 17, 133) for x in (90, 230)]
-    group = TargetGroup(starts, TargetParameters())
+    group = TargetGroup(2, TargetParameters())
+    for number, start in enumerate(starts):
+        group.initialise(number, start)
     for number in range(12):
         estimates = group.process(both(number), (number + 1) * STEP)
     assert [each.status.value for each in estimates] == ["TRACKING"] * 2

@@ -48,6 +48,12 @@ def test_it_is_time_that_counts_not_frames():
     assert run(StatusMachine(), [GOOD] * 11, dt=0.01) == [INITIALISING] * 11
 
 
+@pytest.mark.parametrize("dt", [0.2, 1.0, 5.0])
+def test_one_frame_does_not_lose_a_cable_however_slow_the_camera(dt):
+    assert run(StatusMachine(TRACKING), [BAD] * 2, dt=dt) == [TRACKING, LOST]
+    assert run(StatusMachine(TRACKING), [BAD, MIDDLING, BAD], dt=dt) == [TRACKING] * 3
+
+
 def test_particles_that_disagree_claim_nothing():
     assert run(StatusMachine(), [GOOD] * 10, converged=False) == [INITIALISING] * 10
 

@@ -29,7 +29,7 @@ def _write(path, stamps, size=(64, 48)):
 def _read(path):
     with av.open(str(path)) as container:
         stream = container.streams.video[0]
-        assert stream.codec_context.name in ("vp9", "libvpx-vp9")
+        assert stream.codec_context.name in ("vp8", "libvpx")
         return [
             (
                 float(frame.pts * stream.time_base),

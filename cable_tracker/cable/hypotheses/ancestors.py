@@ -11,6 +11,7 @@ from cable_tracker.cable.hypotheses.clusters import NONE, SMALLEST_MASS, Cluster
 from cable_tracker.cable.model.geometry import reach_at, unwrap_state
 from cable_tracker.compilation import compiled, compiled_part
 from cable_tracker.particle_filter.resampling import POSITIONS, RESAMPLING_SCHEMES
+from cable_tracker.particle_filter.weights import exponentials
 from cable_tracker.tracking.survival import SurvivalRates, survival_probability
 
 SMALLEST_CLUSTER_SHARE = 0.06
@@ -112,22 +113,29 @@ def surviving_ancestors(
     ancestors, surviving = np.empty((count, 8)), np.empty(count)
     first = 0
     for group in range(len(draw.counts)):
-        surviving[first : first + draw.counts[group]] = draw.masses[group] / draw.counts[group]
+        for row in range(first, first + draw.counts[group]):
+            surviving[row] = draw.masses[group] / draw.counts[group]
         first += draw.counts[group]
-    surviving /= surviving.sum()
+    wanted = 0.0
     for row in range(count):
+        wanted += surviving[row]
+    total = 0.0
+    for row in range(count):
+        surviving[row] /= wanted
         unwrap_state(states[indices[row]], reference_angle, ancestors[row])
         reach = reach_at(ancestors[row, 1], image_size[0], image_size[1])
         survival = survival_probability(reach - abs(ancestors[row, 0]), rates, dt)
         surviving[row] = max(surviving[row] * survival, LEAST_SURVIVING)
-    total = surviving.sum()
-    return ancestors, surviving / total, total
+        total += surviving[row]
+    for row in range(count):
+        surviving[row] /= total
+    return ancestors, surviving, total
 
 
 @compiled_part
 def _choose(log_weights: FloatArray, labels: IndexArray, draw: Draw) -> IndexArray:
     """Draw from every group its number of ancestors, by where they lie in its weights."""
-    weights = np.exp(log_weights)
+    weights = exponentials(log_weights)
     indices = np.empty(len(draw.positions), np.int64)
     drawn = 0
     for group in range(len(draw.counts)):

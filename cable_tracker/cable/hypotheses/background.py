@@ -35,6 +35,9 @@ APART, TURNED = 8.0, 0.12
 """A strip shares a border with a hypothesis if they are nearer than this [px at the reference
 width, rad]."""
 
+SPREADS_ABOVE = 3.0
+"""The best of the strips of any kind stand so many of their spreads above their mean."""
+
 SMALLEST_SPREAD = 0.5
 """Smallest spread of the strips of any kind [nats]."""
 
@@ -157,9 +160,9 @@ def _place_anywhere(
     image_size: tuple[float, float],
     strip: FloatArray,
 ) -> None:
-    """Draw a strip of any kind that crosses the frame; each width octave is as likely."""
+    """Draw a strip of any kind that crosses the frame."""
     strip[1] = (uniform[1] - 0.5) * math.pi
-    strip[2] = lower[2] * math.pow(upper[2] / lower[2], uniform[2])
+    strip[2] = lower[2] + uniform[2] * (upper[2] - lower[2])
     strip[3] = lower[3] + uniform[3] * (upper[3] - lower[3])
     reach = reach_at(strip[1], image_size[0], image_size[1])
     strip[0] = (2.0 * uniform[0] - 1.0) * reach

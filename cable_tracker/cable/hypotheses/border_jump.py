@@ -24,6 +24,9 @@ OFFSET_SIGMA, ANGLE_SIGMA, SKEW_SIGMA = 4.0, math.radians(2.0), math.radians(6.0
 """How exactly the shared border is known [px at the reference width, rad], and how far the skew is
 from that of the hypothesis [rad]."""
 
+LEAST_RANGE = 1e-3
+"""Smallest range of log w that jumps are taken to be spread over."""
+
 COMBINATIONS = 4
 """The left or the right border of the hypothesis is the left or the right one of the strip."""
 
@@ -103,4 +106,6 @@ def jump_density(state: FloatArray, jump: BorderJump) -> float:
         if squared < 50.0:
             total += math.exp(-0.5 * squared)
     scales = jump.offset_sigma * ANGLE_SIGMA * SKEW_SIGMA * math.pow(2.0 * math.pi, 1.5)
-    return total / (COMBINATIONS * scales * width * math.log(jump.widest / jump.narrowest))
+    # Both limits may be the same.
+    octaves = max(math.log(jump.widest / jump.narrowest), LEAST_RANGE)
+    return float(total / (COMBINATIONS * scales * width * octaves))

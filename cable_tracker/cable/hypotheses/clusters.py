@@ -14,7 +14,8 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.geometry import turn_sign, unwrap_state, wrapped_angle
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.compilation import compiled, compiled_part
+from cable_tracker.compilation import compiled, compiled_loop, compiled_part
+from cable_tracker.particle_filter.weights import exponentials, logarithms
 
 RADII = np.array([24.0, np.deg2rad(12.0), 30.0, np.deg2rad(10.0)])
 """Half-axes of the ellipsoid that a cluster fills at most: d, alpha, w, beta [px at the reference
@@ -69,8 +70,16 @@ def find_clusters(
     image_width : float
         Width of the frames [px].
     """
-    weights = np.exp(log_weights)
-    labels, count = find_groups(states, np.log(weights), image_width, np.empty((0, 8)))
+    return _find(states, log_weights, image_width)
+
+
+@compiled_part
+def _find(
+    states: FloatArray, log_weights: FloatArray, image_width: float
+) -> tuple[Clusters, FloatArray]:
+    # A part of its own: what entries call themselves is translated anew for them.
+    weights = exponentials(log_weights)
+    labels, count = find_groups(states, logarithms(weights), image_width, np.empty((0, 8)))
     clusters = clusters_of(states, weights, labels, count)
     return clusters, leading_covariance(states, weights, clusters)
 
@@ -125,7 +134,7 @@ def find_groups(
     return labels, count
 
 
-@compiled_part
+@compiled_loop
 def _heaviest(log_weights: FloatArray, labels: IndexArray, label: int) -> int:
     """Return the heaviest particle with a label; -1 if all of them weigh nothing."""
     heaviest, most = -1, -math.inf
@@ -194,7 +203,8 @@ def _gather(
             gathered[row] = True
             any_gathered = True
     if any_gathered or not keep:
-        members[:] = gathered
+        for row in range(len(members)):
+            members[row] = gathered[row]
     return any_gathered
 
 
@@ -263,7 +273,8 @@ def group_means(
     sorted_masses, sorted_means = np.empty(kept), np.empty((kept, 8))
     for index in range(kept):
         sorted_masses[index] = masses[order[index]]
-        sorted_means[index] = means[order[index]]
+        for column in range(8):
+            sorted_means[index, column] = means[order[index], column]
     return order[:kept], sorted_masses, sorted_means
 
 

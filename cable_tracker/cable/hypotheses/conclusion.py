@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.background import Background, background_of
+from cable_tracker.cable.hypotheses.background import SPREADS_ABOVE, Background, background_of
 from cable_tracker.cable.hypotheses.clusters import (
     Clusters,
     clusters_of,
@@ -28,8 +28,16 @@ from cable_tracker.cable.hypotheses.proposals import (
 from cable_tracker.cable.measure.likelihood_ratio import bright_share
 from cable_tracker.cable.model.geometry import unwrap_state
 from cable_tracker.cable.model.state import STATE_SIZE, StateColumn
-from cable_tracker.compilation import compiled, compiled_part
-from cable_tracker.particle_filter.weights import effective_sample_size, log_sum_exp
+from cable_tracker.compilation import compiled, compiled_loop, compiled_part
+from cable_tracker.particle_filter.weights import (
+    effective_sample_size,
+    exponentials,
+    log_sum_exp,
+    logarithms,
+)
+
+WIDTH = int(StateColumn.WIDTH)
+"""Numba 0.59 takes no enumeration for an index beside a slice."""
 
 
 class Conclusion(NamedTuple):
@@ -51,7 +59,7 @@ class Conclusion(NamedTuple):
         See `Belief`.
     levels : FloatArray
         Mean log-likelihood ratio of each cluster, its width not judged, above that of the best
-        strip of the bottom that is like it, shape (K,).
+        strips of the bottom, like it or not, shape (K,).
     scores : FloatArray
         The same above the mean of strips of any kind, in their spreads, shape (K,).
     scores : FloatArray
@@ -106,7 +114,9 @@ def conclude(
         unwrap_state(states[row], 0.0, states[row])
     densities, evidence = sample.densities, sample.evidence
     log_prior = log_weights(0.0, sample.ratios[:end], densities.full[:end], sample.mixture[:end])
-    posterior = log_prior + sample.ratios[:end]
+    posterior = np.empty(end)
+    for row in range(end):
+        posterior[row] = log_prior[row] + sample.ratios[row]
     groups, count = find_groups(states, posterior, image_width, anchors)
     if count == 0:
         return _nothing(states, posterior)
@@ -117,20 +127,24 @@ def conclude(
         densities.full[:end],
         densities.survived[:end],
         densities.width_penalties[:end],
-        states[:, StateColumn.WIDTH].copy(),
+        states[:, WIDTH].copy(),
         groups,
         count,
         background.alike,
         rules,
     )
     log_evidence = log_sum_exp(corrected)
-    normalised = corrected - log_evidence
-    weights = np.exp(normalised)
+    normalised = np.empty(end)
+    for row in range(end):
+        normalised[row] = corrected[row] - log_evidence
+    weights = exponentials(normalised)
     clusters = clusters_of(states, weights, groups, count)
     if not len(clusters.masses):
         # Correcting may leave all groups light and the rest heavy.
-        groups, count = find_groups(states, np.log(weights), image_width, np.empty((0, STATE_SIZE)))
-        background = _background(states, np.log(weights), groups, count, inputs, config)
+        groups, count = find_groups(
+            states, logarithms(weights), image_width, np.empty((0, STATE_SIZE))
+        )
+        background = _background(states, logarithms(weights), groups, count, inputs, config)
         clusters = clusters_of(states, weights, groups, count)
     border_evidence, visible_length, posterior_bright = _summary(
         clusters.labels,
@@ -181,9 +195,10 @@ def _above(
         if label >= 0 and weights[row] > 0.0:
             share, group = weights[row] / clusters.masses[label], groups[row]
             ratio = ratios[row] - penalties[row]
-            levels[label] += share * (ratio - background.alike[group])
-            above = ratio - background.means[group]
-            scores[label] += share * above / background.spreads[group]
+            mean, spread = background.means[group], background.spreads[group]
+            best = max(background.alike[group], mean + SPREADS_ABOVE * spread)
+            levels[label] += share * (ratio - best)
+            scores[label] += share * (ratio - mean) / spread
     return levels, scores
 
 
@@ -252,7 +267,7 @@ def _nothing(states: FloatArray, log_shares: FloatArray) -> Conclusion:
     )
 
 
-@compiled_part
+@compiled_loop
 def _summary(
     labels: IndexArray,
     mass: float,

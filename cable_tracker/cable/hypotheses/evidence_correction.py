@@ -17,7 +17,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.clusters import NONE
 from cable_tracker.cable.hypotheses.presence import thin_factor
-from cable_tracker.compilation import compiled_part
+from cable_tracker.compilation import compiled_loop, compiled_part
 
 
 class CorrectionRules(NamedTuple):
@@ -83,7 +83,7 @@ def corrected_weights(
     return corrected
 
 
-@compiled_part
+@compiled_loop
 def _group_sum(values: FloatArray, labels: IndexArray, label: int) -> float:
     """Return log(sum(exp(values))) over a group; -inf for an empty one."""
     peak = -math.inf

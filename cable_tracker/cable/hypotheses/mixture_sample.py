@@ -15,8 +15,9 @@ from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.clusters import find_groups, group_covariance, group_means
 from cable_tracker.cable.measure.likelihood_ratio import marginal_log_ratio
 from cable_tracker.cable.model.geometry import borders_cross_inside
-from cable_tracker.compilation import compiled_part
+from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.student_t import peak_density, relative_density
+from cable_tracker.particle_filter.weights import exponentials, logarithms
 
 
 class Peaks(NamedTuple):
@@ -30,7 +31,7 @@ class Peaks(NamedTuple):
     factors: FloatArray
 
 
-@compiled_part
+@compiled_loop
 def marginal_ratios(
     states: FloatArray,
     start: int,
@@ -60,7 +61,7 @@ def marginal_ratios(
         marginal[row] = marginal_log_ratio(first, second) + width_penalties[row]
 
 
-@compiled_part
+@compiled_loop
 def add_detections(
     states: FloatArray,
     start: int,
@@ -85,7 +86,7 @@ def add_detections(
         mixture[row] += factor * total
 
 
-@compiled_part
+@compiled_loop
 def add_peaks(
     states: FloatArray,
     start: int,
@@ -139,8 +140,8 @@ def find_peaks(
     smallest_sigmas: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return masses (K,), means (K, 4) and factors (K, 4, 4) of the clusters to draw about."""
-    weights = np.exp(log_shares)
-    labels, count = find_groups(states, np.log(weights), image_width, np.empty((0, 8)))
+    weights = exponentials(log_shares)
+    labels, count = find_groups(states, logarithms(weights), image_width, np.empty((0, 8)))
     order, masses, means = group_means(states, weights, labels, count)
     number = 1
     while number < min(most, len(order)) and masses[number] >= smallest_mass:
@@ -158,7 +159,7 @@ def find_peaks(
     return masses[:number], means[:number, :4].copy(), factors
 
 
-@compiled_part
+@compiled_loop
 def _cholesky(matrix: FloatArray, factor: FloatArray) -> None:
     """Fill in the lower factor (4, 4) of the leading block of a matrix."""
     for row in range(4):

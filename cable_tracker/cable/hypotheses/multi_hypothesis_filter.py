@@ -117,7 +117,11 @@ SMALLEST_KERNEL = np.array([0.05, np.deg2rad(0.02), 0.05, np.deg2rad(0.02)])
 """Smallest scale of the movement [px at the reference width, rad]: without any, the particles could
 not be told from points."""
 
-BORDER_TURN = float(np.deg2rad(0.25))
+CLEAR_EVIDENCE, EVIDENCE_STEP, LARGEST_FACTOR = 1.7, 0.4, 4.0
+"""Borders with less evidence are displaced farther: by `border_displacement` more for each step
+that it is less than that of clear ones, up to the factor."""
+
+BORDER_TURN = float(np.deg2rad(0.4))
 """Turn of a border that is displaced by one pixel of the reference width [rad]."""
 
 POLARITY_DOUBT = 0.02
@@ -233,21 +237,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         detections: FloatArray,
         motion: MotionAid | None = None,
     ) -> Belief:
-        """Return the belief after one more frame.
-
-        Parameters
-        ----------
-        belief : Belief
-            After the frame before.
-        image : WorkingImage
-            The frame.
-        dt : float
-            Time between the two [s]; 0 for a belief about this very frame.
-        detections : FloatArray
-            d, alpha, w, beta of cables that a detector sees in it [px, rad], shape (K, 4).
-        motion : MotionAid or None
-            How odometry says that the cable has moved; None: by its own rates.
-        """
+        """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
         if belief.refused_time >= self._parameters.search_time:
             belief = self._searching_anew(belief)
         memory = belief.memory.aged(dt) if belief.memory is not None else None
@@ -306,7 +296,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
                     score * factor,
                     survival,
                     appearance,
-                    parameters.presence_gain,
+                    gain_over(parameters.presence_gain, dt),
                 )
                 for odds, level, score, factor in zip(
                     inherited.tolist(),
@@ -418,7 +408,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         """Return where the cluster that leads is expected, shape (8,)."""
         leader: FloatArray = belief.clusters.means[:1].copy()
         leader[:, :POSE_SIZE] = self._movement.expected(leader, dt, motion)[:, :POSE_SIZE]
-        return leader[0]
+        first: FloatArray = leader[0]
+        return first
 
     def _concluded(
         self,
@@ -498,7 +489,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         turns = round((leader[StateColumn.ANGLE] - mean[StateColumn.ANGLE]) / math.pi)
         if turns % 2:
             covariance = covariance * TURNED_SIGNS
-        return mean, covariance + self._displacement
+        factor = displacement_factor(belief.border_evidence)
+        return mean, covariance + factor**2 * self._displacement
 
 
 def _hypotheses(belief: Belief) -> tuple[Hypothesis, ...]:
@@ -522,6 +514,20 @@ def displacement_covariance(parameters: TrackerParameters, image_width: int) -> 
     # d and alpha are means of the two borders, w is their difference, beta half of it.
     variances[:POSE_SIZE] = [border**2 / 2, turn**2 / 2, 2 * border**2, turn**2 / 2]
     return np.diag(variances)
+
+
+def displacement_factor(evidence: float) -> float:
+    """Return how many times `border_displacement` a border with some evidence is displaced."""
+    return min(max(1.0 + (CLEAR_EVIDENCE - evidence) / EVIDENCE_STEP, 1.0), LARGEST_FACTOR)
+
+
+def gain_over(gain: float, dt: float) -> float:
+    """Return the share of a frame's evidence that is new, for its share at 25 frames per second.
+
+    What looks like a cable in one frame does so in the next, the less the longer that is after.
+    """
+    frames = dt * REFERENCE_RATE if dt > 0.0 else 1.0
+    return 1.0 - math.pow(1.0 - gain, frames)
 
 
 def annealing_power(number: int, rounds: int) -> float:

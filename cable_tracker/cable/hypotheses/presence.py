@@ -19,23 +19,26 @@ from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled, compiled_inside
 
-EMPTY_MODE, EMPTY_SCALE = 2.5, 2.2
-"""Of the Gumbel law of the leading hypothesis' level on frames without a cable [nats]."""
+EMPTY_MODE, EMPTY_SCALE = 4.3, 1.33
+"""Of the Gumbel law of the best hypothesis' score on frames without a cable [spreads]."""
 
-CABLE_MEAN, CABLE_SPREAD = 22.0, 9.0
-"""Of the Gaussian of the level of a visible cable [nats]."""
+CABLE_MEAN, CABLE_SPREAD = 13.0, 4.5
+"""Of the Gaussian of the score of a visible cable [spreads]."""
 
-HIGHEST_LEVEL = 24.0
-"""Higher levels say no more than this one [nats]."""
+HIGHEST_SCORE = 16.0
+"""Higher scores say no more than this one [spreads]."""
+
+ORDINARY_LEVEL, ORDINARY_SLOPE = 8.0, 0.15
+"""A lower level is that of ripples and grain [nats], and says so much against a cable per nat."""
+
+CLEAR_LEVEL, CLEAR_SLOPE = 18.0, 0.35
+"""Levels above this are found on cables alone [nats], and say so much more per nat."""
 
 HIDDEN_SHARE = 0.5
 """Share of the frames in which nothing is learnt of a cable: growth, sand, shadows."""
 
-NEUTRAL_SCORE, SCORE_GAIN = 7.5, 2.0
-"""A score that says nothing [spreads], and what each spread above it says at most [nats]."""
-
-LEAST_ODDS = math.log(HIDDEN_SHARE)
-"""A frame says no more than this against a hypothesis: the cable may be hidden [nats]."""
+LEAST_ODDS = math.log(HIDDEN_SHARE) - 0.2
+"""Nor does it say more than this against one: the cable may be hidden in it [nats]."""
 
 LARGEST_ODDS = 6.0
 """A frame says no more than this for a hypothesis [nats]."""
@@ -50,33 +53,34 @@ NEAR = np.array([14.0, 0.2, 14.0, 0.2])
 """How far a hypothesis may be from where one of the frame before is expected, to be that one: d,
 alpha, w, beta [px at the reference width, rad]."""
 
-THINNEST_FACTOR = 0.35
+THINNEST_FACTOR = 0.5
 
 
 def frame_odds(level: float, score: float) -> float:
-    """Return what a frame says for a cable against none [nats]: the lesser of two log-odds.
+    """Return what a frame says for a cable against none [nats].
 
-    `level` [nats] and `score` [spreads] say how far it stands above its background.
+    `level` [nats] says how far it stands above strips like it, `score` [spreads] above any.
     """
-    odds = min(_odds_of_level(level), SCORE_GAIN * (score - NEUTRAL_SCORE))
-    return max(odds, LEAST_ODDS)
+    odds = _odds_of_score(score) + CLEAR_SLOPE * max(level - CLEAR_LEVEL, 0.0)
+    if level < ORDINARY_LEVEL:
+        odds = min(odds, ORDINARY_SLOPE * (level - ORDINARY_LEVEL))
+    return min(max(odds, LEAST_ODDS), LARGEST_ODDS)
 
 
-def _odds_of_level(level: float) -> float:
+def _odds_of_score(score: float) -> float:
     # Below its mode the law falls so steeply that it would speak for a cable.
-    level = min(max(level, EMPTY_MODE), HIGHEST_LEVEL)
-    place = (level - EMPTY_MODE) / EMPTY_SCALE
+    score = min(max(score, EMPTY_MODE), HIGHEST_SCORE)
+    place = (score - EMPTY_MODE) / EMPTY_SCALE
     empty = -place - math.exp(min(-place, 50.0)) - math.log(EMPTY_SCALE)
-    deviation = (level - CABLE_MEAN) / CABLE_SPREAD
+    deviation = (score - CABLE_MEAN) / CABLE_SPREAD
     cable = -0.5 * deviation**2 - math.log(CABLE_SPREAD * math.sqrt(2 * math.pi))
-    seen = (1.0 - HIDDEN_SHARE) * math.exp(min(cable - empty, 50.0))
-    return min(math.log(seen + HIDDEN_SHARE), LARGEST_ODDS)
+    return math.log((1.0 - HIDDEN_SHARE) * math.exp(min(cable - empty, 50.0)) + HIDDEN_SHARE)
 
 
 @compiled_inside
 def thin_factor(width: float, thin_width: float) -> float:
     """Return what the evidence for a strip of some width counts: any bottom has thin lines."""
-    return min(max(width / thin_width, THINNEST_FACTOR), 1.0)
+    return min(max(math.sqrt(max(width, 0.0) / thin_width), THINNEST_FACTOR), 1.0)
 
 
 @compiled

@@ -40,7 +40,7 @@ from cable_tracker.cable.measure.likelihood_ratio import (
 )
 from cable_tracker.cable.model.geometry import unwrap_state
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
-from cable_tracker.compilation import compiled_part
+from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import normalise_log_weights
 
 
@@ -156,9 +156,11 @@ def _in_chart(poses: FloatArray, reference_angle: float) -> FloatArray:
     states, state = np.zeros(STATE_SIZE), np.empty(STATE_SIZE)
     centres = np.empty((len(poses), POSE_SIZE))
     for row in range(len(poses)):
-        states[:POSE_SIZE] = poses[row]
+        for column in range(POSE_SIZE):
+            states[column] = poses[row, column]
         unwrap_state(states, reference_angle, state)
-        centres[row] = state[:POSE_SIZE]
+        for column in range(POSE_SIZE):
+            centres[row, column] = state[column]
     return centres
 
 
@@ -217,17 +219,21 @@ def _peaks_of(
         config.widenings[number],
         config.smallest_sigmas,
     )
-    total, left = masses.sum(), count
+    total, left = 0.0, count
+    for index in range(len(masses)):
+        total += masses[index]
     for index in range(len(masses)):
         peaks.counts[used + index] = int(count * (masses[index] / total))
-        peaks.locations[used + index] = locations[index]
-        peaks.factors[used + index] = factors[index]
+        for column in range(POSE_SIZE):
+            peaks.locations[used + index, column] = locations[index, column]
+            for term in range(POSE_SIZE):
+                peaks.factors[used + index, column, term] = factors[index, column, term]
         left -= peaks.counts[used + index]
     peaks.counts[used] += left
     return used + len(masses)
 
 
-@compiled_part
+@compiled_loop
 def _draw_about(
     states: FloatArray, start: int, inputs: ProposalInputs, peaks: Peaks, first: int, last: int
 ) -> None:
@@ -250,7 +256,8 @@ def _complete(
     """Draw the rates of states whose poses were proposed, and measure them."""
     states = sample.states
     for row in range(start, stop):
-        states[row, POSE_SIZE:] = 0.0
+        for column in range(POSE_SIZE, STATE_SIZE):
+            states[row, column] = 0.0
         unwrap_state(states[row], inputs.reference_angle, states[row])
     choose_rates(states, start, stop, inputs.prior, sample.densities, inputs.noise)
     _measure(sample, inputs, config, start, stop)
@@ -275,7 +282,7 @@ def _measure(
     )
 
 
-@compiled_part
+@compiled_loop
 def _mix(
     sample: Sample,
     counts: SampleCounts,

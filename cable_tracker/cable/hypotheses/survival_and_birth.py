@@ -19,7 +19,7 @@ from cable_tracker.cable.model.geometry import reach_at, turn_sign, wrap_states,
 from cable_tracker.cable.model.initialisation import SearchBox
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.compilation import compiled, compiled_inside, compiled_part
+from cable_tracker.compilation import compiled, compiled_inside, compiled_loop
 from cable_tracker.tracking.survival import SurvivalRates, share_about_last_place
 
 SPREAD = np.array([4.0, math.radians(2.0), 3.0, math.radians(1.0)])
@@ -207,14 +207,15 @@ def place_births(
                 )
 
 
-@compiled_part
+@compiled_loop
 def _place_near(state: FloatArray, noise: FloatArray, births: BirthDensity) -> None:
     angle = births.pose[1] + noise[1] * births.scales[1]
     state[0] = _middle_at(angle, births) + noise[0] * births.scales[0]
     state[1] = angle
     state[2] = births.pose[2] + noise[2] * births.scales[2]
     state[3] = births.pose[3] + noise[3] * births.scales[3]
-    state[4:] = 0.0
+    for column in range(POSE_SIZE, STATE_SIZE):
+        state[column] = 0.0
 
 
 @compiled_inside

@@ -60,27 +60,48 @@ class ResponseCounts:
         """Number of points elsewhere."""
         return round(float(self._background.edges.sum()))
 
-    def add(self, image: WorkingImage, state: CableState) -> None:
+    def add(
+        self, image: WorkingImage, state: CableState, is_bright: bool | None = None
+    ) -> bool | None:
         """Count one labelled frame; one whose cable lies outside the image does not count.
 
-        The polarity of the cable in the frame is that which most of its border speaks for. Each
-        border counts in the class of its strength.
+        Each border counts in the class of its strength.
+
+        Parameters
+        ----------
+        image : WorkingImage
+            The frame.
+        state : CableState
+            Where the cable runs in it.
+        is_bright : bool or None
+            Polarity of the cable; None: that which most of its border speaks for.
+
+        Returns
+        -------
+        bool or None
+            The polarity; None if the frame does not count.
         """
         true = state.to_array()[None, :]
         crossed = measure_points(true, image)
         points = crossed.measures
         if not len(points.responses):
-            return
-        is_bright = float(points.responses.sum() + points.contrasts.sum()) >= 0.0
+            return None
+        if is_bright is None:
+            is_bright = float(points.responses.sum() + points.contrasts.sum()) >= 0.0
         points = points if is_bright else points.negative()
         for border in range(2):
             own = _chosen(points, crossed.borders == border)
             strength = strength_class(border_strength(own.responses))
             if strength >= 0:
                 self._borders[strength].add(own)
-        self._count_elsewhere(self._random_cables(image), image)
+        self.add_background(image)
         self._count_shifted(true[0], image, is_bright)
         self.frames += 1
+        return is_bright
+
+    def add_background(self, image: WorkingImage) -> None:
+        """Count what random cables in a frame meet; rarely a true one, if there is any."""
+        self._count_elsewhere(self._random_cables(image), image)
 
     def table(self, source: str) -> ResponseTable:
         """Return the tables learnt so far.

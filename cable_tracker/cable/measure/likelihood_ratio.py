@@ -158,7 +158,7 @@ def measure_into(
 ) -> None:
     """Fill in the evidence on the states from `start` to `stop`."""
     log_ratios, weaker, visible = evidence
-    sums = np.empty((2, 2 * CLASSES), np.float32)
+    sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
     for cable in range(start, stop):
         state = states[cable]
         depths = contrast_depths(state, scan)
@@ -185,19 +185,21 @@ def measure_into(
             longest = max(longest, length)
         for polarity in range(2):
             log_ratios[cable, polarity], weakest = _over_strengths(
-                sums, polarity * CLASSES, model.tempering
+                sums, polarity * CLASSES, model.tempering, shares
             )
             weaker[cable, polarity] = weakest / (model.tempering * longest)
 
 
 @compiled_inside
-def _over_strengths(sums: Image, first: int, tempering: float) -> tuple[float, float]:
+def _over_strengths(
+    sums: Image, first: int, tempering: float, shares: FloatArray
+) -> tuple[float, float]:
     """Return the log-likelihood ratio of a cable, and that of its weaker border alone.
 
     `sums`, shape (2, 8), are those of the ratios along each border, by polarity and class, not
-    tempered; the classes of the polarity begin at `first`.
+    tempered; the classes of the polarity begin at `first`. `shares` (2, 4) is room for those of the
+    classes.
     """
-    shares = np.empty((2, CLASSES))
     total, weakest = 0.0, np.inf
     for border in range(2):
         peak = sums[border, first]
@@ -222,7 +224,8 @@ def _sum_border(lines: ScanLines, crossing: BorderLine, model: RatioModel, sums:
     """Fill in the summed ratios (8,) of a border, and return its length in view."""
     last = float(lines.smooth.shape[1] - 1)
     middle = last / 2
-    sums[:] = np.float32(0.0)
+    for index in range(2 * CLASSES):
+        sums[index] = np.float32(0.0)
     count = 0
     for number in range(len(lines.places)):
         line = np.uint64(number)

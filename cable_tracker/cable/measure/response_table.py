@@ -64,7 +64,7 @@ CONTRAST_SHAPE = (RESPONSE_BINS // COARSE, CONTRAST_BINS)
 RATIO_LIMIT = 6.0
 """No entry of a table is beyond this, of either sign."""
 
-LARGEST_RATIO = np.float32(2.3)
+LARGEST_RATIO = np.float32(2.4)
 """No single point may say more than this for a border, both tables together."""
 
 STRAY_SHARE = 0.1
@@ -178,10 +178,24 @@ class ResponseTable:
     @property
     def absent(self) -> FloatArray:
         """Log-likelihood ratios of a point that shows nothing at all, by class, shape (4,)."""
-        nothing = np.zeros(1, np.float32)
-        ratios = self.look_up(PointMeasures(nothing, nothing, nothing))
+        # In Python: a tracker needs no machine code for many points then.
+        nothing = np.float32(0.0)
+        row, column, cell = response_bin(nothing), slope_bin(nothing), contrast_bin(nothing)
+        edges, contrasts = self.edges_of_both[row, column], self.contrasts_of_both[row // COARSE]
+        ratios = np.minimum(edges + contrasts[cell], LARGEST_RATIO)
         means: FloatArray = ratios.reshape(2, CLASSES).mean(axis=0).astype(np.float64)
         return means
+
+    @property
+    def limited_contrasts(self) -> Image:
+        """The table of contrasts so that no point says more than `LARGEST_RATIO` with any slope.
+
+        What is too much is taken off the same for all slopes: how exactly an edge lies here still
+        counts where it is strong.
+        """
+        most = self.edges.max(axis=2).reshape(CLASSES, -1, COARSE).max(axis=2)
+        limited: Image = np.minimum(self.contrasts, LARGEST_RATIO - most[..., None])
+        return limited
 
     @property
     def edges_of_both(self) -> Image:
@@ -192,7 +206,8 @@ class ResponseTable:
     @property
     def contrasts_of_both(self) -> Image:
         """The tables of contrasts for bright and for dark cables, shape (24, 25, 8)."""
-        both = np.concatenate((self.contrasts, self.contrasts[:, ::-1, ::-1]))
+        own = self.limited_contrasts
+        both = np.concatenate((own, own[:, ::-1, ::-1]))
         return np.ascontiguousarray(np.moveaxis(both, 0, -1))
 
     def look_up(self, points: PointMeasures) -> Image:

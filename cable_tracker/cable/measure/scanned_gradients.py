@@ -22,7 +22,13 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
-from cable_tracker.compilation import compiled, compiled_fast_part, compiled_part
+from cable_tracker.compilation import (
+    compiled,
+    compiled_fast_loop,
+    compiled_fast_part,
+    compiled_loop,
+    compiled_part,
+)
 
 GAUSSIAN_MAD = 1.4826
 """Standard deviation of a Gaussian over its median absolute deviation."""
@@ -238,7 +244,7 @@ def _scan(
     return gradients, levels
 
 
-@compiled_fast_part
+@compiled_fast_loop
 def _fold_across(
     pixels: Image, row: int, gaussian: Image, derivative: Image, smooth: Image, slope: Image
 ) -> None:
@@ -258,7 +264,7 @@ def _fold_across(
             slope[x] += change * (second - first)
 
 
-@compiled_fast_part
+@compiled_fast_loop
 def _sum_across(pixels: Image, row: int, kernel: Image, sums: Image) -> None:
     height, width = pixels.shape
     radius = len(kernel) // 2
@@ -272,7 +278,7 @@ def _sum_across(pixels: Image, row: int, kernel: Image, sums: Image) -> None:
             sums[x] += weight * (np.float32(before[x]) + np.float32(after[x]))
 
 
-@compiled_part
+@compiled_loop
 def mirrored(index: int, length: int) -> int:
     """Fold an index beyond either end back inside, the end itself not repeated."""
     period = max(2 * (length - 1), 1)
@@ -280,14 +286,14 @@ def mirrored(index: int, length: int) -> int:
     return folded if folded < length else period - folded
 
 
-@compiled_part
+@compiled_loop
 def _mirror_ends(padded: Image, margin: int, width: int) -> None:
     for step in range(1, margin + 1):
         padded[margin - step] = padded[margin + mirrored(-step, width)]
         padded[margin + width - 1 + step] = padded[margin + mirrored(width - 1 + step, width)]
 
 
-@compiled_fast_part
+@compiled_fast_loop
 def _symmetric_along(padded: Image, margin: int, kernel: Image, answers: Image) -> None:
     radius = len(kernel) // 2
     width = len(answers)
@@ -301,7 +307,7 @@ def _symmetric_along(padded: Image, margin: int, kernel: Image, answers: Image) 
             answers[x] += weight * (after[x] + before[x])
 
 
-@compiled_fast_part
+@compiled_fast_loop
 def _antisymmetric_along(padded: Image, margin: int, kernel: Image, answers: Image) -> None:
     radius = len(kernel) // 2
     width = len(answers)
@@ -332,7 +338,7 @@ def _scale_contrast(rows: Image, columns: Image, lag: int) -> float:
     return scale
 
 
-@compiled_part
+@compiled_loop
 def _multiply(values: Image, factor: np.float32) -> None:
     for index in range(len(values)):
         values[index] *= factor
@@ -365,7 +371,7 @@ def _at_rank(values: Image, rank: int) -> np.float32:
     return value
 
 
-@compiled_fast_part
+@compiled_fast_loop
 def _count_below(values: Image, limit: np.float32) -> np.float32:
     count = np.float32(0.0)
     for index in range(len(values)):
@@ -373,7 +379,7 @@ def _count_below(values: Image, limit: np.float32) -> np.float32:
     return count
 
 
-@compiled_part
+@compiled_loop
 def _below(values: Image, limit: np.float32) -> tuple[int, np.float32]:
     """Return how many numbers are below a limit, and the largest of them."""
     count, largest = 0, np.float32(0.0)
@@ -409,7 +415,7 @@ def _differences(rows: Image, columns: Image, lag: int) -> Image:
     return samples[:count]
 
 
-@compiled_part
+@compiled_loop
 def _samples(lines: Image, lag: int) -> int:
     places = max(lines.shape[1] - lag, 0)
     return int(lines.shape[0] * (-(-places // SCALE_STEP)))

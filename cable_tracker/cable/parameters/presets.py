@@ -11,6 +11,16 @@ from cable_tracker.tracking.parameter_table import preset_of
 PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
     {
         "default": TrackerParameters(),
+        # Pipes as inspections by ROV show them: wide, mostly up the picture, wider below. A shadow
+        # beside one is often narrower than any pipe.
+        "pipeline": TrackerParameters(
+            width_minimum=24.0,
+            width_maximum=260.0,
+            initial_angle_range=60.0,
+            initial_width_minimum=32.0,
+            initial_width_maximum=230.0,
+            initial_skew_minimum=-5.0,
+        ),
         # Wirth's thesis: Tables 5.1 and 5.2, multinomial resampling, undamped rates, a point every
         # 20 px. Only its responses are read from scan lines, which costs less.
         "thesis": TrackerParameters(

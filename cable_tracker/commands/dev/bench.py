@@ -24,8 +24,8 @@ from cable_tracker.benchmark.report import (
     write_page,
 )
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances, is_benchmark, to_json
-from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
-from cable_tracker.cable.parameters.presets import PRESETS, preset
+from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES, TIMED_PRESETS
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.terminal import advance, console, progress_bar
@@ -133,7 +133,7 @@ def measure_nodes(plan: Plan, frames: int) -> tuple[NodeTiming, ...]:
             frames,
         )
         for size, particles in NODE_TRIALS
-        for name in PRESETS
+        for name in TIMED_PRESETS
     ]
     timings = []
     for trial in trials:

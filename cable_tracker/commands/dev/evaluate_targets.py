@@ -6,17 +6,26 @@ from datetime import date
 from pathlib import Path
 from typing import Annotated
 
+import cv2
 import typer
 
+from cable_tracker.campaigns.crew import move_store, run_all, stored_beside
 from cable_tracker.commands.evaluate import (
     FirstSeedOption,
     SeedsOption,
     WorkersOption,
+    chosen_cluster,
     seeds_from,
-    worker_count,
 )
 from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.options import ForceOption
+from cable_tracker.commands.options import (
+    MEMORY,
+    DashboardOption,
+    ForceOption,
+    MemoryOption,
+    ResumeOption,
+    SchedulerOption,
+)
 from cable_tracker.commands.terminal import advance, console, messages, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.folder import output_folder
@@ -27,7 +36,6 @@ from cable_tracker.evaluation.targets.comparison import (
     write_figures,
 )
 from cable_tracker.evaluation.targets.peers import MISSING_PEERS, PEERS
-from cable_tracker.evaluation.workers import run_tasks
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 
 FIGURES_CSV = "figures.csv"
@@ -52,6 +60,10 @@ def evaluate_targets(  # noqa: PLR0917
     seeds: SeedsOption = 5,
     force: ForceOption = False,
     workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = MEMORY,
+    dashboard: DashboardOption = False,
+    resume: ResumeOption = False,
 ) -> None:
     """Compare target filters with the trackers of OpenCV.
 
@@ -65,25 +77,42 @@ def evaluate_targets(  # noqa: PLR0917
     ]:
         if name not in known:
             raise ParameterError(f"{name!r} is none of {' | '.join(known)}")
-    if MISSING_PEERS:
-        messages.print(f"note: this OpenCV has no {', '.join(MISSING_PEERS)}", soft_wrap=True)
+    missing = _words_on_missing()
+    if missing:
+        messages.print(missing, style="bold yellow", soft_wrap=True)
     tasks = [
         ScenarioTask(name, seed, methods, FRAMES)
         for seed in seeds_from(seeds, first_seed)
         for name in scenarios
     ]
-    with output_folder(output, TABLE_MARKDOWN, overwrite=force) as folder:
+    cluster = chosen_cluster(workers, scheduler, memory, dashboard)
+    with (
+        output_folder(output, TABLE_MARKDOWN, overwrite=force or resume) as folder,
+        stored_beside(output, cluster, resume=resume) as crew,
+    ):
         with progress_bar("targets", len(tasks) * FRAMES) as progress:
-            parts = run_tasks(
+            parts = run_all(
                 tasks,
-                workers=worker_count(workers),
+                workers=crew,
                 advance=lambda count: advance(progress, count),
             )
+        move_store(crew, folder)
         results = [each for part in parts for each in part]
-        note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
+        note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}. {missing}".rstrip()
         table = markdown_table(results, methods, note)
         write_figures(folder / FIGURES_CSV, results)
         (folder / TABLE_MARKDOWN).write_text(table, encoding="utf-8")
     console.print(table)
     for file_name in (FIGURES_CSV, TABLE_MARKDOWN):
         console.print(f"  {output / file_name}", soft_wrap=True)
+
+
+def _words_on_missing() -> str:
+    """Say which peers this OpenCV has not, and how to have them; empty where it has all."""
+    if not MISSING_PEERS:
+        return ""
+    return (
+        f"NOT COMPARED WITH {' AND '.join(MISSING_PEERS)}: OpenCV {cv2.__version__} has none."
+        " Install 'opencv-contrib-python-headless<5' in place of opencv-python-headless, in a"
+        " virtual environment of its own."
+    )

@@ -10,15 +10,23 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from cable_tracker.campaigns.crew import move_store, stored_beside
 from cable_tracker.commands.evaluate import (
     FirstSeedOption,
     SeedsOption,
     WorkersOption,
+    chosen_cluster,
     seeds_from,
-    worker_count,
 )
 from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.options import ForceOption
+from cable_tracker.commands.options import (
+    MEMORY,
+    DashboardOption,
+    ForceOption,
+    MemoryOption,
+    ResumeOption,
+    SchedulerOption,
+)
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
@@ -29,6 +37,7 @@ from cable_tracker.evaluation.experiments.experiment_result import (
     ResultTable,
     write_experiment,
 )
+from cable_tracker.evaluation.experiments.roc_experiment import RocExperiment
 from cable_tracker.evaluation.experiments.thesis_experiments import EXPERIMENTS, Experiment
 from cable_tracker.evaluation.folder import output_folder
 
@@ -47,8 +56,15 @@ def experiment(  # noqa: PLR0917
             "  [default: all]"
         ),
     ] = None,
+    frames: Annotated[
+        int | None, typer.Option(help="Of roc: only so many frames of each dive.", min=1)
+    ] = None,
     force: ForceOption = False,
     workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = MEMORY,
+    dashboard: DashboardOption = False,
+    resume: ResumeOption = False,
 ) -> None:
     """Run an experiment and write its tables and figures.
 
@@ -61,11 +77,17 @@ def experiment(  # noqa: PLR0917
     if name not in EXPERIMENTS:
         raise ParameterError(f"experiment: {name!r} is none of {' | '.join(EXPERIMENTS)}")
     chosen = _with_rows(EXPERIMENTS[name](seeds_from(seeds, first_seed)), row)
+    chosen = _with_frames(chosen, frames)
     path = output if output is not None else Path(f"experiment_{name}")
     note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}."
-    with output_folder(path, TABLE_MARKDOWN, overwrite=force) as folder:
+    cluster = chosen_cluster(workers, scheduler, memory, dashboard)
+    with (
+        output_folder(path, TABLE_MARKDOWN, overwrite=force or resume) as folder,
+        stored_beside(path, cluster, resume=resume) as crew,
+    ):
         with progress_bar(name, chosen.frame_count()) as progress:
-            result = chosen.run(worker_count(workers), lambda count: advance(progress, count))
+            result = chosen.run(crew, lambda count: advance(progress, count))
+        move_store(crew, folder)
         write_experiment(folder, result, note)
     _print(result)
     for file_name in result.file_names():
@@ -78,6 +100,14 @@ def _with_rows(chosen: Experiment, rows: list[str] | None) -> Experiment:
     if not isinstance(chosen, AblationExperiment):
         raise ParameterError("--row chooses what the experiment ablation runs; leave it out")
     return replace(chosen, rows=tuple(rows))
+
+
+def _with_frames(chosen: Experiment, frames: int | None) -> Experiment:
+    if frames is None:
+        return chosen
+    if not isinstance(chosen, RocExperiment):
+        raise ParameterError("--frames cuts the dives of the experiment roc; leave it out")
+    return replace(chosen, limit=frames)
 
 
 def _print(result: ExperimentResult) -> None:

@@ -10,6 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from cable_tracker.cable.parameters.parameters import ParameterValue
+from cable_tracker.campaigns.crew import Workers
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.experiments.ablation_rows import (
@@ -86,7 +87,7 @@ class AblationExperiment:
         """Return how many frames there are to go through."""
         return self._campaign().frame_count()
 
-    def run(self, workers: int, advance: Callable[[int], None]) -> ExperimentResult:
+    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it."""
         results = run_campaign(self._campaign(), workers=workers, advance=advance)
         tables = (self._table(table, results) for table in ABLATION_TABLES)

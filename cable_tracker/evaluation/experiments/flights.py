@@ -11,20 +11,18 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.altitude import Altimeter
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import MetricSettings
-from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
+from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.instruments import Instruments, InstrumentSettings
 from cable_tracker.metric.motion import TWIST
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import FIRST_STAMP, Dive
+from cable_tracker.simulation.flight import Flight, flight_at, twists_at
 from cable_tracker.simulation.scenario import SCENARIO_SIZE, scenario_dive
 from cable_tracker.simulation.scenarios import SCENARIO_RATE, find_scenario
 
 NANOSECONDS = 1_000_000_000
 ODOMETRY_RATE = 50.0
 """Twists per second."""
-
-DIFFERENCE_STEP = 2e-3
-"""Half the time over which velocities are taken [s]."""
 
 LOOK_AHEAD = 0.5
 """Distance for the offset ahead of the vehicle [m]."""
@@ -58,55 +56,6 @@ class InstrumentNoise:
     scale: float = 0.01
     altitude: float = 0.01
     attitude: float = math.radians(0.2)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Flight:
-    """A vehicle at N times; base_link is at the camera.
-
-    Attributes
-    ----------
-    times : FloatArray
-        Since the first frame, shape (N,) [s].
-    positions : FloatArray
-        In the world of the simulation, shape (N, 3) [m]; z is the altitude.
-    angles : FloatArray
-        Roll, pitch, yaw as REP 103 has them, yaw from the world's y, shape (N, 3) [rad].
-    """
-
-    times: FloatArray
-    positions: FloatArray
-    angles: FloatArray
-
-    def rotations(self) -> FloatArray:
-        """Return those from base_link to the world, shape (N, 3, 3)."""
-        quarter = np.array([0.0, 0.0, np.pi / 2])
-        return rotations_of(self.angles + quarter)
-
-
-def flight_at(dive: Dive, times: FloatArray) -> Flight:
-    """Return the vehicle of a dive at times (N,) [s]."""
-    vehicle = dive.camera.vehicle(dive.views(times).poses)
-    yaw, pitch, roll = vehicle.angles.T
-    # The simulation counts a raised nose as positive.
-    return Flight(times, vehicle.positions, np.column_stack((roll, -pitch, yaw)))
-
-
-def twists_at(dive: Dive, times: FloatArray) -> FloatArray:
-    """Return the exact twists in base_link at times (N,) [s], shape (N, 6) [m/s, rad/s]."""
-    before, after = (flight_at(dive, times + step) for step in (-DIFFERENCE_STEP, DIFFERENCE_STEP))
-    now = flight_at(dive, times).rotations()
-    velocity = (after.positions - before.positions) / (2 * DIFFERENCE_STEP)
-    change = np.einsum("nji,njk->nik", before.rotations(), after.rotations())
-    turn = np.stack(
-        (
-            change[:, 2, 1] - change[:, 1, 2],
-            change[:, 0, 2] - change[:, 2, 0],
-            change[:, 1, 0] - change[:, 0, 1],
-        ),
-        axis=1,
-    ) / (4 * DIFFERENCE_STEP)
-    return np.hstack((np.einsum("nji,nj->ni", now, velocity), turn))
 
 
 def cables_below(dive: Dive, flight: Flight) -> FloatArray:

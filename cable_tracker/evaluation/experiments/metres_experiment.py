@@ -13,6 +13,7 @@ from cable_tracker.cable.model.geometry import wrap_angle
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.campaigns.crew import Workers, run_all
 from cable_tracker.evaluation.experiments.aided import AidedFilter
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.experiments.flights import (
@@ -27,7 +28,6 @@ from cable_tracker.evaluation.metrics import state_errors
 from cable_tracker.evaluation.report import median_and_range
 from cable_tracker.evaluation.spread import spread_of
 from cable_tracker.evaluation.trace import LOST_ANGLE, LOST_DISTANCE
-from cable_tracker.evaluation.workers import run_tasks
 from cable_tracker.metric.cross_track import CrossTrack
 
 METRES_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
@@ -138,7 +138,7 @@ class MetresExperiment:
         frames = sum(sequence.frame_count() or 0 for sequence in self.sequences)
         return frames * len(self.seeds) * len(TABLES)
 
-    def run(self, workers: int, advance: Callable[[int], None]) -> ExperimentResult:
+    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it; the results do not depend on the number of workers."""
         dives = [
             _Dive(sequence, seed, self.noise, with_odometry)
@@ -146,7 +146,7 @@ class MetresExperiment:
             for seed in self.seeds
             for with_odometry in TABLES
         ]
-        errors = run_tasks(dives, workers=workers, advance=advance)
+        errors = run_all(dives, workers=workers, advance=advance)
         results = list(zip(dives, errors, strict=True))
         title = "The cable in metres: errors against the simulated vehicle"
         return ExperimentResult(title, tuple(self._table(each, results) for each in TABLES))

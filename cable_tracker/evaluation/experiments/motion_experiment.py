@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.campaigns.crew import Workers, run_all
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.judged_sequences import ScenarioSequence
@@ -15,7 +16,6 @@ from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
 from cable_tracker.evaluation.report import format_number, median_and_range
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start
-from cable_tracker.evaluation.workers import run_tasks
 
 MOTION_SEQUENCES = ("S1", "S2", "S6")
 METRICS = ("rmse_d", "rmse_alpha", "median_alpha", "wrong_claims", "silence")
@@ -131,14 +131,14 @@ class MotionExperiment:
         """Return how many frames there are to go through."""
         return sum(sequence.frame_count() or 0 for sequence in self.sequences) * len(self.seeds)
 
-    def run(self, workers: int, advance: Callable[[int], None]) -> ExperimentResult:
+    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it; the results do not depend on the number of workers."""
         dives = [
             _Dive(sequence, seed, self._settings_of(seed))
             for sequence in self.sequences
             for seed in self.seeds
         ]
-        results = run_tasks(dives, workers=workers, advance=advance)
+        results = run_all(dives, workers=workers, advance=advance)
         by_setting: dict[MotionSetting, list[RunResult]] = {each: [] for each in self.settings}
         for dive, runs in zip(dives, results, strict=True):
             for setting, run in zip(dive.settings, runs, strict=True):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from cable_tracker.arrays import BoolArray
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.campaigns.crew import Workers
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.experiments.experiment_result import (
@@ -67,12 +68,17 @@ THRESHOLDS = (
 )
 
 
-def available_worlds(split: Split) -> tuple[tuple[JudgedSequence, ...], tuple[str, ...]]:
-    """Return the worlds of a split that can be drawn here, and notes about the others."""
+def available_worlds(
+    split: Split, limit: int | None = None
+) -> tuple[tuple[JudgedSequence, ...], tuple[str, ...]]:
+    """Return the worlds of a split that can be drawn here, and notes about the others.
+
+    `limit`: use only so many frames of each.
+    """
     sequences: list[JudgedSequence] = []
     notes = []
     for world in worlds_of(split):
-        sequence = WorldSequence(world.name)
+        sequence = WorldSequence(world.name, limit)
         try:
             sequence.frame_count()
         except RecordingError as error:
@@ -92,15 +98,18 @@ class RocExperiment:
         Each makes another dive through each world.
     sequences : tuple of JudgedSequence or None
         What to follow; None: the worlds to report on.
+    limit : int or None
+        Use only so many frames of each of these.
     """
 
     seeds: tuple[int, ...]
     sequences: tuple[JudgedSequence, ...] | None = None
+    limit: int | None = None
 
     def _available(self) -> tuple[tuple[JudgedSequence, ...], tuple[str, ...]]:
         if self.sequences is not None:
             return self.sequences, ()
-        return available_worlds(Split.REPORT)
+        return available_worlds(Split.REPORT, self.limit)
 
     def _campaign(self) -> Campaign:
         filters = tuple(threshold.filter() for threshold in THRESHOLDS)
@@ -110,7 +119,7 @@ class RocExperiment:
         """Return how many frames there are to go through."""
         return self._campaign().frame_count()
 
-    def run(self, workers: int, advance: Callable[[int], None]) -> ExperimentResult:
+    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it."""
         results = run_campaign(self._campaign(), workers=workers, advance=advance)
         curves: dict[str, tuple[list[float], list[float]]] = {}

@@ -11,6 +11,7 @@ import numpy as np
 
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.campaigns.crew import Workers
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.judged_sequences import StripSequence
@@ -62,7 +63,7 @@ class StripsExperiment:
         """Return how many frames there are to go through."""
         return self._campaign().frame_count()
 
-    def run(self, workers: int, advance: Callable[[int], None]) -> ExperimentResult:
+    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it."""
         results = run_campaign(self._campaign(), workers=workers, advance=advance)
         rows = []

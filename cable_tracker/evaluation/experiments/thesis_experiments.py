@@ -12,6 +12,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.campaigns.crew import Workers
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.experiment_result import (
@@ -69,7 +70,7 @@ class Experiment(Protocol):
         """Return how many frames there are to go through; None if that is not known."""
         ...
 
-    def run(self, workers: int, advance: Advance) -> ExperimentResult:
+    def run(self, workers: Workers, advance: Advance) -> ExperimentResult:
         """Run it; `advance` is told now and then how many more frames are done."""
         ...
 
@@ -99,7 +100,7 @@ class SequenceExperiment:
         """Return how many frames there are to go through."""
         return self._campaign().frame_count()
 
-    def run(self, workers: int, advance: Advance) -> ExperimentResult:
+    def run(self, workers: Workers, advance: Advance) -> ExperimentResult:
         """Run it."""
         results = run_campaign(self._campaign(), workers=workers, advance=advance)
         names = (
@@ -148,7 +149,7 @@ class ReinitialisationExperiment:
         """Return how many frames there are to go through."""
         return self._campaign().frame_count()
 
-    def run(self, workers: int, advance: Advance) -> ExperimentResult:
+    def run(self, workers: Workers, advance: Advance) -> ExperimentResult:
         """Run it."""
         results = run_campaign(self._campaign(), workers=workers, advance=advance)
         curves = {
@@ -276,7 +277,7 @@ class SpeedExperiment:
         count = self.sequence.frame_count()
         return None if count is None else count * len(self.seeds)
 
-    def run(self, workers: int, advance: Advance) -> ExperimentResult:
+    def run(self, workers: Workers, advance: Advance) -> ExperimentResult:
         """Run it, in one process whatever `workers` says: neighbours would disturb the times."""
         del workers
         settings = [_SpeedSetting(n, taps) for taps in self.taps for n in self.particles]

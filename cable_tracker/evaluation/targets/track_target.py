@@ -4,25 +4,49 @@ from __future__ import annotations
 
 import csv
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import TracebackType
+from typing import Self
 
 import cv2
 
 from cable_tracker.arrays import Image
-from cable_tracker.errors import FrameError, OutputError, ParameterError, RecordingError
+from cable_tracker.errors import FrameError, OutputError, RecordingError
 from cable_tracker.evaluation.folder import output_folder
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.sequences import output_topics
+from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessages
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import REFUSED, format_stamp
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.jpeg import encode_jpeg
+from cable_tracker.sequences.messages import (
+    Message,
+    make_compressed_image,
+    make_header,
+    make_report,
+)
+from cable_tracker.sequences.output_topics import OutputTopic
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source
+from cable_tracker.sequences.target_messages import (
+    box_corners,
+    is_claimed,
+    make_polygon,
+    make_target,
+    make_target_markers,
+    make_target_particles,
+    make_target_state,
+    target_report_values,
+)
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.model.start_text import DETECT, parse_box
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.tracker import TargetTracker
-from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.target_overlay import draw_target
 from cable_tracker.visualisation.video import VideoWriter
@@ -36,11 +60,14 @@ HEADER = (
     "box_x0", "box_y0", "box_x1", "box_y1", "area", "presence", "n_eff", "ms",
 )  # fmt: skip
 
-DETECT = "detect"
-"""Word for a start where a detector proposes."""
+CLAIM_SIZE = 13
+"""Columns of the table from `x` to `area`."""
 
 SMALLEST_PICTURE = 480
 """Narrower frames are enlarged to this width in the pictures [px]."""
+
+
+BAG = "bag"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,36 +80,48 @@ class TargetRow:
         Number, and time [ns].
     status : str
         TRACKING, LOST, INITIALISING, or REFUSED for a frame that could not be used.
-    estimate : TargetEstimate or None
+    claim : tuple of float or None
+        What is claimed: the columns `x` to `area` of the table; None without a claim.
+    presence, n_eff : float or None
         None for a refused frame.
     ms : float or None
         Time the tracker took [ms].
+    event : str
+        What happened that a person should know.
     """
 
     frame: int
     stamp: int
     status: str
-    estimate: TargetEstimate | None
-    ms: float | None
+    claim: tuple[float, ...] | None = None
+    presence: float | None = None
+    n_eff: float | None = None
+    ms: float | None = None
+    event: str = ""
 
     def cells(self) -> list[str]:
         """Return the fields of the table; those of the state are empty without a claim."""
         cells = [str(self.frame), format_stamp(self.stamp), self.status]
-        estimate = self.estimate
-        if estimate is None:
-            return cells + [""] * (len(HEADER) - len(cells))
-        if self.status == TrackingStatus.TRACKING.value and estimate.box is not None:
-            state, sigma = estimate.state, estimate.standard_deviations()
-            numbers = [
-                state[PoseColumn.X], state[PoseColumn.Y], estimate.scale, state[PoseColumn.ANGLE],
-                state[PoseColumn.X_RATE], state[PoseColumn.Y_RATE], sigma[0], sigma[1],
-                *estimate.box, estimate.area,
-            ]  # fmt: skip
-            cells += [repr(float(number)) for number in numbers]
-        else:
-            cells += [""] * 13
-        cells += [repr(float(estimate.presence)), repr(float(estimate.effective_sample_size))]
+        cells += [""] * CLAIM_SIZE if self.claim is None else [repr(x) for x in self.claim]
+        cells += ["" if x is None else repr(x) for x in (self.presence, self.n_eff)]
         return [*cells, "" if self.ms is None else f"{self.ms:.3f}"]
+
+
+def row_of(frame: Frame, estimate: TargetEstimate, ms: float | None) -> TargetRow:
+    """Return the row of the table for a frame that was used."""
+    claim = None
+    if is_claimed(estimate) and estimate.box is not None:
+        state, sigma = estimate.state, estimate.standard_deviations()
+        numbers = [
+            state[PoseColumn.X], state[PoseColumn.Y], estimate.scale, state[PoseColumn.ANGLE],
+            state[PoseColumn.X_RATE], state[PoseColumn.Y_RATE], sigma[0], sigma[1],
+            *estimate.box, estimate.area,
+        ]  # fmt: skip
+        claim = tuple(float(number) for number in numbers)
+    return TargetRow(
+        frame.index, frame.stamp, estimate.status.value, claim, float(estimate.presence),
+        float(estimate.effective_sample_size), ms, estimate.event,
+    )  # fmt: skip
 
 
 def parse_start(init: str) -> TargetStart | None:
@@ -91,33 +130,17 @@ def parse_start(init: str) -> TargetStart | None:
     Raises
     ------
     ParameterError
-        They say neither.
-    FrameError
-        The box has no area, or is not finite.
+        They say neither, or the box has no area.
     """
     if init == DETECT:
         return None
-    try:
-        numbers = [float(word) for word in init.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) != 4:
-        raise ParameterError(
-            f"init: {init!r} is neither {DETECT} nor a box x0,y0,x1,y1 in px from the top left"
-        )
-    return TargetStart.from_box(*numbers)
+    return parse_box(init)
 
 
 def track_target(
-    source: Source,
-    tracker: TargetTracker,
-    folder: Path,
-    *,
-    overwrite: bool,
-    timing: bool,
-    advance: Callable[[], None],
-) -> tuple[list[TargetRow], RecordingError | None]:
-    """Follow the target, and write the results into a folder.
+    source: Source, tracker: TargetTracker, results: TargetFolder, advance: Callable[[], None]
+) -> RecordingError | None:
+    """Follow the target through a recording, and collect the results.
 
     Parameters
     ----------
@@ -125,79 +148,199 @@ def track_target(
         The recording.
     tracker : TargetTracker
         Ready to begin.
-    folder : Path
-        Where the results appear.
-    overwrite : bool
-        Replace those of an earlier run.
-    timing : bool
-        Fill the column `ms`; without it, equal runs write equal tables.
+    results : TargetFolder
+        Where the results go.
     advance : callable
         Called after every frame.
 
     Returns
     -------
-    rows : list of TargetRow
-        One for every frame.
-    damage : RecordingError or None
+    RecordingError or None
         Why the recording ended early.
-
-    Raises
-    ------
-    OutputError
-        The folder cannot be written.
-    RecordingError
-        No frame can be used.
     """
-    rows: list[TargetRow] = []
-    damage: list[RecordingError] = []
-    with output_folder(folder, ESTIMATES, overwrite=overwrite) as content, ExitStack() as stack:
-        video = stack.enter_context(VideoWriter(content / VIDEO))
-        sheet = ContactSheet()
-        for frame in _read(source, damage):
-            row, picture = _follow(frame, tracker, timing)
-            rows.append(row)
-            if picture is not None:
-                video.add(picture, frame.stamp)
-                sheet.add(picture if sheet.wants_next() else None, frame.index)
-            advance()
-        if all(row.status == REFUSED for row in rows):
-            raise damage[0] if damage else _nothing_usable(source, rows)
-        with (content / ESTIMATES).open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(HEADER)
-            writer.writerows(row.cells() for row in rows)
-        sheet.write(content / CONTACT_SHEET)
-        if not (content / CONTACT_SHEET).is_file():
-            raise OutputError(f"{folder / CONTACT_SHEET}: could not be written")
-    return rows, damage[0] if damage else None
-
-
-def _nothing_usable(source: Source, rows: list[TargetRow]) -> RecordingError:
-    reason = f"none of the {len(rows)} frames can be used" if rows else "holds no frames"
-    return RecordingError(f"{source.path}: {reason}; record it again")
-
-
-def _read(source: Source, damage: list[RecordingError]) -> Iterator[Frame]:
     try:
-        yield from source.frames()
+        for frame in source.frames():
+            _follow(frame, tracker, results)
+            advance()
     except RecordingError as error:
-        damage.append(error)
+        return error
+    return None
 
 
-def _follow(frame: Frame, tracker: TargetTracker, timing: bool) -> tuple[TargetRow, Image | None]:
+def _follow(frame: Frame, tracker: TargetTracker, results: TargetFolder) -> None:
+    messages = FrameMessages(results.bag, frame)
     try:
         image = decode_bgr(frame.image)
         begin = time.perf_counter()
         estimate = tracker.process(image, frame.stamp)
         ms = (time.perf_counter() - begin) * 1e3
-    except FrameError:
-        return TargetRow(frame.index, frame.stamp, REFUSED, None, None), None
+    except FrameError as error:
+        messages.write_refusal(str(error))
+        results.add(frame, TargetRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
+        return
     particles = tracker.particles
-    states = particles.states if particles is not None else None
-    picture = draw_target(image, estimate, states)
-    width = picture.shape[1]
-    if width < SMALLEST_PICTURE:
-        zoom = SMALLEST_PICTURE / width
-        picture = cv2.resize(picture, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_LINEAR)
-    status = estimate.status.value
-    return TargetRow(frame.index, frame.stamp, status, estimate, ms if timing else None), picture
+    picture = draw_target(image, estimate, particles.states if particles is not None else None)
+    messages.write_estimate(estimate, particles, picture, ms)
+    results.add(frame, row_of(frame, estimate, ms), picture)
+
+
+class FrameMessages:
+    """Writes the messages that the node would publish about one frame.
+
+    Parameters
+    ----------
+    bag : MessageSink
+        Takes them.
+    frame : Frame
+        The frame.
+    """
+
+    def __init__(self, bag: MessageSink, frame: Frame) -> None:
+        self._bag = bag
+        self._stamp = frame.stamp
+        self._factory = RosbagsMessages()
+        self._header = make_header(self._factory, frame.stamp, frame.frame_id)
+
+    def _write(self, topic: OutputTopic, message: Message) -> None:
+        self._bag.write(f"/{topic.name}", topic.type_name, message, self._stamp)
+
+    def write_refusal(self, reason: str) -> None:
+        """Write that there is no estimate."""
+        factory, header = self._factory, self._header
+        self._write(output_topics.STATE, make_target_state(factory, header, None))
+        report = make_report(factory, header, REFUSED, {"event": reason})
+        self._write(output_topics.TARGET_REPORT, report)
+
+    def write_estimate(
+        self, estimate: TargetEstimate, particles: Particles | None, picture: Image, ms: float
+    ) -> None:
+        """Write everything about a frame that was used; `picture` is what the overlay shows."""
+        factory, header = self._factory, self._header
+        self._write(output_topics.STATE, make_target_state(factory, header, estimate))
+        count = particles.count if particles is not None else 0
+        values = target_report_values(estimate, ms, count)
+        report = make_report(factory, header, estimate.status.value, values)
+        self._write(output_topics.TARGET_REPORT, report)
+        if is_claimed(estimate) and estimate.box is not None:
+            self._write(output_topics.TARGET, make_target(factory, header, estimate))
+            corners = box_corners(estimate.box)
+            self._write(output_topics.BOX, make_polygon(factory, header, corners))
+            if len(estimate.outline):
+                outline = make_polygon(factory, header, estimate.outline)
+                self._write(output_topics.CONTOUR, outline)
+        if particles is not None:
+            cloud = make_target_particles(factory, header, particles)
+            self._write(output_topics.PARTICLES, cloud)
+        markers = make_target_markers(factory, header, estimate, estimate.image_size)
+        self._write(output_topics.MARKERS, markers)
+        jpeg = make_compressed_image(factory, encode_jpeg(picture), header)
+        self._write(output_topics.TARGET_OVERLAY, jpeg)
+
+
+class TargetFolder:
+    """Collects the results of a run; to be used as a context manager.
+
+    The folder appears at its path when the context ends without an exception.
+
+    Parameters
+    ----------
+    path : Path
+        Where it is to appear.
+    overwrite : bool
+        Replace the results of an earlier run. Nothing else is ever replaced.
+    timing : bool
+        Fill the column `ms`; without it, equal runs write equal tables.
+    with_bag : bool
+        Write the messages of the node.
+
+    Attributes
+    ----------
+    rows : list of TargetRow
+        The table so far.
+    bag : MessageSink
+        Where to write messages.
+
+    Raises
+    ------
+    OutputError
+        The path is taken, or the disk does not let us write.
+    """
+
+    def __init__(self, path: Path, *, overwrite: bool, timing: bool, with_bag: bool) -> None:
+        self.path = path
+        self.rows: list[TargetRow] = []
+        self.bag: MessageSink = NoMessages()
+        self._overwrite = overwrite
+        self._timing = timing
+        self._with_bag = with_bag
+        self._sheet = ContactSheet()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of what it holds."""
+        return (ESTIMATES, VIDEO, CONTACT_SHEET, *((BAG,) if self._with_bag else ()))
+
+    def __enter__(self) -> Self:
+        with ExitStack() as stack:
+            self._content = stack.enter_context(
+                output_folder(self.path, ESTIMATES, overwrite=self._overwrite)
+            )
+            # What is entered last is closed first: the table is written when all else is there.
+            stack.push(self._write_table)
+            self._video = stack.enter_context(VideoWriter(self._content / VIDEO))
+            if self._with_bag:
+                self.bag = stack.enter_context(BagWriter(self._content / BAG))
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._stack.__exit__(kind, error, traceback)
+
+    def add(self, frame: Frame, row: TargetRow, picture: Image | None) -> None:
+        """Add one frame, with the picture that shows what was found; None for a refused frame."""
+        self.rows.append(row if self._timing else replace(row, ms=None))
+        if picture is None:
+            return
+        width = picture.shape[1]
+        if width < SMALLEST_PICTURE:
+            zoom = SMALLEST_PICTURE / width
+            picture = cv2.resize(picture, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_LINEAR)
+        self._video.add(picture, frame.stamp)
+        self._sheet.add(picture if self._sheet.wants_next() else None, frame.index)
+
+    def _write_table(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if error is not None:
+            return
+        with (self._content / ESTIMATES).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(HEADER)
+            writer.writerows(row.cells() for row in self.rows)
+        self._sheet.write(self._content / CONTACT_SHEET)
+        if not (self._content / CONTACT_SHEET).is_file():
+            raise OutputError(f"{self.path / CONTACT_SHEET}: could not be written")
+
+
+def need_usable_frames(
+    source: Source, rows: list[TargetRow], damage: RecordingError | None
+) -> None:
+    """See that there is anything to keep of a run.
+
+    Raises
+    ------
+    RecordingError
+        No frame could be used.
+    """
+    if any(row.status != REFUSED for row in rows):
+        return
+    reason = f"none of the {len(rows)} frames can be used" if rows else "holds no frames"
+    raise damage or RecordingError(f"{source.path}: {reason}; record it again")

@@ -16,6 +16,7 @@ from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder
 from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.messages import report_metres
 from cable_tracker.metric.recorded import RecordedMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences import output_topics
@@ -194,12 +195,12 @@ def _track_frame(
         return
     assert tracker.particles is not None
     cloud = cloud_of(tracker.particles)
-    if output is not None:
-        output.write_estimate(estimate, grey, cloud, ms)
     known = None
     if metres is not None:
         metres.observe(estimate)
         known = metres.measure(estimate)
+    if output is not None:
+        output.write_estimate(estimate, grey, cloud, ms, known)
     results.add(frame, row_of(frame, estimate, ms, known), cloud, estimate.hypotheses)
 
 
@@ -224,14 +225,20 @@ class _FrameOutput:
         self._write(output_topics.FRAME_REPORT, report)
 
     def write_estimate(
-        self, estimate: CableEstimate, grey: Image, cloud: FloatArray, ms: float
+        self,
+        estimate: CableEstimate,
+        grey: Image,
+        cloud: FloatArray,
+        ms: float,
+        known: CrossTrack | Withheld | None,
     ) -> None:
         """Write everything about a tracked frame."""
         factory, header = self._factory, self._header
         claimed = estimate.state if estimate.status is TrackingStatus.TRACKING else None
         sigma = estimate.standard_deviations()[:4]
         self._write(output_topics.STATE, make_state(factory, header, claimed, sigma))
-        report = make_report(factory, header, estimate.status.value, report_values(estimate, ms))
+        values = report_values(estimate, ms) | ({} if known is None else report_metres(known))
+        report = make_report(factory, header, estimate.status.value, values)
         self._write(output_topics.FRAME_REPORT, report)
         if claimed is not None:
             centreline = make_centreline(factory, header, claimed, estimate.covariance)

@@ -6,7 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -65,10 +65,16 @@ class Recorder(Node):  # type: ignore[misc]
     follows from its status.
     """
 
+    RECORDED: ClassVar[tuple[OutputTopic, ...]] = RECORDED
+    """All that are subscribed to."""
+
+    REPORT: ClassVar[OutputTopic] = output_topics.FRAME_REPORT
+    """Comes for every frame, and tells its status."""
+
     def __init__(self, context: Context, namespace: str) -> None:
         super().__init__("recorder", context=context, namespace=namespace)
-        self._queues: dict[OutputTopic, deque[bytes]] = {topic: deque() for topic in RECORDED}
-        for topic in RECORDED:
+        self._queues: dict[OutputTopic, deque[bytes]] = {topic: deque() for topic in self.RECORDED}
+        for topic in self.RECORDED:
             self.create_subscription(
                 message_class(topic.type_name),
                 topic.name,
@@ -125,21 +131,25 @@ class Recorder(Node):  # type: ignore[misc]
 
     def take(self) -> RecordedFrame | None:
         """Return the next frame if all messages about it have come."""
-        reports = self._queues[output_topics.FRAME_REPORT]
+        reports = self._queues[self.REPORT]
         if not reports:
             return None
-        report = deserialize_message(
-            reports[0], message_class(output_topics.FRAME_REPORT.type_name)
-        )
+        report = deserialize_message(reports[0], message_class(self.REPORT.type_name))
+        topics = self._topics_of(report)
+        if not all(self._queues[topic] for topic in topics):
+            return None
+        status = str(report.status[0].message)
+        return RecordedFrame({topic: self._queues[topic].popleft() for topic in topics}, status)
+
+    def _topics_of(self, report: Message) -> list[OutputTopic]:
+        """Return the topics that speak of a frame, by its report."""
         status = str(report.status[0].message)
         topics = list(output_topics.EVERY_FRAME)
         if status in USABLE_STATUSES:
             topics += output_topics.USABLE_FRAME
         if status == TrackingStatus.TRACKING.value:
             topics.append(output_topics.CENTRELINE)
-        if not all(self._queues[topic] for topic in topics):
-            return None
-        return RecordedFrame({topic: self._queues[topic].popleft() for topic in topics}, status)
+        return topics
 
     def take_diagnostics(self) -> list[bytes]:
         """Return the diagnostics that have come since the last call."""

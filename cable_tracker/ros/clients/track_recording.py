@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 from rclpy.executors import SingleThreadedExecutor
 
@@ -16,13 +17,16 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
 from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder
+from cable_tracker.metric.messages import METRES_KEYS, NO_METRES_KEY
+from cable_tracker.metric.recorded import RecordedVehicle
 from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import local_environment, use_local_environment
 from cable_tracker.sequences import output_topics
+from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.convert import write_truth
-from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.sequences.estimates import EstimateRow, RowMetres
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages import (
     Message,
@@ -34,6 +38,9 @@ from cable_tracker.sequences.source import Source
 from cable_tracker.tracking.parameter_files import write_node_parameters
 
 FRAME_TIMEOUT = 60.0
+LONGEST_WAIT = 30.0
+"""For the instruments of a frame [s]; they have been sent, so that it is not waited for in vain."""
+
 END_TIMEOUT = 10.0
 
 
@@ -49,11 +56,14 @@ class RecordingRequest:
         Parameters of the filter.
     initial_state : CableState or None
         Where to start; None for random.
+    vehicle : RecordedVehicle or None
+        With its instruments; None: everything stays in pixels.
     """
 
     source: dict[str, ParameterValue]
     parameters: TrackerParameters
     initial_state: CableState | None
+    vehicle: RecordedVehicle | None = None
 
 
 def track_recording_over_ros(
@@ -96,16 +106,20 @@ def track_recording_over_ros(
             client_node(lambda context: Recorder(context, namespace))
         )
         tracker = stack.enter_context(
-            _node("tracker", namespace, folder, _tracker_parameters(source, request), [])
+            start_node("tracker", namespace, folder, _tracker_parameters(source, request), [])
         )
-        run = _Run(executor, recorder, tracker, results)
+        run = _CableRun(executor, recorder, tracker, results)
         run.wait_for_tracker()
         run.replay = stack.enter_context(
-            _node(
+            start_node(
                 "replay",
                 namespace,
                 folder,
-                {**request.source, "lockstep": True},
+                {
+                    **request.source,
+                    "lockstep": True,
+                    "instruments": bool(request.vehicle and request.vehicle.has_instruments),
+                },
                 ["-r", f"state:={ACKNOWLEDGED}"],
             )
         )
@@ -124,16 +138,43 @@ def _tracker_parameters(source: Source, request: RecordingRequest) -> dict[str, 
         "diagnostics_period": 0.1,
         # The same estimates as without ROS, whatever the recording shows.
         "frozen_timeout": 0.0,
+        **_vehicle_parameters(request.vehicle),
     }
 
 
-def _node(
+def _vehicle_parameters(vehicle: RecordedVehicle | None) -> dict[str, ParameterValue]:
+    if vehicle is None or not vehicle.has_instruments:
+        return {}
+    return {
+        **cast(dict[str, ParameterValue], vehicle.vehicle.values),
+        "instrument_reliability": "reliable",
+        # A frame waits until all has come that the replay has sent before it.
+        "instrument_wait": LONGEST_WAIT,
+    }
+
+
+def start_node(
     name: str,
     namespace: str,
     folder: Path,
     parameters: dict[str, ParameterValue],
     arguments: list[str],
 ) -> NodeProcess:
+    """Start a node in a process of its own.
+
+    Parameters
+    ----------
+    name : str
+        Of its executable.
+    namespace : str
+        In which it lives.
+    folder : Path
+        For a file with its parameters.
+    parameters : dict
+        Those.
+    arguments : list of str
+        Further ones, after `--ros-args`.
+    """
     file = folder / f"{name}.yaml"
     write_node_parameters(file, parameters)
     return NodeProcess(
@@ -148,20 +189,30 @@ def _node(
     )  # fmt: skip
 
 
-class _Run:
-    """One recording on its way through the nodes."""
+class LockstepRun:
+    """One recording on its way through the nodes.
+
+    Parameters
+    ----------
+    executor : SingleThreadedExecutor
+        Runs the recorder.
+    recorder : Recorder
+        Hears what the tracker says.
+    tracker : NodeProcess
+        The tracker's process.
+
+    Attributes
+    ----------
+    replay : NodeProcess or None
+        The replay's process, once it is started.
+    """
 
     def __init__(
-        self,
-        executor: SingleThreadedExecutor,
-        recorder: Recorder,
-        tracker: NodeProcess,
-        results: ResultFolder,
+        self, executor: SingleThreadedExecutor, recorder: Recorder, tracker: NodeProcess
     ) -> None:
         self._executor = executor
         self._recorder = recorder
         self._tracker = tracker
-        self._results = results
         self.replay: NodeProcess | None = None
 
     def wait_for_tracker(self) -> None:
@@ -198,19 +249,15 @@ class _Run:
         self._recorder.acknowledge(state)
 
     def _write(self, frame: Frame, recorded: RecordedFrame) -> Message:
-        bag = self._results.bag
-        write_truth(bag, frame)
+        """Write what a frame gave, and return its state."""
+        raise NotImplementedError
+
+    def _write_messages(self, bag: MessageSink, frame: Frame, recorded: RecordedFrame) -> None:
         for topic, data in recorded.messages.items():
             bag.write_serialised(f"/{topic.name}", topic.type_name, data, frame.stamp)
         for data in self._recorder.take_diagnostics():
             topic = output_topics.DIAGNOSTICS
             bag.write_serialised(f"/{topic.name}", topic.type_name, data, frame.stamp)
-        state = recorded.read(output_topics.STATE)
-        cloud = None
-        if output_topics.PARTICLES in recorded.messages:
-            cloud = read_cloud(recorded.read(output_topics.PARTICLES))
-        self._results.add(frame, _row(frame, recorded, state), cloud)
-        return state
 
     def finish(self, damage: RecordingError | None) -> None:
         """Wait for the replay to end by itself, and see that it ended as expected."""
@@ -229,6 +276,28 @@ class _Run:
         # It may have sent its last frame and ended while we still wait for the answer.
         code = self.replay.wait(0.0)
         return "" if code == 0 else f"the replay node has died: {self.replay.last_line()}"
+
+
+class _CableRun(LockstepRun):
+    def __init__(
+        self,
+        executor: SingleThreadedExecutor,
+        recorder: Recorder,
+        tracker: NodeProcess,
+        results: ResultFolder,
+    ) -> None:
+        super().__init__(executor, recorder, tracker)
+        self._results = results
+
+    def _write(self, frame: Frame, recorded: RecordedFrame) -> Message:
+        write_truth(self._results.bag, frame)
+        self._write_messages(self._results.bag, frame, recorded)
+        state = recorded.read(output_topics.STATE)
+        cloud = None
+        if output_topics.PARTICLES in recorded.messages:
+            cloud = read_cloud(recorded.read(output_topics.PARTICLES))
+        self._results.add(frame, _row(frame, recorded, state), cloud)
+        return state
 
 
 def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
@@ -250,4 +319,12 @@ def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
         evidence=number("evidence"),
         hypotheses=len(values["hypotheses"].split()) if "hypotheses" in values else None,
         ms=number("ms"),
+        metres=_row_metres(values),
+        no_metres=values.get(NO_METRES_KEY, ""),
     )
+
+
+def _row_metres(values: Mapping[str, str]) -> RowMetres | None:
+    if METRES_KEYS[0] not in values:
+        return None
+    return RowMetres(*(float(values[key]) for key in METRES_KEYS))

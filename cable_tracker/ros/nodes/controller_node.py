@@ -24,9 +24,9 @@ from cable_tracker.example_controller.line_of_sight import (
     Command,
     GuidanceSettings,
 )
+from cable_tracker.metric.messages import yaw_of
 from cable_tracker.node_parameter_tables import CONTROLLER_PARAMETERS
 from cable_tracker.ros import node_parameters, qos
-from cable_tracker.ros.messages.vehicle_messages import yaw_of
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences.messages import Message, stamp_of
 from cable_tracker.sequences.stamps import NANOSECONDS

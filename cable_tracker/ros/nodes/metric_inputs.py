@@ -6,6 +6,7 @@ And odometry in, the vehicle's motion for the filter out.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import cast
 
@@ -13,7 +14,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from sensor_msgs.msg import CameraInfo, Imu, Range
+from sensor_msgs.msg import CameraInfo, Imu, JointState, Range
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -33,10 +34,13 @@ from cable_tracker.metric.settings import instrument_settings
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
 from cable_tracker.ros import qos
+from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.messages import Message, MessageFactory, make_header, stamp_of
 
 INSTRUMENTS = ("altitude", "imu", "odometry")
 """Those whose measurements have a time."""
+
+RELIABLE = "reliable"
 
 WARNING_PAUSE = 10.0
 """Odometry that is doubted again sooner is not warned of again [s]."""
@@ -68,6 +72,8 @@ class MetricInputs:
             PoseWithCovarianceStamped, "cross_track_ahead", qos.RESULTS
         )
         self._newest: dict[str, int] = {}
+        self._heard: Counter[str] = Counter()
+        self._sent: tuple[int, dict[str, float]] | None = None
 
     def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
         """Listen, `best_effort` or `reliable`; `on_news` is called after each message."""
@@ -79,6 +85,13 @@ class MetricInputs:
             (OdometryMessage, "odometry", self.on_odometry),
         ):
             self._node.create_subscription(kind, topic, _then(take, on_news), profile)
+        if reliability == RELIABLE:
+            self._node.create_subscription(
+                JointState,
+                output_topics.INSTRUMENTS_SENT,
+                _then(self.on_instruments_sent, on_news),
+                profile,
+            )
 
     @property
     def publishers(self) -> tuple[Publisher, ...]:
@@ -91,7 +104,13 @@ class MetricInputs:
         return self._number("instrument_wait")
 
     def has_all_of(self, stamp: int) -> bool:
-        """Tell whether every instrument has said something of a time [ns] or later."""
+        """Tell whether every instrument has said something of a time [ns] or later.
+
+        Where a replay says how much it has sent before the frame of that time, all of it must have
+        come.
+        """
+        if self._sent is not None and self._sent[0] == stamp:
+            return all(self._heard[name] >= count for name, count in self._sent[1].items())
         return self._info is not None and all(
             self._newest.get(name, -1) >= stamp for name in INSTRUMENTS
         )
@@ -115,10 +134,19 @@ class MetricInputs:
         self._values.update(own)
         self._instruments.configure(self._settings())
         if self._info is not None:
-            self.on_camera_info(self._info)
+            self._use_calibration(self._info)
+
+    def on_instruments_sent(self, message: Message) -> None:
+        """Take how much a replay has sent before a frame."""
+        counts = dict(zip(message.name, message.position, strict=False))
+        self._sent = stamp_of(message.header), counts
 
     def on_camera_info(self, message: Message) -> None:
         """Take a calibration."""
+        self._heard["camera_info"] += 1
+        self._use_calibration(message)
+
+    def _use_calibration(self, message: Message) -> None:
         is_rectified = bool(self._values["image_is_rectified"])
         self._instruments.take_calibration(read_camera_info(message, is_rectified=is_rectified))
         self._info = message
@@ -163,6 +191,7 @@ class MetricInputs:
         """Return the stamp of an instrument's message [ns], and remember it."""
         stamp = self._stamp_of(message)
         self._newest[name] = stamp
+        self._heard[name] += 1
         return stamp
 
     def _stamp_of(self, message: Message) -> int:

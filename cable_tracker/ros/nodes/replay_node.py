@@ -20,8 +20,10 @@ from cable_tracker.node_parameter_tables import (
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.warming_trackers import WarmingTrackers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.nodes.replay_instruments import InstrumentReplay
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.messages import (
     Message,
     make_compressed_image,
@@ -85,6 +87,7 @@ class ReplayNode(ProcessNode):
         self._connected = False
         self._started = self._waits_since = time.monotonic()
         self._create_publishers()
+        self._instruments = self._instrument_replay()
         self._warming = WarmingTrackers(self)
         self._begin()
 
@@ -115,6 +118,14 @@ class ReplayNode(ProcessNode):
         node_parameters.watch(self, specs, validate, self._values.update)
         node_parameters.warn_of_unknown_overrides(self)
 
+    def _instrument_replay(self) -> InstrumentReplay | None:
+        if not self._flag("instruments"):
+            return None
+        chosen = {each: self._text(f"{each.value}_topic") for each in Instrument}
+        choice = InstrumentChoice({each: topic for each, topic in chosen.items() if topic})
+        vehicle = Path(self._text("vehicle")) if self._text("vehicle") else None
+        return InstrumentReplay(self, self._factory, self._source, choice, vehicle)
+
     def _create_publishers(self) -> None:
         if self._source.compressed:
             self._image = self.create_publisher(CompressedImage, "image/compressed", qos.PICTURES)
@@ -132,6 +143,8 @@ class ReplayNode(ProcessNode):
         self.create_service(Trigger, "~/restart", self.on_restart)
 
     def _begin(self) -> None:
+        if self._instruments is not None:
+            self._instruments.begin()
         self._frames: Iterator[Frame] = self._source.frames()
         self._first_stamp: int | None = None
         # Kept: a change of the parameter takes effect at the next restart only.
@@ -242,6 +255,9 @@ class ReplayNode(ProcessNode):
         lockstep = self._flag("lockstep")
         is_heard = self._image.get_subscription_count() > 0
         answers = self.count_publishers(self._state.topic_name) > 0
+        # A tracker subscribes to instruments before it subscribes to images.
+        all_heard = self._instruments is None or self._instruments.is_heard()
+        answers = answers and all_heard
         is_ready = is_heard and (answers or not lockstep) and not self._warming.names()
         waits = lockstep or self._flag("wait_for_tracker")
         self._connected = is_ready or not waits
@@ -263,6 +279,8 @@ class ReplayNode(ProcessNode):
             message = make_image(self._factory, frame.image, header)
         else:
             message = make_compressed_image(self._factory, frame.image, header)
+        if self._instruments is not None:
+            self._instruments.send_until(frame)
         if self._flag("lockstep"):
             self._awaited = frame.stamp
             self._answer_deadline = time.monotonic() + self._answer_timeout
@@ -351,5 +369,7 @@ class ReplayNode(ProcessNode):
     def destroy_node(self) -> None:
         """Say what was sent, close the recording and destroy the node."""
         self.get_logger().info(self.report())
+        if self._instruments is not None:
+            self._instruments.close()
         self._source.__exit__(None, None, None)
         super().destroy_node()

@@ -4,32 +4,27 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any, cast
+from typing import Any, ClassVar, Protocol, cast
 
+import numpy as np
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
+from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, Range
 
+from cable_tracker.cable.parameters.parameters import ParameterSpec
 from cable_tracker.errors import RosError
 from cable_tracker.metric.messages import make_cross_track
 from cable_tracker.node_parameter_tables import SIMULATOR_PARAMETERS
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.ros.messages.vehicle_messages import (
-    BASE,
-    ODOM,
-    make_camera_info,
-    make_imu,
-    make_odometry,
-    make_range,
-    make_true_odometry,
-    unknown_covariance,
-)
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import RawImage
 from cable_tracker.sequences.messages import (
+    UNKNOWN_VARIANCE,
     Message,
     make_header,
     make_image,
@@ -37,22 +32,84 @@ from cable_tracker.sequences.messages import (
     make_time,
 )
 from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import FIRST_STAMP
-from cable_tracker.simulation.live_world import LiveSettings, LiveWorld, TrueCrossTrack
+from cable_tracker.simulation.instrument_messages import (
+    BASE,
+    CAMERA,
+    ODOM,
+    make_camera_info,
+    make_imu,
+    make_odometry,
+    make_range,
+    make_true_odometry,
+)
+from cable_tracker.simulation.instruments import InstrumentSet
+from cable_tracker.simulation.live_world import LiveSettings, LiveWorld
 from cable_tracker.simulation.vehicle import Motion, VelocityCommand
 
 TICKS = 2
 """Readings of odometry and imu for each frame."""
 
-CAMERA = "camera"
 FLUSH_TIMEOUT = Duration(seconds=5)
 
 
-class SimulatorNode(ProcessNode):
-    """Lets a vehicle follow a cable, in real time or in lockstep with a controller.
+class WorldSettings(Protocol):
+    """What a node wants to know of a world."""
+
+    @property
+    def altitude(self) -> float:
+        """At which the vehicle begins [m]."""
+        ...
+
+    @property
+    def rate(self) -> float:
+        """Frames per second."""
+        ...
+
+
+class World(Protocol):
+    """A vehicle in its surroundings, as `LiveWorld`."""
+
+    @property
+    def instruments(self) -> InstrumentSet:
+        """Of the vehicle."""
+        ...
+
+    @property
+    def time(self) -> float:
+        """Since the start [s]."""
+        ...
+
+    @property
+    def settings(self) -> WorldSettings:
+        """What it is like."""
+        ...
+
+    @property
+    def camera(self) -> Camera:
+        """Of the vehicle."""
+        ...
+
+    def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
+        """Let time pass."""
+        ...
+
+    def motion(self) -> Motion:
+        """Return where the vehicle is."""
+        ...
+
+
+class VehicleNode(ProcessNode):
+    """Lets a vehicle move as it is told, in real time or in lockstep with what tells it.
+
+    Holds what does not depend on the world: commands, time, odometry and imu. A subclass names its
+    parameters and implements the methods that raise `NotImplementedError`.
 
     Parameters
     ----------
+    name : str
+        Of the node.
     **node_arguments
         Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
 
@@ -62,14 +119,17 @@ class SimulatorNode(ProcessNode):
         A parameter is not acceptable.
     """
 
-    def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
-        super().__init__("simulator", **node_arguments)
+    PARAMETERS: ClassVar[tuple[ParameterSpec, ...]] = ()
+    """All of the node."""
+
+    def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
+        super().__init__(name, **node_arguments)
         self._factory = RclpyMessages()
-        self._values = node_parameters.declare_all(self, SIMULATOR_PARAMETERS, read_only=True)
+        self._values = node_parameters.declare_all(self, self.PARAMETERS, read_only=True)
         node_parameters.warn_of_unknown_overrides(self)
         self._lockstep = bool(self._values["lockstep"])
-        self._world = LiveWorld(self._settings())
-        self._altitude = self._world.settings.altitude
+        self._vehicle_world = self._make_world()
+        self._altitude = self._vehicle_world.settings.altitude
         self._command = VelocityCommand()
         self._command_time = -math.inf
         self._awaits_command = False
@@ -78,8 +138,6 @@ class SimulatorNode(ProcessNode):
         self._begun = False
         self._first_stamp = FIRST_STAMP
         self._due = 0.0
-        self._farthest = (0.0, 0.0)
-        self._last_moved = 0.0
         self._create_topics()
         self.get_logger().info(f"waiting for a subscriber of {self._image.topic_name}")
 
@@ -89,37 +147,31 @@ class SimulatorNode(ProcessNode):
     def _whole(self, name: str) -> int:
         return int(cast(int, self._values[name]))
 
-    def _settings(self) -> LiveSettings:
-        return LiveSettings(
-            seed=self._whole("seed"),
-            length=self._number("length"),
-            buried=self._number("buried"),
-            altitude=self._number("altitude"),
-            current=self._number("current"),
-            image_size=(self._whole("image_width"), self._whole("image_height")),
-            rate=self._number("rate"),
-        )
+    def _make_world(self) -> World:
+        raise NotImplementedError
+
+    def _publish_truth(self, motion: Motion, stamp: int) -> None:
+        """Publish what is true at a frame."""
+        raise NotImplementedError
+
+    def _draw(self, motion: Motion) -> RawImage:
+        """Return what the camera sees."""
+        raise NotImplementedError
+
+    def _is_at_end(self, motion: Motion) -> bool:
+        """Tell whether a frame is the last."""
+        raise NotImplementedError
 
     def _create_topics(self) -> None:
         self._image = self.create_publisher(Image, "image", qos.PICTURES)
         self._info = self.create_publisher(CameraInfo, "camera_info", qos.RESULTS)
-        self._range = self.create_publisher(Range, "altitude", qos.RESULTS)
         self._imu = self.create_publisher(Imu, "imu", qos.RESULTS)
         self._odometry = self.create_publisher(Odometry, "odometry", qos.RESULTS)
-        self._true_state = self.create_publisher(JointState, "ground_truth", qos.RESULTS)
         self._true_odometry = self.create_publisher(Odometry, "ground_truth/odometry", qos.RESULTS)
-        self._true_cross_track = self.create_publisher(
-            PoseWithCovarianceStamped, "ground_truth/cross_track", qos.RESULTS
-        )
         self._clock_publisher = None
         if self._values["publish_clock"]:
             self._clock_publisher = self.create_publisher(Clock, "/clock", qos.RESULTS)
         self.create_subscription(Twist, "cmd_vel", self.on_command, qos.RESULTS)
-
-    @property
-    def world(self) -> LiveWorld:
-        """The world inside."""
-        return self._world
 
     @property
     def frames(self) -> int:
@@ -174,13 +226,13 @@ class SimulatorNode(ProcessNode):
 
     def _go_on(self) -> None:
         """Move on by one tick, and publish what is due at its end."""
-        period = 1.0 / (TICKS * self._world.settings.rate)
+        period = 1.0 / (TICKS * self._vehicle_world.settings.rate)
         passed = 0.0
         if self._tick:
             passed = period
-            self._world.advance(self._current_command(), self._altitude, period)
+            self._vehicle_world.advance(self._current_command(), self._altitude, period)
         stamp = self._first_stamp + round(self._tick * period * NANOSECONDS)
-        motion = self._world.motion()
+        motion = self._vehicle_world.motion()
         self._publish_readings(motion, stamp, passed)
         if self._tick % TICKS == 0:
             self._publish_frame(motion, stamp)
@@ -193,24 +245,29 @@ class SimulatorNode(ProcessNode):
         return VelocityCommand() if is_old and not self._lockstep else self._command
 
     def _publish_readings(self, motion: Motion, stamp: int, passed: float) -> None:
-        instruments = self._world.instruments
+        instruments = self._vehicle_world.instruments
         if self._clock_publisher is not None:
             self._clock_publisher.publish(Clock(clock=make_time(self._factory, stamp)))
         in_odom = make_header(self._factory, stamp, ODOM)
-        self._odometry.publish(make_odometry(in_odom, instruments.odometry(motion, passed)))
+        self._odometry.publish(
+            make_odometry(self._factory, in_odom, instruments.odometry(motion, passed))
+        )
         header = make_header(self._factory, stamp, BASE)
-        self._imu.publish(make_imu(header, instruments.imu(motion), instruments.errors))
+        self._imu.publish(
+            make_imu(self._factory, header, instruments.imu(motion), instruments.errors)
+        )
 
     def _publish_frame(self, motion: Motion, stamp: int) -> None:
-        header = make_header(self._factory, stamp, BASE)
-        self._altitude = self._world.instruments.altitude(motion)
-        self._range.publish(make_range(header, self._altitude))
+        self._altitude = self._vehicle_world.instruments.altitude(motion)
         camera_header = make_header(self._factory, stamp, CAMERA)
-        self._info.publish(make_camera_info(camera_header, self._world.camera))
-        truth = self._world.cross_track(motion)
-        self._publish_truth(motion, truth, stamp)
-        picture = raw_from_array(self._world.picture(motion), "mono8")
-        if self._is_at_end(truth):
+        self._info.publish(
+            make_camera_info(self._factory, camera_header, self._vehicle_world.camera)
+        )
+        in_odom = make_header(self._factory, stamp, ODOM)
+        self._true_odometry.publish(make_true_odometry(self._factory, in_odom, motion))
+        picture = self._draw(motion)
+        self._publish_truth(motion, stamp)
+        if self._is_at_end(motion):
             self.finished = True
         self._awaits_command = self._lockstep and not self.finished
         self._deadline = time.monotonic() + self._number("answer_timeout")
@@ -218,24 +275,88 @@ class SimulatorNode(ProcessNode):
         if self.finished:
             self._flush()
 
-    def _publish_truth(self, motion: Motion, truth: TrueCrossTrack, stamp: int) -> None:
+    def _flush(self) -> None:
+        for publisher in (self._image, self._true_odometry, *self._last_publishers()):
+            publisher.wait_for_all_acked(FLUSH_TIMEOUT)
+        self.get_logger().info(f"the way is at its end after {self._vehicle_world.time:.1f} s")
+
+    def _last_publishers(self) -> tuple[Publisher, ...]:
+        """Return further publishers whose last message must arrive before the node ends."""
+        return ()
+
+
+class SimulatorNode(VehicleNode):
+    """Lets a vehicle follow a cable.
+
+    Parameters
+    ----------
+    **node_arguments
+        Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
+
+    Raises
+    ------
+    ParameterError
+        A parameter is not acceptable.
+    """
+
+    PARAMETERS: ClassVar[tuple[ParameterSpec, ...]] = SIMULATOR_PARAMETERS
+
+    def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
+        self._farthest = (0.0, 0.0)
+        self._last_moved = 0.0
+        super().__init__("simulator", **node_arguments)
+
+    def _make_world(self) -> LiveWorld:
+        self._world = LiveWorld(self._settings())
+        return self._world
+
+    @property
+    def world(self) -> LiveWorld:
+        """The world inside."""
+        return self._world
+
+    def _settings(self) -> LiveSettings:
+        return LiveSettings(
+            seed=self._whole("seed"),
+            length=self._number("length"),
+            buried=self._number("buried"),
+            altitude=self._number("altitude"),
+            current=self._number("current"),
+            image_size=(self._whole("image_width"), self._whole("image_height")),
+            rate=self._number("rate"),
+        )
+
+    def _create_topics(self) -> None:
+        super()._create_topics()
+        self._range = self.create_publisher(Range, "altitude", qos.RESULTS)
+        self._true_state = self.create_publisher(JointState, "ground_truth", qos.RESULTS)
+        self._true_cross_track = self.create_publisher(
+            PoseWithCovarianceStamped, "ground_truth/cross_track", qos.RESULTS
+        )
+
+    def _draw(self, motion: Motion) -> RawImage:
+        return raw_from_array(self._world.picture(motion), "mono8")
+
+    def _publish_truth(self, motion: Motion, stamp: int) -> None:
+        base_header = make_header(self._factory, stamp, BASE)
+        self._range.publish(make_range(self._factory, base_header, self._altitude))
         camera_header = make_header(self._factory, stamp, CAMERA)
         state = self._world.true_state(motion)
         self._true_state.publish(make_state(self._factory, camera_header, state))
-        in_odom = make_header(self._factory, stamp, ODOM)
-        self._true_odometry.publish(make_true_odometry(in_odom, motion))
+        truth = self._world.cross_track(motion)
         depth = self._world.cable_height - float(motion.position[2])
         self._true_cross_track.publish(
             make_cross_track(
                 self._factory,
-                make_header(self._factory, stamp, BASE),
+                base_header,
                 (0.0, truth.offset, depth),
                 truth.heading,
-                unknown_covariance(),
+                np.diag([UNKNOWN_VARIANCE, UNKNOWN_VARIANCE]),
             )
         )
 
-    def _is_at_end(self, truth: TrueCrossTrack) -> bool:
+    def _is_at_end(self, motion: Motion) -> bool:
+        truth = self._world.cross_track(motion)
         farthest, since = self._farthest
         # Where a current carries a vehicle that stands still, it gets on, too, but to no purpose.
         is_driven = self._current_command() != VelocityCommand()
@@ -251,7 +372,5 @@ class SimulatorNode(ProcessNode):
         standstill = self._number("standstill")
         return 0.0 < standstill < self._world.time - self._last_moved
 
-    def _flush(self) -> None:
-        for publisher in (self._image, self._true_odometry, self._true_cross_track):
-            publisher.wait_for_all_acked(FLUSH_TIMEOUT)
-        self.get_logger().info(f"the way is at its end after {self._world.time:.1f} s")
+    def _last_publishers(self) -> tuple[Publisher, ...]:
+        return (self._true_cross_track,)

@@ -22,6 +22,7 @@ from cable_tracker.cable.parameters.parameters import (
 )
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import FrameError
+from cable_tracker.metric.messages import report_metres
 from cable_tracker.node_parameter_tables import (
     TRACKER_OWN_START_PARAMETERS,
     TRACKER_RUNTIME_PARAMETERS,
@@ -167,7 +168,8 @@ class TrackerNode(CameraNode):
             self._search.stop()
         self._estimate = estimate
         self._outputs.publish_pictures(header, estimate, self._tracker.particles, picture)
-        self._outputs.publish_state(header, estimate, milliseconds)
+        metres = report_metres(self._metric.result)
+        self._outputs.publish_state(header, estimate, milliseconds, metres)
         return FrameOutcome(estimate.status.value, estimate.event)
 
     def _answer_without_estimate(self, header: Message, status: str, reason: str) -> None:

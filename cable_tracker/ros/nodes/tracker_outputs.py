@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -114,14 +114,20 @@ class TrackerOutputs:
         ):
             self._publish_overlay(header, estimate, particles, grey)
 
-    def publish_state(self, header: Message, estimate: CableEstimate, milliseconds: float) -> None:
-        """Publish report and state.
+    def publish_state(
+        self,
+        header: Message,
+        estimate: CableEstimate,
+        milliseconds: float,
+        metres: Mapping[str, str],
+    ) -> None:
+        """Publish report, with what is known in metres, and state.
 
         The state goes last, because a lockstep replay sends the next frame upon it, and always,
         because a subscriber that joins later may ask for it.
         """
         if self._report.get_subscription_count():
-            values = report_values(estimate, milliseconds)
+            values = report_values(estimate, milliseconds) | dict(metres)
             self._report.publish(make_report(self._factory, header, estimate.status.value, values))
         sigma = estimate.standard_deviations()[:4]
         self._state.publish(make_state(self._factory, header, claimed_state(estimate), sigma))

@@ -17,10 +17,9 @@ from sensor_msgs.msg import Image, JointState
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
-from cable_tracker.metric.messages import Y
+from cable_tracker.metric.messages import Y, yaw_of
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.diagnostics import WARMING_UP
-from cable_tracker.ros.messages.vehicle_messages import yaw_of
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages import Message, read_image, read_state, stamp_of
 from cable_tracker.sequences.stamps import NANOSECONDS

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -38,6 +39,43 @@ def random_light(optics: Optics, image_size: tuple[int, int], rng: np.random.Gen
     dark = float(rng.uniform(*optics.vignette))
     light *= 1 - np.float32(dark) * np.minimum(2 * (x * x + y * y), 1.0)
     return np.asarray(np.maximum(light / light.mean(), LEAST_LIGHT), np.float32)
+
+
+@dataclass(frozen=True, slots=True)
+class Sway:
+    """How the light of the lamps moves over the picture.
+
+    Attributes
+    ----------
+    reach : (float, float)
+        Largest way to the right and up [px].
+    rates, phases : (float, float)
+        Of both [rad/s, rad].
+    """
+
+    reach: tuple[float, float]
+    rates: tuple[float, float]
+    phases: tuple[float, float]
+
+    def moved(self, light: Image, seconds: float) -> Image:
+        """Return a light, float32 of shape (H, W), as it is after some time."""
+        if not any(self.reach):
+            return light
+        right, up = (
+            reach * math.sin(rate * seconds + phase)
+            for reach, rate, phase in zip(self.reach, self.rates, self.phases, strict=True)
+        )
+        shift = np.array(((1.0, 0.0, right), (0.0, 1.0, -up)))
+        height, width = light.shape
+        moved = cv2.warpAffine(light, shift, (width, height), borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(moved, np.float32)
+
+
+def random_sway(optics: Optics, scale: float, rng: np.random.Generator) -> Sway:
+    """Draw how the lamps move; `scale`: pixels per pixel at 320 px."""
+    reach = scale * rng.uniform(*optics.sway, 2)
+    rates, phases = rng.uniform(0.5, 3.0, 2), rng.uniform(0.0, 2 * np.pi, 2)
+    return Sway(*((float(right), float(up)) for right, up in (reach, rates, phases)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

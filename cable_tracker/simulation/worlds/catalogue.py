@@ -61,10 +61,10 @@ def _kinds() -> Iterator[World]:
     yield replace(
         base,
         name="shadows",
-        description="shadows as dark as a dark cable beside the cable, uneven lamps",
+        description="shadows as dark as a dark cable beside the cable, uneven lamps that sway",
         contrast=(1.5, 4.0),
         disturbance=Disturbance(shadow=1.0, lines=0.4),
-        optics=Optics(lamps=(0.3, 0.9), vignette=(0.2, 0.7)),
+        optics=Optics(lamps=(0.3, 0.9), sway=(0.0, 30.0), vignette=(0.2, 0.7)),
     )
     yield replace(
         base,

@@ -72,6 +72,9 @@ class Optics:
     ----------
     lamps : Range
         How uneven the light of the vehicle's lamps is, 0 (even) to 1.
+    sway : Range
+        How far the light of the lamps sways over the picture, as the vehicle heaves and pitches [px
+        at 320 px].
     vignette : Range
         How much darker the corners are, 0 to 1.
     haze : Range
@@ -86,6 +89,7 @@ class Optics:
     """
 
     lamps: Range = (0.0, 0.6)
+    sway: Range = NONE
     vignette: Range = (0.0, 0.5)
     haze: Range = (0.0, 0.4)
     blur: Range = (0.4, 1.2)

@@ -21,7 +21,12 @@ from cable_tracker.simulation.worlds.cable_look import (
     CableLook,
     random_cable,
 )
-from cable_tracker.simulation.worlds.camera_faults import Recorder, random_light, random_overlaid
+from cable_tracker.simulation.worlds.camera_faults import (
+    Recorder,
+    random_light,
+    random_overlaid,
+    random_sway,
+)
 from cable_tracker.simulation.worlds.clutter import lay, strew
 from cable_tracker.simulation.worlds.ground import look_up, random_texture
 from cable_tracker.simulation.worlds.motion import WORLD_RATE, random_motion
@@ -167,6 +172,7 @@ class WorldDive:
         self._overlaid = random_overlaid(self.world.disturbance, self._size, rng)
         quality = None if optics.quality is None else int(rng.integers(*optics.quality))
         self._recorder = Recorder(quality, as_video=bool(rng.random() < 0.5))
+        self._sway = random_sway(optics, self._scale, rng)
         self._x, self._y = pixel_grid(self._size)
 
     def frames(self) -> Iterator[SimulatedFrame]:
@@ -185,7 +191,7 @@ class WorldDive:
         look = self._ground(view, along)
         if self._cable is not None:
             look = self._lay_cable(look, view, along, self._cable)
-        light = self._light
+        light = self._light_at(index)
         if self._swing[0] > 0.0:
             depth, rate = self._swing
             light = light * np.float32(1 + depth * np.sin(rate * index / WORLD_RATE))
@@ -197,6 +203,9 @@ class WorldDive:
         picture = eight_bits(seen)
         self._overlaid.put_on(picture, index)
         return self._recorder.record(picture)
+
+    def _light_at(self, index: int) -> Image:
+        return self._sway.moved(self._light, index / WORLD_RATE)
 
     def _ground(self, view: StripView, along: Image) -> Image:
         unit = np.float32(self._unit)
@@ -278,7 +287,7 @@ class WorldDive:
         clear = 1 - self._fog(view.radius)
         step = np.abs(self._cable.contrast(along)) * clear
         seen = step >= LEAST_STEP
-        lit = self._spread * self._light[rows, columns]
+        lit = self._spread * self._light_at(index)[rows, columns]
         seen &= step * lit >= STEP_OVER_NOISE * self._noise
         seen &= ~self._overlaid.where[rows, columns]
         grown = self._cable.grown(view.u, along)

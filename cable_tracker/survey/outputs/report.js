@@ -96,6 +96,32 @@
     pen.stroke();
     pen.fillText(bar >= 1000 ? `${bar / 1000} km` : `${bar} m`, 16, height - 20);
     if (data.onEarth) pen.fillText("N ↑", width - 34, 20);
+    drawLegend(pen, width, height);
+  };
+
+  const drawLegend = (pen, width, height) => {
+    const kinds = [["seen", "--route", []], ["not to be seen", "--buried", [5, 4]], ["95 %", "--band", null]];
+    let x = width - 14;
+    for (const [words, name, dash] of kinds.reverse()) {
+      x -= pen.measureText(words).width;
+      pen.fillStyle = colour("--dim");
+      pen.fillText(words, x, height - 12);
+      x -= 28;
+      if (dash === null) {
+        pen.fillStyle = colour(name);
+        pen.fillRect(x, height - 21, 22, 10);
+      } else {
+        pen.setLineDash(dash);
+        pen.strokeStyle = colour(name);
+        pen.lineWidth = 2.5;
+        pen.beginPath();
+        pen.moveTo(x, height - 16);
+        pen.lineTo(x + 22, height - 16);
+        pen.stroke();
+        pen.setLineDash([]);
+      }
+      x -= 14;
+    }
   };
 
   const rows = [
@@ -117,7 +143,7 @@
     }
     rows.forEach(([title, name], place) => {
       const values = route[name], known = values.filter((value) => value !== null);
-      const top = 4 + place * each, bottom = top + each - 10;
+      const top = 20 + place * each, bottom = top + each - 26;
       const most = name === "visible" ? 1 : nice(Math.max(1e-3, ...extent(known).slice(1)));
       pen.strokeStyle = colour("--line");
       pen.lineWidth = 1;
@@ -125,8 +151,6 @@
       pen.fillStyle = colour("--dim");
       pen.fillText(most, 8, top + 12);
       pen.fillText("0", 8, bottom);
-      pen.fillStyle = colour("--ink");
-      pen.fillText(title, left + 6, top + 13);
       pen.beginPath();
       let lifted = true;
       values.forEach((value, k) => {
@@ -137,10 +161,19 @@
       });
       pen.strokeStyle = colour("--route");
       pen.stroke();
+      pen.fillStyle = colour("--ink");
+      pen.fillText(title, left, top - 5);
     });
     pen.fillStyle = colour("--dim");
     const step = nice(end / Math.max(2, (right - left) / 110));
-    for (let way = 0; way <= end; way += step) pen.fillText(kp(way), Math.min(x(way), right - 60), height - 10);
+    let free = 0;
+    for (let way = 0; way <= end * 1.0001; way += step) {
+      const label = kp(way), size = pen.measureText(label).width;
+      const start = Math.min(x(way), right - size);
+      if (start < free) continue;
+      pen.fillText(label, start, height - 10);
+      free = start + size + 8;
+    }
   };
 
   const draw = () => { drawMap(); drawProfile(); };

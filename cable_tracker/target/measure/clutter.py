@@ -38,13 +38,19 @@ class UsualScore:
         return replace(self, mean=self.mean + rate * gap, variance=variance)
 
 
-LEAST_LIKENESS_SPREAD = 0.15
-"""Of the likeness of the target to itself, from frame to frame."""
+def log_ratio_of_likeness(likeness: float, usual: UsualScore, least: float) -> float:
+    """Return log p(likeness | target) / p(likeness | clutter), clutter having any from 0 to 1.
 
-
-def log_ratio_of_likeness(likeness: float, usual: UsualScore) -> float:
-    """Return log p(likeness | target) / p(likeness | clutter), clutter having any from 0 to 1."""
-    spread = max(math.sqrt(usual.variance), LEAST_LIKENESS_SPREAD)
+    Parameters
+    ----------
+    likeness : float
+        Of what the contour shows to the target.
+    usual : UsualScore
+        Of the target to itself.
+    least : float
+        Its spread is at least so large.
+    """
+    spread = max(math.sqrt(usual.variance), least)
     below = min(likeness - usual.mean, 0.0) / spread
     return -0.5 * below * below - math.log(spread * math.sqrt(2.0 * math.pi))
 
@@ -100,5 +106,7 @@ def clutter_of(scores: FloatArray, anything: float) -> Clutter:
     """
     if len(scores) == 0:
         return Clutter(0.0, LEAST_SPREAD, anything)
-    low, middle, high = np.percentile(scores, (16.0, 50.0, 84.0))
+    # The same as np.percentile, without its overhead.
+    places = np.array([0.16, 0.5, 0.84]) * (len(scores) - 1)
+    low, middle, high = np.interp(places, np.arange(len(scores)), np.sort(scores))
     return Clutter(float(middle), max(float(high - low) / 2.0, LEAST_SPREAD), anything)

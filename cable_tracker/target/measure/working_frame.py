@@ -17,6 +17,9 @@ SMALLEST_SIDE = 16
 COLOURLESS = 3
 """Pictures of which hardly a pixel's chroma is farther from grey are taken for grey."""
 
+COLOURED_SHARE = 0.01
+"""Of the pixels of a picture that is coloured, at least."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorkingFrame:
@@ -86,7 +89,7 @@ def make_working_frame(image: Image, working_width: int) -> WorkingFrame:
     if small.ndim == 3:
         channels = channels_of(small)
         chroma = channels[::4, ::4, 1:].astype(np.int16) - 128
-        if np.percentile(np.abs(chroma), 99.0) > COLOURLESS:
+        if np.count_nonzero(np.abs(chroma) > COLOURLESS) > COLOURED_SHARE * chroma.size:
             return WorkingFrame(channels, channels[..., 0], True, (width, height), zoom)
         small = cv2.cvtColor(small, cv2.COLOR_BGR2GRAY)
     small = np.ascontiguousarray(small)

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.particle_filter.student_t import log_densities, standard_student_t
-from cable_tracker.target.model.state import PLACES, POSE_SIZE, PoseColumn
+from cable_tracker.compilation import compiled
+from cable_tracker.particle_filter.student_t import standard_student_t
+from cable_tracker.target.model.state import PLACES, POSE_SIZE
 from cable_tracker.tracking.survival import share_about_last_place
 
 TAIL = 4.0
@@ -77,17 +78,53 @@ class Births:
 
     def log_density(self, states: FloatArray) -> FloatArray:
         """Return the log-density of the places of poses (N, 6), shape (N,)."""
-        place, scale, angle = self._spreads()
-        offsets = (states[:, :PLACES] - self.last[:PLACES]) / [place, place, scale, angle]
-        squared = offsets**2
-        near = log_densities(squared.sum(axis=1), TAIL, PLACES)
-        near -= math.log(place * place * scale * angle)
-        size = log_densities(squared[:, 2:].sum(axis=1), TAIL, 2) - math.log(scale * angle)
+        spreads = np.array(self._spreads())
         height, width = self.shape
-        within = (np.abs(states[:, PoseColumn.X]) <= width / 2) & (
-            np.abs(states[:, PoseColumn.Y]) <= height / 2
-        )
-        anywhere = np.where(within, size - math.log(width * height), -np.inf)
-        share = self.memory_share
-        density: FloatArray = np.logaddexp(math.log(share) + near, math.log1p(-share) + anywhere)
-        return density
+        return _log_densities(
+            states, self.last, spreads, self.memory_share, float(width), float(height),
+            PEAKS[0], PEAKS[1],
+        )  # fmt: skip
+
+
+def _log_peak(dimensions: int) -> float:
+    """Return the log-density of a Student-t distribution at its middle, for a unit scale."""
+    return (
+        math.lgamma((TAIL + dimensions) / 2)
+        - math.lgamma(TAIL / 2)
+        - 0.5 * dimensions * math.log(TAIL * math.pi)
+    )
+
+
+PEAKS = _log_peak(PLACES), _log_peak(2)
+"""Of the whole place, and of scale and angle."""
+
+
+@compiled
+def _log_densities(  # noqa: PLR0917
+    states: FloatArray,
+    last: FloatArray,
+    spreads: FloatArray,
+    memory_share: float,
+    width: float,
+    height: float,
+    peak: float,
+    size_peak: float,
+) -> FloatArray:
+    place, scale, angle = spreads[0], spreads[1], spreads[2]
+    near_peak = peak - math.log(place * place * scale * angle) + math.log(memory_share)
+    far_peak = size_peak - math.log(scale * angle * width * height) + math.log1p(-memory_share)
+    densities = np.empty(len(states))
+    for row in range(len(states)):
+        across = (states[row, 0] - last[0]) / place
+        up = (states[row, 1] - last[1]) / place
+        stretch = (states[row, 2] - last[2]) / scale
+        turn = (states[row, 3] - last[3]) / angle
+        by_size = stretch * stretch + turn * turn
+        squared = across * across + up * up + by_size
+        near = near_peak - 0.5 * (TAIL + PLACES) * math.log1p(squared / TAIL)
+        if abs(states[row, 0]) <= width / 2 and abs(states[row, 1]) <= height / 2:
+            far = far_peak - 0.5 * (TAIL + 2) * math.log1p(by_size / TAIL)
+            most, least = max(near, far), min(near, far)
+            near = most + math.log1p(math.exp(least - most))
+        densities[row] = near
+    return densities

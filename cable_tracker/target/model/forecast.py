@@ -6,10 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.existence import PredictedExistence
-from cable_tracker.particle_filter.kernel_mixture import KernelMixture, log_kernels
+from cable_tracker.particle_filter.kernel_mixture import KernelMixture
 from cable_tracker.particle_filter.resampling import systematic_resampling
 from cable_tracker.particle_filter.student_t import standard_student_t
 from cable_tracker.target.model.births import Births
@@ -19,12 +21,66 @@ NEVER = 1e-300
 """Stands for a probability of zero where its logarithm is needed."""
 
 
-def log_mix(logs: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return the log of rows of log-densities (N, M), mixed by weights (M,), shape (N,)."""
-    peaks = logs.max(axis=1)
+@compiled
+def relative_kernels(
+    points: FloatArray, places: FloatArray, scales: FloatArray, tail: float
+) -> FloatArray:
+    """Return Student-t kernels about places at points, over their peak, shape (N, M).
+
+    Parameters
+    ----------
+    points, places : FloatArray
+        Shapes (N, 4 or more) and (M, 4).
+    scales : FloatArray
+        Of the four axes, shape (4,).
+    tail : float
+        Degrees of freedom.
+    """
+    values = np.empty((len(points), len(places)))
+    power = -0.5 * (tail + PLACES)
+    for row in range(len(points)):
+        for column in range(len(places)):
+            squared = 0.0
+            for axis in range(PLACES):
+                offset = (points[row, axis] - places[column, axis]) / scales[axis]
+                squared += offset * offset
+            base = 1.0 + squared / tail
+            if tail == 4.0:
+                values[row, column] = 1.0 / (base * base * base * base)
+            else:
+                values[row, column] = base**power
+    return values
+
+
+@compiled
+def choose_columns(values: FloatArray, shares: FloatArray) -> NDArray[np.int64]:
+    """Return in every row (N, M) the column on which a share (N,) of its sum falls, shape (N,)."""
+    chosen = np.empty(len(values), np.int64)
+    for row in range(len(values)):
+        total = 0.0
+        for column in range(values.shape[1]):
+            total += values[row, column]
+        rest = shares[row] * total
+        chosen[row] = values.shape[1] - 1
+        for column in range(values.shape[1]):
+            rest -= values[row, column]
+            if rest < 0.0:
+                chosen[row] = column
+                break
+    return chosen
+
+
+def log_mix(values: FloatArray, weights: FloatArray, mixture: KernelMixture) -> FloatArray:
+    """Return the log-density of kernels (N, M) of a mixture, by weights (M,), shape (N,)."""
     with np.errstate(divide="ignore"):
-        mixed: FloatArray = peaks + np.log(np.exp(logs - peaks[:, None]) @ weights)
+        mixed: FloatArray = math.log(mixture.peak) + np.log(values @ weights)
     return mixed
+
+
+def kernels_of(states: FloatArray, mixture: KernelMixture) -> FloatArray:
+    """Return the kernels of a mixture at poses (N, 4 or more), over their peak, shape (N, M)."""
+    tail = float(mixture.degrees_of_freedom)
+    return relative_kernels(states, mixture.places, mixture.scales, tail)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +112,8 @@ class Proposal:
 
     def log_density(self, places: FloatArray) -> FloatArray:
         """Return the log of its share of the whole mixture's density at places (N, 4)."""
-        return math.log(self.share) + log_mix(log_kernels(places, self.kernels), self.weights)
+        kernels = kernels_of(places, self.kernels)
+        return math.log(self.share) + log_mix(kernels, self.weights, self.kernels)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,14 +155,14 @@ class Forecast:
         -------
         tuple of FloatArray
             Of the belief, whose mass is the probability that the target is in view, shape (N,); of
-            the births, shape (N,); of the kernels, shape (N, M).
+            the births, shape (N,); and the kernels over their peak, shape (N, M).
         """
-        kernel_logs = log_kernels(states, self.kernels)
+        kernels = kernels_of(states, self.kernels)
         birth = self.births.log_density(states)
         following = (1.0 - self.jump_share) * self.predicted.survived
         elsewhere = self.jump_share * self.predicted.survived + self.predicted.born
         belief: FloatArray = np.logaddexp(
-            math.log(max(following, NEVER)) + log_mix(kernel_logs, self.alive),
+            math.log(max(following, NEVER)) + log_mix(kernels, self.alive, self.kernels),
             math.log(max(elsewhere, NEVER)) + birth,
         )
-        return belief, birth, kernel_logs
+        return belief, birth, kernels

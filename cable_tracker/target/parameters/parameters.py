@@ -156,6 +156,12 @@ class TargetParameters(ParameterSet):
     likeness_limit: float = number(
         3.0, "", 0.0, 1e6, "Evidence of the colours within the contour counts up to this a frame."
     )
+    likeness_spread: float = number(
+        0.15, "", 0.001, 1.0, "Least spread of the target's likeness to itself."
+    )
+    grey_likeness_spread: float = number(
+        0.04, "", 0.001, 1.0, "The same in grey pictures, where much else is nearly as like."
+    )
     appearance_rate: float = number(
         2.5, "1/s", 0.0, 100.0, "How often a target comes into view that was not."
     )

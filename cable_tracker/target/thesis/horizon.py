@@ -1,7 +1,8 @@
 """Weights near a horizon: what moves against the sky and has edges (section 6.5, (31) to (34)).
 
-Without a horizon or a sun in the picture, p of (33) is 1 everywhere. Lines and columns of both are
-found as the rows and columns where the picture changes most; our choice.
+Without a horizon or a sun in the picture, p of (33) is 1 everywhere. How both are found is our
+choice: the horizon is the row where the picture changes most, the sun the column with the most
+pixels that are saturated.
 """
 
 from __future__ import annotations
@@ -21,6 +22,12 @@ EDGE_SHARE = 0.5
 
 HORIZON_REACH, HORIZON_COST = 1, 0.5
 """(33): within a pixel of the horizon half the edges are the horizon's."""
+
+SUN_REACH, SUN_COST = 7, 1.0
+"""(33): within so many pixels of the sun's column all edges are the sun's."""
+
+SATURATED, LEAST_SATURATED = 0.98, 4
+"""Intensity of a pixel of the sun, and how many of them its column has at least."""
 
 LEAST_STEP = 0.15
 """Mean step between rows that makes a horizon."""
@@ -68,6 +75,29 @@ def horizon_row(image: NDArray[np.float32]) -> int | None:
     return row if float(steps[row]) >= LEAST_STEP else None
 
 
+def sun_column(image: NDArray[np.float32]) -> int | None:
+    """Return the column of the sun: that with the most saturated pixels; None if there are few.
+
+    Of several with as many it is the one in their middle.
+    """
+    counts = np.count_nonzero(image >= SATURATED, axis=0)
+    most = int(counts.max())
+    if most < LEAST_SATURATED:
+        return None
+    return round(float(np.flatnonzero(counts == most).mean()))
+
+
+def edge_shares(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return p of (33) at every pixel: how much of an edge there may be a target's."""
+    shares = np.ones_like(image)
+    row, column = horizon_row(image), sun_column(image)
+    if row is not None:
+        shares[max(row - HORIZON_REACH, 0) : row + HORIZON_REACH + 1] = 1.0 - HORIZON_COST
+    if column is not None:
+        shares[:, max(column - SUN_REACH, 0) : column + SUN_REACH + 1] = 1.0 - SUN_COST
+    return shares
+
+
 def horizon_weights(
     now: NDArray[np.float32],
     before: NDArray[np.float32],
@@ -87,10 +117,7 @@ def horizon_weights(
     """
     across, down = alignment(now, before)
     moving = (now - np.roll(before, (down, across), axis=(0, 1))) ** 2
-    edges = roberts_energy(now)
-    row = horizon_row(now)
-    if row is not None:
-        edges[max(row - HORIZON_REACH, 0) : row + HORIZON_REACH + 1] *= 1.0 - HORIZON_COST
+    edges = roberts_energy(now) * edge_shares(now)
     edge_sums = np.array([_sum_in(edges, mask, corner) for corner in corners])
     moving_sums = np.array([_sum_in(moving, mask, corner) for corner in corners])
     return EDGE_SHARE * _shares(edge_sums) + (1.0 - EDGE_SHARE) * _shares(moving_sums)

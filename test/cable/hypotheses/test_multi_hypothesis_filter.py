@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cable_tracker.cable.hypotheses import multi_hypothesis_filter
 from cable_tracker.cable.hypotheses.belief import initial_belief
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     FIRST_POWER,
@@ -15,6 +16,8 @@ from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     SMALLEST_HYPOTHESIS,
     MultiHypothesisFilter,
     annealing_power,
+    displacement_factor,
+    gain_over,
     round_weights,
 )
 from cable_tracker.cable.hypotheses.presence import HIGHEST, probability_of
@@ -208,8 +211,9 @@ def test_the_width_and_the_place_are_remembered_while_a_cable_is_tracked(strip, 
     assert gone.memory.seconds > 0.4
 
 
-def test_what_cannot_be_is_a_new_search(strip):
-    # No width that particles may have is one that is drawn.
+def test_what_cannot_be_is_a_new_search(strip, monkeypatch):
+    # No width that particles may have is one that is drawn; only jumps would have one.
+    monkeypatch.setattr(multi_hypothesis_filter, "JUMP_SHARE", 0.0)
     cable_filter = make_filter(
         width_minimum=150.0, initial_width_minimum=6.0, initial_width_maximum=20.0,
         detector_share=0.0, diffusion_degrees_of_freedom=0.0,
@@ -355,10 +359,23 @@ def test_what_the_likelihood_does_not_know_widens_the_covariance(strip):
         findings.append(cable_filter.finding(belief, strip))
     plain, wide = findings
     added = wide.covariance - plain.covariance
-    # Each border is off by 4 px at the reference width, 2 px here: variances 2 and 8.
-    np.testing.assert_allclose(np.diag(added)[[0, 2]], [2.0, 8.0])
+    # A clear border is off by 4 px at the reference width, 2 px here: variances 2 and 8.
+    factor = displacement_factor(belief.border_evidence) ** 2
+    np.testing.assert_allclose(np.diag(added)[[0, 2]], [2.0 * factor, 8.0 * factor])
     np.testing.assert_allclose(added, np.diag(np.diag(added)), atol=1e-12)
     np.testing.assert_array_equal(wide.mean, plain.mean)
+
+
+def test_fainter_borders_are_displaced_farther_within_limits():
+    factors = [displacement_factor(evidence) for evidence in (3.0, 1.7, 1.3, 0.9, 0.0, -5.0)]
+    np.testing.assert_allclose(factors, [1.0, 1.0, 2.0, 3.0, 4.0, 4.0])
+
+
+@given(gain=st.floats(0.0, 1.0), dt=st.floats(0.001, 1.0))
+def test_evidence_of_frames_adds_up_over_time_at_any_rate(gain, dt):
+    assert gain_over(gain, 0.04) == pytest.approx(gain)
+    assert gain_over(gain, 0.0) == pytest.approx(gain)
+    assert 1.0 - gain_over(gain, 2 * dt) == pytest.approx((1.0 - gain_over(gain, dt)) ** 2)
 
 
 def test_the_belief_of_another_filter_is_taken_over_as_one_that_was_told(strip):

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from cable_tracker.cable.hypotheses.border_jump import jump_density, jump_from
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.prior import (
     Prior,
@@ -20,11 +21,12 @@ from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 
 PARAMETERS = TrackerParameters()
 CENTRES = np.array([[-40.0, 0.0, 30.0, 0.0], [40.0, 0.1, 30.0, 0.0]])
+JUMP = jump_from(CENTRES[0], 3.0, 240.0, 320.0)
 RATES = np.array([[-100.0, 0.0, 0.0, 0.0], [100.0, 0.0, 0.0, 0.0]])
 SCALES = np.array([2.0, 0.02, 1.0, 0.02])
 
 
-def make_prior(survived=0.8, born=0.1, log_width=0.0, width_spread=math.inf) -> Prior:
+def make_prior(survived=0.8, born=0.1, jumped=1e-12, log_width=0.0, width_spread=math.inf) -> Prior:
     return Prior(
         kernels=kernel_mixture(CENTRES, SCALES, 4.0, np.array([0.9, 0.1])),
         rates=RATES,
@@ -34,6 +36,8 @@ def make_prior(survived=0.8, born=0.1, log_width=0.0, width_spread=math.inf) -> 
         log_width=log_width,
         width_spread=width_spread,
         births=birth_density_of(search_box(PARAMETERS, 320), None, 4.0, (320, 240)),
+        jumped=jumped,
+        jump=JUMP,
     )
 
 
@@ -69,6 +73,15 @@ def test_the_prior_is_what_survived_and_what_was_born_by_their_masses():
         assert densities.survived[row] == pytest.approx(survived, rel=1e-3)
         assert densities.survivors[row] == pytest.approx((first + second) / 2, rel=1e-3)
         assert densities.full[row] == pytest.approx(survived + born, rel=1e-3)
+
+
+def test_a_strip_that_shares_a_border_is_of_the_prior_too_whatever_its_width():
+    states = states_at([-15.0, 0.0, 80.0, 0.0], [-15.0, 0.9, 80.0, 0.0])
+    prior = make_prior(jumped=0.05, log_width=math.log(30.0), width_spread=0.3)
+    shared, crossing = densities_at(prior, states).full
+    jumps = jump_density(states[0], JUMP)
+    assert shared == pytest.approx(0.05 * jumps, rel=0.1)
+    assert shared > 1e3 * crossing
 
 
 def test_a_new_cable_of_another_width_is_less_likely():

@@ -40,6 +40,11 @@ def test_it_says_less_the_longer_no_cable_is_seen():
     assert usual.aged(1.0).aged(2.0).unseen == 3.0
 
 
+def test_it_says_more_the_longer_a_cable_was_seen():
+    young, old = (WidthPrior(math.log(30.0), seen=s) for s in (0.0, 60.0))
+    assert factors(old, [60.0])[0] < factors(young, [60.0])[0] < 0.0
+
+
 def test_widths_of_nothing_and_less_are_bad_but_no_error():
     assert np.isfinite(factors(WidthPrior(math.log(30.0)), [0.0, -5.0])).all()
 

@@ -41,9 +41,9 @@ def test_the_preset_thesis_has_the_numbers_of_the_thesis(numbers):
 
 def test_the_preset_default_is_the_default():
     assert preset("default") == TrackerParameters()
-    assert list(PRESETS) == ["default", "thesis"]
+    assert list(PRESETS) == ["default", "pipeline", "thesis"]
 
 
 def test_an_unknown_preset_is_refused_with_those_there_are():
-    with pytest.raises(ParameterError, match=r"'best' is none of default \| thesis"):
+    with pytest.raises(ParameterError, match=r"'best' is none of default \| pipeline \| thesis"):
         preset("best")

@@ -4,6 +4,7 @@ import pytest
 
 from cable_tracker.evaluation.experiments.roc_experiment import (
     THRESHOLDS,
+    RocExperiment,
     available_worlds,
     claim_shares,
 )
@@ -26,6 +27,11 @@ def test_shares_are_taken_over_the_frames_of_all_runs(trace):
 
 def test_thresholds_are_values_that_the_tracker_takes():
     assert len({threshold.filter().name for threshold in THRESHOLDS}) == len(THRESHOLDS)
+
+
+def test_dives_are_cut_where_that_is_wanted():
+    short, shorter = (RocExperiment((0,), limit=limit).frame_count() for limit in (4, 2))
+    assert short == 2 * shorter
 
 
 def test_worlds_that_need_photographs_are_left_out_with_words(monkeypatch, tmp_path):

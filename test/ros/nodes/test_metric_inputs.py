@@ -277,6 +277,23 @@ def test_a_frame_whose_instruments_have_spoken_does_not_wait(
     vehicle.has_answers(1)
 
 
+def test_a_frame_waits_for_all_that_a_replay_has_sent_before_it(
+    instruments: Callable[..., Any], world: Any, image_message: Callable[..., Any]
+) -> None:
+    vehicle = instruments(instrument_wait=30.0, instrument_reliability="reliable")
+    counts = world.me.create_publisher(JointState, "instruments_sent", 10)
+    world.spin(counts.get_subscription_count)
+    vehicle.speak(3)
+    names = ["camera_info", "altitude", "imu", "odometry"]
+    header = image_message(index=1).header
+    counts.publish(JointState(header=header, name=names, position=[1.0, 1.0, 1.0, 2.0]))
+    world.pass_time(0.2)
+    vehicle.show(1)
+    vehicle.has_no_more_than(0)
+    vehicle.speak(4)
+    vehicle.has_answers(1)
+
+
 def test_a_frame_does_not_wait_for_ever(instruments: Callable[..., Any]) -> None:
     vehicle = instruments(instrument_wait=0.2)
     vehicle.show(0)

@@ -7,21 +7,33 @@ from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from nav_msgs.msg import Odometry
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CompressedImage, Image, JointState
+from sensor_msgs.msg import (
+    CameraInfo,
+    CompressedImage,
+    Image,
+    Imu,
+    JointState,
+    NavSatFix,
+    Range,
+)
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.errors import ParameterError, RecordingError, RosError
+from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.node_parameter_tables import REPLAY_START_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.diagnostics import WARMING_UP
 from cable_tracker.ros.nodes import replay_node
+from cable_tracker.sequences.bag_storage import open_storage
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.messages import (
     make_header,
     make_image,
@@ -32,6 +44,8 @@ from cable_tracker.sequences.messages import (
 )
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
+from cable_tracker.simulation.survey_bag import write_survey_bag
+from cable_tracker.simulation.survey_dive import SurveySettings
 
 Dive = Callable[..., Path]
 MILLISECOND = 1_000_000
@@ -532,3 +546,61 @@ def test_a_lockstep_replay_ends_with_the_last_answer(world: Any, make_dive: Dive
     begin = time.monotonic()
     world.spin(lambda: node.finished)
     assert time.monotonic() - begin < 1.0
+
+
+class TestInstruments:
+    @pytest.fixture
+    def bag(self, tmp_path: Path) -> Path:
+        path = tmp_path / "vehicle"
+        write_survey_bag(path, SurveySettings(length=1.0, rate=5.0, image_size=(64, 48)))
+        return path
+
+    def test_all_of_them_are_sent_as_they_were_recorded(self, world: Any, bag: Path) -> None:
+        kinds = {
+            "odometry": Odometry, "imu": Imu, "altitude": Range, "camera_info": CameraInfo,
+            "fix": NavSatFix,
+        }  # fmt: skip
+        heard = {topic: world.listen(kind, topic) for topic, kind in kinds.items()}
+        images = world.listen(Image, "image")
+        node = world.replay(source=str(bag), rate=20.0)
+        play_to_the_end(world, node, images)
+        recorded = dict(open_storage(bag).topics)
+        for topic in ("altitude", "camera_info"):
+            world.spin(lambda topic=topic: len(heard[topic]) == recorded[f"/{topic}"].count)
+        for messages in heard.values():
+            assert messages
+            assert stamps_of(messages) == sorted(stamps_of(messages))
+        sent = [each.twist.twist.linear.x for each in heard["odometry"]]
+        with open_source(bag) as recording:
+            source = recorded_vehicle(recording).source
+        stored = [
+            each.message.twist.twist.linear.x
+            for each in source.messages()
+            if each.instrument is Instrument.ODOMETRY
+        ]
+        assert sent == stored[: len(sent)]
+
+    def test_they_can_be_left_out(self, world: Any, bag: Path) -> None:
+        heard, images = world.listen(Odometry, "odometry"), world.listen(Image, "image")
+        node = world.replay(source=str(bag), rate=20.0, instruments=False)
+        play_to_the_end(world, node, images)
+        assert not heard
+
+    def test_a_topic_that_is_not_there_is_told(self, world: Any, bag: Path) -> None:
+        with pytest.raises(RecordingError, match="there is no topic /other"):
+            world.replay(source=str(bag), imu_topic="/other")
+
+    def test_the_calibration_of_a_vehicle_file_wins(
+        self, world: Any, bag: Path, tmp_path: Path
+    ) -> None:
+        file = tmp_path / "mine.yaml"
+        file.write_text(
+            "image_width: 64\nimage_height: 48\ndistortion_model: plumb_bob\n"
+            "camera_matrix: [77.0, 0.0, 31.5, 0.0, 77.0, 23.5, 0.0, 0.0, 1.0]\n"
+            "distortion_coefficients: [0.0, 0.0, 0.0, 0.0]\n"
+        )
+        heard, images = world.listen(CameraInfo, "camera_info"), world.listen(Image, "image")
+        node = world.replay(source=str(bag), rate=20.0, vehicle=str(file))
+        play_to_the_end(world, node, images)
+        world.spin(lambda: heard)
+        assert [message.k[0] for message in heard] == [77.0]

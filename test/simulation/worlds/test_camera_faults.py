@@ -5,8 +5,10 @@ import pytest
 
 from cable_tracker.simulation.worlds.camera_faults import (
     Recorder,
+    Sway,
     random_light,
     random_overlaid,
+    random_sway,
 )
 from cable_tracker.simulation.worlds.world import Disturbance, Optics
 
@@ -45,6 +47,21 @@ def test_light_is_one_on_average_and_uneven_if_asked_for():
     np.testing.assert_allclose(even, 1.0, rtol=1e-5)
     assert uneven.mean() == pytest.approx(1.0, abs=0.05)
     assert uneven.std() > 0.1
+
+
+def test_lamps_that_do_not_sway_leave_the_light_as_it_is():
+    light = random_light(Optics(), (64, 48), np.random.default_rng(0))
+    sway = random_sway(Optics(), 1.0, np.random.default_rng(0))
+    assert sway.moved(light, 3.0) is light
+
+
+def test_the_light_sways_to_the_right_and_up_and_back():
+    light = np.zeros((48, 64), np.float32)
+    light[20, 30] = 1.0
+    sway = Sway(reach=(6.0, 4.0), rates=(np.pi, np.pi), phases=(0.0, 0.0))
+    for seconds, place in ((0.0, (20, 30)), (0.5, (16, 36)), (1.5, (24, 24))):
+        moved = sway.moved(light, seconds)
+        assert np.unravel_index(moved.argmax(), moved.shape) == place
 
 
 def test_what_covers_the_picture_is_known():

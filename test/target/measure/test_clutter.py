@@ -33,7 +33,7 @@ def test_restless_clutter_says_less():
 
 def test_other_colours_speak_against_the_target():
     usual = UsualScore(0.9, 0.001)
-    assert log_ratio_of_likeness(0.9, usual) > 0.0 > log_ratio_of_likeness(0.4, usual)
+    assert log_ratio_of_likeness(0.9, usual, 0.15) > 0.0 > log_ratio_of_likeness(0.4, usual, 0.15)
 
 
 def test_the_usual_score_follows_what_is_seen():

@@ -2,9 +2,11 @@ import numpy as np
 
 from cable_tracker.target.thesis.horizon import (
     alignment,
+    edge_shares,
     horizon_row,
     horizon_weights,
     roberts_energy,
+    sun_column,
 )
 
 
@@ -39,3 +41,18 @@ def test_what_moves_has_the_weight():
     weights = horizon_weights(now, before, np.ones((10, 10), bool), [(38, 18), (5, 40), (60, 5)])
     assert np.argmax(weights) == 0
     assert weights[0] > 0.9
+
+
+def test_edges_near_the_sun_and_the_horizon_count_less():
+    image = np.full((60, 80), 0.6, np.float32)
+    image[30:] = 0.2
+    image[5:12, 40:43] = 1.0
+    shares = edge_shares(image)
+    assert sun_column(image) == 41
+    assert (shares[:, 34:49] == 0.0).all()
+    assert shares[30, 5] == 0.5
+    assert shares[50, 5] == shares[50, 60] == 1.0
+
+
+def test_a_picture_without_sun_has_none():
+    assert sun_column(np.full((60, 80), 0.6, np.float32)) is None

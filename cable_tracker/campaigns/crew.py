@@ -1,0 +1,257 @@
+"""Who does the work of a campaign: this process, processes of this machine, or a cluster.
+
+Results are small and come back to the caller; with a store they also stay on the disk, so that a
+campaign that was ended can go on.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import pickle
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import cv2
+
+from cable_tracker import __version__
+from cable_tracker.errors import OutputError, ParameterError
+
+LARGEST_WORKER_COUNT = 256
+
+STORE = "tasks"
+"""Folder with the results of single tasks, in the folder of a campaign."""
+
+ARRAYS = {
+    ("numpy", "ndarray"),
+    ("numpy", "dtype"),
+    ("numpy._core.multiarray", "_reconstruct"),
+    ("numpy.core.multiarray", "_reconstruct"),
+    ("numpy._core.multiarray", "scalar"),
+    ("numpy.core.multiarray", "scalar"),
+    ("numpy._core.numeric", "_frombuffer"),
+    ("numpy.core.numeric", "_frombuffer"),
+}
+"""What stored results may be made of besides classes of this package."""
+
+Result_co = TypeVar("Result_co", covariant=True)
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, slots=True)
+class ClusterSettings:
+    """Where tasks run.
+
+    Attributes
+    ----------
+    workers : int
+        Processes of a cluster on this machine.
+    scheduler : str or None
+        Address of a running scheduler, as tcp://host:8786; None: a cluster of this machine's own.
+    memory : str
+        Most memory of each worker, as "2 GiB"; it is restarted when it takes more.
+    dashboard : bool
+        Serve Dask's pages at `cluster.DASHBOARD`.
+
+    Raises
+    ------
+    ParameterError
+        The number of workers is out of range.
+    """
+
+    workers: int = 1
+    scheduler: str | None = None
+    memory: str = "4 GiB"
+    dashboard: bool = False
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.workers <= LARGEST_WORKER_COUNT:
+            raise ParameterError(f"workers is {self.workers}: give 1 to {LARGEST_WORKER_COUNT}")
+
+    def is_here(self, count: int) -> bool:
+        """Tell whether so many tasks are done in this process."""
+        return self.scheduler is None and (self.workers == 1 or count <= 1)
+
+
+class Work(Protocol[Result_co]):
+    """Something that gives a small result, which is sent back. It is sent to other processes."""
+
+    def run(self, advance: Callable[[], None]) -> Result_co:
+        """Do it; `advance` is to be called after each frame."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Crew:
+    """Who does the work, and where its results are kept.
+
+    Attributes
+    ----------
+    settings : ClusterSettings
+        Where it is done.
+    store : Path or None
+        Folder for the result of each work; None: they are not kept.
+    resume : bool
+        Take from the store what is there of the same work and version.
+    """
+
+    settings: ClusterSettings
+    store: Path | None = None
+    resume: bool = False
+
+
+Workers = int | Crew
+"""So many processes of this machine, or a crew."""
+
+
+def crew_of(workers: Workers) -> Crew:
+    """Return a crew; a number stands for so many processes of this machine.
+
+    Raises
+    ------
+    ParameterError
+        The number is out of range.
+    """
+    return workers if isinstance(workers, Crew) else Crew(ClusterSettings(workers))
+
+
+def fingerprint_of(work: object) -> str:
+    """Return what stands for a work and this version of the package.
+
+    It is made of `work.fingerprint()`, or of the text that the work is written as.
+    """
+    own = getattr(work, "fingerprint", None)
+    text = own() if own is not None else repr(work)
+    return hashlib.sha256(f"{__version__} {type(work).__qualname__} {text}".encode()).hexdigest()
+
+
+def do_and_keep(work: Work[Result], advance: Callable[[], None], store: Path | None) -> Result:
+    """Do some work, and keep its result.
+
+    Raises
+    ------
+    OutputError
+        The result cannot be written.
+    """
+    # What is measured must not depend on the processors.
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        result = work.run(advance)
+    finally:
+        cv2.setNumThreads(threads)
+    if store is not None:
+        _keep(store / fingerprint_of(work), result)
+    return result
+
+
+def _keep(path: Path, result: object) -> None:
+    partial = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial.write_bytes(pickle.dumps(result))
+        partial.replace(path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise OutputError(
+            f"{path.parent}: cannot be written ({error.strerror or error}); check the disk"
+        ) from error
+
+
+class _Kept(pickle.Unpickler):
+    """Reads results, and nothing that could do anything."""
+
+    def find_class(self, module: str, name: str) -> Any:  # noqa: ANN401
+        found = super().find_class(module, name) if self._is_known(module, name) else None
+        is_array = (module, name) in ARRAYS
+        if found is None or not (is_array or isinstance(found, type)):
+            raise pickle.UnpicklingError(f"{module}.{name} is no part of a result")
+        return found
+
+    @staticmethod
+    def _is_known(module: str, name: str) -> bool:
+        return module.split(".", maxsplit=1)[0] == "cable_tracker" or (module, name) in ARRAYS
+
+
+def kept_result(work: object, store: Path | None) -> tuple[Any] | None:
+    """Return the result of a work that is in a store, alone in a tuple; None: it is not there."""
+    if store is None:
+        return None
+    try:
+        data = (store / fingerprint_of(work)).read_bytes()
+        return (_Kept(io.BytesIO(data)).load(),)
+    # A file that was cut off, or is of another version, raises what it happens to raise.
+    except Exception:  # noqa: BLE001
+        return None
+
+
+def run_all(
+    works: Sequence[Work[Result]],
+    *,
+    workers: Workers = 1,
+    advance: Callable[[int], None] = lambda count: None,
+) -> list[Result]:
+    """Do all of some work, and return the results in order; the first error ends it.
+
+    The results do not depend on who does it.
+
+    Parameters
+    ----------
+    works : sequence of Work
+        What to do.
+    workers : int or Crew
+        Who does it.
+    advance : callable
+        Told now and then how many more frames are done; kept results have none.
+
+    Raises
+    ------
+    ParameterError
+        The number of workers is out of range, the cluster cannot be used, or a worker was ended
+        again and again.
+    CableTrackerError
+        What stopped the first that failed.
+    """
+    crew = crew_of(workers)
+    done: dict[int, Result] = {}
+    if crew.resume:
+        for number, work in enumerate(works):
+            kept = kept_result(work, crew.store)
+            if kept is not None:
+                done[number] = kept[0]
+    left = [number for number in range(len(works)) if number not in done]
+    if crew.settings.is_here(len(left)):
+        for number in left:
+            done[number] = do_and_keep(works[number], lambda: advance(1), crew.store)
+    elif left:
+        # Dask takes a second to import, which a single process need not wait for.
+        from cable_tracker.campaigns.runner import run_on_cluster  # noqa: PLC0415
+
+        results = run_on_cluster([works[number] for number in left], crew, advance)
+        done.update(zip(left, results, strict=True))
+    return [done[number] for number in range(len(works))]
+
+
+@contextmanager
+def stored_beside(output: Path, settings: ClusterSettings, *, resume: bool) -> Iterator[Crew]:
+    """Give a crew whose results lie beside an output folder until that is complete.
+
+    Then `move_store` puts them into it. A campaign that goes on finds them in either place.
+    """
+    store = output.with_name(f"{output.name}.{STORE}")
+    if not resume:
+        shutil.rmtree(store, ignore_errors=True)
+    elif (output / STORE).is_dir():
+        shutil.copytree(output / STORE, store, dirs_exist_ok=True)
+    yield Crew(settings, store.absolute(), resume)
+
+
+def move_store(crew: Crew, folder: Path) -> None:
+    """Put what a crew has kept into the folder of its campaign, once all is done."""
+    if crew.store is not None and crew.store.is_dir():
+        shutil.move(crew.store, folder / STORE)

@@ -1,0 +1,135 @@
+"""What Numba makes of entries and of parts: machine code, and code to be linked.
+
+Numba optimises every function on its own and turns it into machine code, then does both again in
+each function that calls it. The machine code of a part is never run. So while an entry is compiled,
+the functions that it calls are kept as they were translated; all of them are linked into the entry
+once, and optimised there as a whole.
+
+The classes derive from Numba's own, and override what is not of its documented interface; the
+versions that are tested are those of the constraints files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import llvmlite.binding as llvm
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.environment import lookup_environment
+
+ENVIRONMENT = "_ZN08NumbaEnv"
+"""Beginning of the names of variables that hold what a function needs of Python."""
+
+
+class _NoEngine:
+    """Takes what Numba would tell the engine of a function that has machine code."""
+
+    def set_env(self, name: str, environment: object) -> None:
+        """Do nothing: entries set the variables of all that is linked into them."""
+
+
+class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """A function that is linked into entries, and never run on its own."""
+
+    @property
+    def codegen(self) -> _NoEngine:
+        """What is told of the function's machine code, which it has not."""
+        return _NoEngine()
+
+    def _optimize_functions(self, ll_module: Any) -> None:  # noqa: ANN401
+        ll_module.data_layout = self._codegen._data_layout
+
+    def finalize(self) -> None:
+        """Make the function ready to be linked; what it calls is linked into the entry."""
+        self._raise_if_finalized()
+        for library in self._linking_libraries:
+            _inherit_initialisers(self, library)
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage == llvm.Linkage.external:
+                # Several entries may have it, and none keeps it that has no use for it.
+                function.linkage = llvm.Linkage.linkonce_odr
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:  # noqa: ANN401
+        self._ensure_finalized()
+        return self._final_module
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return no address: there is no machine code."""
+        self._ensure_finalized()
+        return 0
+
+    @classmethod
+    def _unserialize(cls, codegen: Any, state: Any) -> Any:  # noqa: ANN401
+        # What is on disk is an entry, also where another one calls it.
+        with _making(codegen, JITCodeLibrary):
+            return JITCodeLibrary._unserialize(codegen, state)
+
+
+class EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """A function that Python calls, with all that it calls in turn."""
+
+    def finalize(self) -> None:
+        """Link, optimise, and make machine code."""
+        self._raise_if_finalized()
+        for library in _needed_by(self):
+            _inherit_initialisers(self, library)
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        self._optimize_final_module()
+        self._final_module.verify()
+        self._finalize_final_module()
+        self._set_environments()
+
+    def _set_environments(self) -> None:
+        for variable in self._final_module.global_variables:
+            if variable.name.startswith(ENVIRONMENT):
+                environment = lookup_environment(variable.name)
+                if environment is not None:
+                    self._codegen.set_env(variable.name, environment)
+
+
+def _needed_by(library: JITCodeLibrary) -> list[JITCodeLibrary]:
+    """Return what a function calls, directly or through parts, each once."""
+    found: dict[int, JITCodeLibrary] = {}
+    left = list(library._linking_libraries)
+    while left:
+        each = left.pop(0)
+        if id(each) not in found:
+            found[id(each)] = each
+            if isinstance(each, PartLibrary):
+                left += each._linking_libraries
+    return list(found.values())
+
+
+def _inherit_initialisers(library: JITCodeLibrary, needed: JITCodeLibrary) -> None:
+    """Let a function run, when it is loaded from disk, what one that it calls needs."""
+    # Older versions of Numba keep them elsewhere.
+    if hasattr(library, "_reload_init"):
+        library._reload_init.update(needed._reload_init)
+
+
+@contextmanager
+def _making(codegen: Any, kind: type) -> Iterator[None]:  # noqa: ANN401
+    """Let Numba keep functions as libraries of a kind. Its lock of the compiler is held."""
+    before = codegen._library_class
+    codegen._library_class = kind
+    try:
+        yield
+    finally:
+        codegen._library_class = before
+
+
+class EntryCompiler(Compiler):  # type: ignore[misc]
+    """Compiles an entry; all that it calls is compiled as parts."""
+
+    def compile_extra(self, func: Callable[..., Any]) -> Any:  # noqa: ANN401
+        """Return what Numba's compiler does."""
+        codegen = self.state.targetctx.codegen()
+        self.state.library = EntryLibrary(codegen, func.__qualname__)
+        self.state.library.enable_object_caching()
+        with _making(codegen, PartLibrary):
+            return super().compile_extra(func)

@@ -1,0 +1,61 @@
+"""`cable-tracker chase`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from cable_tracker.commands.options import ForceOption
+from cable_tracker.commands.ros_part import need_ros
+from cable_tracker.commands.target import TargetPresetName
+from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.simulation.targets.chase import ChaseSettings
+
+SHARES = {"kept", "claimed_in_view", "claimed_while_absent", "range_error", "within_two_sigmas"}
+
+
+def chase(  # noqa: PLR0917
+    output: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("chase"),
+    duration: Annotated[float, typer.Option(min=5.0, max=1e5, help="Simulated time [s].")] = 300.0,
+    distance: Annotated[
+        float, typer.Option(min=0.5, max=50.0, help="To be kept behind the target [m].")
+    ] = 2.5,
+    hidden_for: Annotated[
+        float, typer.Option(min=0.0, max=40.0, help="How long silt hides it every 50 s [s].")
+    ] = 6.0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the world.")] = 0,
+    preset_name: Annotated[
+        TargetPresetName | None,
+        typer.Option("--preset", help="Of the target tracker.  [default: default]"),
+    ] = None,
+    force: ForceOption = False,
+) -> None:
+    """Let a simulated vehicle follow a moving target over DDS, through clouds of silt.
+
+    Simulator, target tracker and follower run in lockstep, as fast as the machine can. Needs ROS 2.
+    """
+    rigs = need_ros("rigs.chase")
+    world = ChaseSettings(seed=seed, duration=duration, hidden_for=hidden_for)
+    request = rigs.ChaseRequest(
+        world=world,
+        preset=preset_name.value if preset_name else "default",
+        distance=distance,
+    )
+    with progress_bar("following", math.ceil(duration * world.rate) + 1) as progress:
+        summary = rigs.run_chase(
+            request, output, overwrite=force, advance=lambda count: advance(progress, count)
+        )
+    table = Table(title="chase")
+    table.add_column("")
+    table.add_column("", justify="right")
+    for name, value in asdict(summary).items():
+        cell = f"{value:.1%}" if name in SHARES else f"{value:.4g}"
+        table.add_row(name.replace("_", " "), cell)
+    console.print(table)
+    for name in rigs.file_names():
+        console.print(f"  {output / name}", soft_wrap=True)

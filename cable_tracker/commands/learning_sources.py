@@ -1,0 +1,257 @@
+"""What `cable-tracker learn` learns from: labelled recordings and simulated dives."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.measure.learning import ResponseCounts
+from cable_tracker.cable.measure.working_image import WorkingImage, check_frame, make_working_image
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.errors import FrameError, ParameterError, RecordingError
+from cable_tracker.evaluation.judged_sequences import (
+    WorldSequence,
+    check_labels,
+    simulated_sequences,
+)
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.source import Source
+from cable_tracker.simulation.dive import SimulatedFrame
+from cable_tracker.simulation.fading import made_harder
+from cable_tracker.simulation.scenario import simulate_scenario
+from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
+from cable_tracker.simulation.worlds.split import Split
+
+MOST_SEEDS = 1000
+
+SEEDS = re.compile(r"(\d{1,9})(?:-(\d{1,9}))?")
+"""One seed, or the first and the last of some."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LabelledSequence:
+    """Something to learn from.
+
+    Attributes
+    ----------
+    name : str
+        What messages call it.
+    frame_count : int or None
+        Number of frames; None when it is unknown before all have been read.
+    frames : callable
+        Makes or reads them. A frame in which nothing of the cable can be seen has no truth.
+    shows_cable : bool
+        Whether there is a cable anywhere; if not, all frames are background.
+    """
+
+    name: str
+    frame_count: int | None
+    frames: Callable[[], Iterator[Frame]]
+    shows_cable: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class LearningPlan:
+    """How frames are counted.
+
+    Attributes
+    ----------
+    every : int
+        Use every so manieth frame only, from the first.
+    harder : int
+        Count each frame also so many times made harder, see `made_harder`.
+    limit : int or None
+        Use only so many frames from the beginning of each simulated dive.
+    skip_bad_frames : bool
+        Pass over a frame that cannot be decoded.
+    """
+
+    every: int = 1
+    harder: int = 1
+    limit: int | None = None
+    skip_bad_frames: bool = False
+
+
+def parse_seeds(text: str) -> tuple[int, ...]:
+    """Read seeds such as 0,4-6, each once, in the order given.
+
+    Raises
+    ------
+    ParameterError
+        The text is of another form, or there are too many.
+    """
+    seeds: list[int] = []
+    for part in text.split(","):
+        match = SEEDS.fullmatch(part.strip())
+        first, last = (int(number) for number in match.groups(match[1])) if match else (1, 0)
+        if first > last:
+            raise ParameterError(f"seeds: {text!r} is not of the form 0,4-6")
+        seeds += range(first, min(last, first + MOST_SEEDS) + 1)
+    if len(seeds) > MOST_SEEDS:
+        raise ParameterError(f"seeds: {text!r} are more than {MOST_SEEDS}")
+    return tuple(dict.fromkeys(seeds))
+
+
+def simulated_dives(
+    names: Sequence[str], seeds: Sequence[int], limit: int | None
+) -> list[LabelledSequence]:
+    """Return dives to learn from: each of some scenarios and worlds with each seed.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of scenarios and of worlds to tune on, or patterns of them such as "tune_*".
+    seeds : sequence of int
+        Each makes another dive.
+    limit : int or None
+        Use only so many frames from the beginning of each.
+
+    Raises
+    ------
+    ParameterError
+        There is no such scenario, or it is a world that reports are made on.
+    RecordingError
+        A world needs photographs, and there are none.
+    """
+    dives = []
+    for sequence in simulated_sequences(names, limit) if names else ():
+        world = WORLDS[sequence.name] if isinstance(sequence, WorldSequence) else None
+        if world is not None and world.split is Split.REPORT:
+            raise ParameterError(
+                f"scenario: {world.name} is a world to report on, which nothing may be learnt from;"
+                " take worlds whose names begin with tune_"
+            )
+        simulate = simulate_scenario if world is None else simulate_world
+        count, shows_cable = sequence.frame_count(), world is None or world.has_cable
+        for seed in seeds:
+            frames = _frames_maker(simulate, sequence.name, seed, limit)
+            name = f"{sequence.name}, seed {seed}"
+            dives.append(LabelledSequence(name, count, frames, shows_cable))
+    return dives
+
+
+def _frames_maker(
+    simulate: Callable[[str, int], Iterator[SimulatedFrame]],
+    name: str,
+    seed: int,
+    limit: int | None,
+) -> Callable[[], Iterator[Frame]]:
+    def frames() -> Iterator[Frame]:
+        for item in islice(simulate(name, seed), limit):
+            # Where a person would hardly see the cable there is nothing to learn.
+            seen = item.visibility > 0.0
+            yield item.frame if seen else replace(item.frame, truth=None)
+
+    return frames
+
+
+def labelled_recording(recording: Source, truth: Path | None) -> LabelledSequence:
+    """Return an open recording to learn from.
+
+    Raises
+    ------
+    RecordingError
+        It has no labels, or those of the file do not fit.
+    """
+    if truth is not None:
+        check_labels(recording, truth)
+    if not recording.has_truth:
+        raise RecordingError(
+            f"{recording.path}: has no ground truth to learn from; give labels with --truth FILE"
+        )
+    return LabelledSequence(str(recording.path), recording.frame_count, recording.frames)
+
+
+def total_of(sequences: Iterable[LabelledSequence]) -> int | None:
+    """Return the number of all frames; None if it is unknown of one."""
+    counts = [sequence.frame_count for sequence in sequences]
+    known = [count for count in counts if count is not None]
+    return sum(known) if len(known) == len(counts) else None
+
+
+def count_frames(
+    counts: ResponseCounts,
+    sequence: LabelledSequence,
+    frames: Iterable[Frame],
+    parameters: TrackerParameters,
+    plan: LearningPlan,
+    *,
+    rng: np.random.Generator,
+) -> None:
+    """Count the labelled ones of every K-th frame, as the tracker sees them.
+
+    Parameters
+    ----------
+    counts : ResponseCounts
+        Where they are counted.
+    sequence : LabelledSequence
+        What they are from.
+    frames : iterable of Frame
+        Its frames.
+    parameters : TrackerParameters
+        Those that the tables will be used with.
+    plan : LearningPlan
+        How they are counted.
+    rng : numpy.random.Generator
+        Draws how much harder frames are made.
+
+    Raises
+    ------
+    FrameError
+        A frame cannot be used and is not to be skipped.
+    """
+    for frame in frames:
+        if frame.index % plan.every or (frame.truth is None and sequence.shows_cable):
+            continue
+        try:
+            image = decode_grey(frame.image)
+            check_frame(image)
+        except FrameError as error:
+            if plan.skip_bad_frames:
+                continue
+            raise FrameError(f"{sequence.name}: frame {frame.index}: {error}") from error
+        if frame.truth is None:
+            counts.add_background(_working(image, parameters))
+            continue
+        polarity = counts.add(_working(image, parameters), frame.truth)
+        for _ in range(plan.harder if polarity is not None else 0):
+            harder = _working(made_harder(image, frame.truth, rng), parameters)
+            counts.add(harder, frame.truth, polarity)
+
+
+def _working(image: Image, parameters: TrackerParameters) -> WorkingImage:
+    return make_working_image(
+        image, parameters.working_width, parameters.filter_sigma, parameters.sample_spacing
+    )
+
+
+def describe_origin(
+    scenarios: Sequence[str],
+    seeds: Sequence[int],
+    paths: Sequence[Path],
+    truth: Path | None,
+    plan: LearningPlan,
+) -> str:
+    """Say what a table is learnt from, without the folders, which are private."""
+    parts = []
+    if scenarios:
+        word = "seed" if len(seeds) == 1 else "seeds"
+        numbers = ", ".join(map(str, seeds))
+        beginning = f", {plan.limit} frames of each" if plan.limit is not None else ""
+        parts.append(f"simulated {', '.join(scenarios)} with {word} {numbers}{beginning}")
+    parts += [path.resolve().name for path in paths]
+    if truth is not None:
+        parts[-1] += f" labelled by {truth.name}"
+    if plan.every > 1:
+        parts.append(f"one frame in {plan.every}")
+    if plan.harder > 0:
+        times = "" if plan.harder == 1 else f", {plan.harder} times"
+        parts.append(f"as they are and with the cable faded, blurred and in noise{times}")
+    return "; ".join(parts)

@@ -1,0 +1,195 @@
+"""Keep a distance behind a target, as an example: its place in, surge, heave and turn out.
+
+The surge has an integral part, which comes to be the target's own speed and the current's; while
+the target is lost it carries the vehicle on. After a while the vehicle also looks to both sides of
+its course in turn, farther every time, beginning where the target was last seen.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+
+@dataclass(frozen=True, slots=True)
+class FollowSettings:
+    """How to follow.
+
+    Attributes
+    ----------
+    distance : float
+        To be kept [m].
+    gain, integral_gain : float
+        Surge for each metre too far [1/s], and how fast a distance that stays is worked against
+        [1/s²].
+    most_surge : float
+        Forward; backward half of it [m/s].
+    turn_gain : float
+        Rate of turn for each radian of bearing [1/s].
+    most_turn : float
+        [rad/s].
+    climb_gain : float
+        Heave for each metre above [1/s].
+    most_heave : float
+        [m/s].
+    memory_time : float
+        So long a lost target is followed where it should be [s].
+    give_up : float
+        After so long without it the vehicle stands still [s].
+    search_turn : float
+        Rate of turn while it is looked for [rad/s].
+    search_angle : float
+        To either side of the course at first; every time so much farther [rad].
+    """
+
+    distance: float = 2.5
+    gain: float = 0.5
+    integral_gain: float = 0.06
+    most_surge: float = 0.8
+    turn_gain: float = 1.0
+    most_turn: float = 0.5
+    climb_gain: float = 0.5
+    most_heave: float = 0.2
+    memory_time: float = 8.0
+    give_up: float = 60.0
+    search_turn: float = 0.3
+    search_angle: float = 0.4
+
+
+@dataclass(frozen=True, slots=True)
+class TargetPlace:
+    """Where a target is, from the vehicle.
+
+    Attributes
+    ----------
+    ahead, left, up : float
+        [m].
+    """
+
+    ahead: float
+    left: float
+    up: float
+
+    @property
+    def range(self) -> float:
+        """Distance [m]."""
+        return math.sqrt(self.ahead**2 + self.left**2 + self.up**2)
+
+    @property
+    def bearing(self) -> float:
+        """To the left [rad]."""
+        return math.atan2(self.left, self.ahead)
+
+
+@dataclass(frozen=True, slots=True)
+class FollowCommand:
+    """What the vehicle is told.
+
+    Attributes
+    ----------
+    surge, heave : float
+        Forward and up [m/s].
+    turn : float
+        To the left [rad/s].
+    """
+
+    surge: float = 0.0
+    heave: float = 0.0
+    turn: float = 0.0
+
+
+class FollowMode(str, Enum):
+    """What the follower is about."""
+
+    WAITING = "WAITING"
+    FOLLOWING = "FOLLOWING"
+    REMEMBERING = "REMEMBERING"
+    SEARCHING = "SEARCHING"
+    GIVEN_UP = "GIVEN UP"
+
+
+class TargetFollower:
+    """Turns places of a target into commands.
+
+    Parameters
+    ----------
+    settings : FollowSettings
+        How to follow.
+    """
+
+    def __init__(self, settings: FollowSettings) -> None:
+        self._settings = settings
+        self._mode = FollowMode.WAITING
+        self._integral = 0.0
+        self._last: TargetPlace | None = None
+        self._seen = 0.0
+        self._time: float | None = None
+
+    @property
+    def mode(self) -> FollowMode:
+        """What it is about."""
+        return self._mode
+
+    def step(self, time: float, place: TargetPlace | None) -> FollowCommand:
+        """Return what to do.
+
+        Parameters
+        ----------
+        time : float
+            Of the frame [s].
+        place : TargetPlace or None
+            Where the target is; None while it is lost.
+        """
+        dt = 0.0 if self._time is None else min(max(time - self._time, 0.0), 1.0)
+        self._time = time
+        if place is not None:
+            self._last, self._seen = place, time
+            self._mode = FollowMode.FOLLOWING
+            return self._follow(place, dt)
+        if self._last is None:
+            self._mode = FollowMode.WAITING
+            return FollowCommand()
+        lost = time - self._seen
+        if lost <= self._settings.memory_time:
+            self._mode = FollowMode.REMEMBERING
+            # The turn for the last bearing fades away: by then the vehicle has made it.
+            turn = self._turn(self._last.bearing) * math.exp(-lost)
+            return FollowCommand(self._limited(self._integral), 0.0, turn)
+        if lost <= self._settings.give_up:
+            self._mode = FollowMode.SEARCHING
+            return self._search(lost - self._settings.memory_time, self._last.bearing)
+        self._mode = FollowMode.GIVEN_UP
+        return FollowCommand()
+
+    def _follow(self, place: TargetPlace, dt: float) -> FollowCommand:
+        settings = self._settings
+        too_far = place.range - settings.distance
+        wanted = settings.gain * too_far + self._integral
+        # The integral stands still while the surge is at its limit.
+        if self._limited(wanted) == wanted:
+            self._integral += settings.integral_gain * too_far * dt
+        surge = self._limited(wanted) * max(math.cos(place.bearing), 0.0)
+        heave = min(max(settings.climb_gain * place.up, -settings.most_heave), settings.most_heave)
+        return FollowCommand(surge, heave, self._turn(place.bearing))
+
+    def _search(self, seconds: float, bearing: float) -> FollowCommand:
+        """Look to both sides, `seconds` after the search has begun."""
+        settings = self._settings
+        side = 1.0 if bearing >= 0.0 else -1.0
+        reach, begin, turned = settings.search_angle, 0.0, settings.search_angle
+        # Each leg goes from one side to the other, and farther than the one before.
+        while settings.search_turn > 0.0 and seconds > begin + turned / settings.search_turn:
+            begin += turned / settings.search_turn
+            turned = 2.0 * reach + settings.search_angle
+            reach += settings.search_angle
+            side = -side
+        return FollowCommand(self._limited(self._integral), 0.0, side * settings.search_turn)
+
+    def _limited(self, surge: float) -> float:
+        most = self._settings.most_surge
+        return min(max(surge, -0.5 * most), most)
+
+    def _turn(self, bearing: float) -> float:
+        most = self._settings.most_turn
+        return min(max(self._settings.turn_gain * bearing, -most), most)

@@ -1,0 +1,197 @@
+"""Follow a target through a recording with both nodes in processes of their own, in lockstep."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from rclpy.executors import SingleThreadedExecutor
+
+from cable_tracker.errors import RecordingError
+from cable_tracker.evaluation.targets.track_target import TargetFolder, TargetRow
+from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder
+from cable_tracker.ros.clients.track_recording import LockstepRun, start_node
+from cable_tracker.ros.process.child_process import NodeProcess
+from cable_tracker.ros.process.client_node import client_node
+from cable_tracker.ros.process.environment import use_local_environment
+from cable_tracker.sequences import output_topics
+from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.messages import Message, read_compressed_image
+from cable_tracker.sequences.output_topics import OutputTopic
+from cable_tracker.sequences.source import Source
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.parameter_table import ParameterValue
+from cable_tracker.tracking.status import TrackingStatus
+
+
+@dataclass(frozen=True, slots=True)
+class TargetRequest:
+    """Which recording to follow a target in, and how, in words that the nodes understand.
+
+    Attributes
+    ----------
+    source : dict
+        Parameters of the replay node that name the recording.
+    parameters : TargetParameters
+        Parameters of the filter.
+    initial_target : str
+        `detect`, or a box.
+    """
+
+    source: dict[str, ParameterValue]
+    parameters: TargetParameters
+    initial_target: str
+
+
+class TargetRecorder(Recorder):
+    """Subscribes to the outputs of a target tracker, and puts together those of one frame."""
+
+    RECORDED: ClassVar[tuple[OutputTopic, ...]] = (
+        output_topics.STATE,
+        output_topics.TARGET_REPORT,
+        output_topics.TARGET,
+        output_topics.BOX,
+        output_topics.CONTOUR,
+        output_topics.BEARING,
+        output_topics.RELATIVE_POSE,
+        output_topics.PARTICLES,
+        output_topics.MARKERS,
+        output_topics.TARGET_OVERLAY,
+        output_topics.DIAGNOSTICS,
+    )
+    REPORT: ClassVar[OutputTopic] = output_topics.TARGET_REPORT
+
+    def _topics_of(self, report: Message) -> list[OutputTopic]:
+        topics = [output_topics.STATE, output_topics.TARGET_REPORT]
+        values = _values_of(report)
+        if str(report.status[0].message) not in {status.value for status in TrackingStatus}:
+            return topics
+        topics += [output_topics.MARKERS, output_topics.TARGET_OVERLAY]
+        if values["particles"]:
+            topics.append(output_topics.PARTICLES)
+        if values["box"]:
+            topics += [output_topics.TARGET, output_topics.BOX]
+        if values["corners"]:
+            topics.append(output_topics.CONTOUR)
+        return topics
+
+
+def track_target_over_ros(
+    source: Source,
+    request: TargetRequest,
+    results: TargetFolder,
+    advance: Callable[[], None] = lambda: None,
+) -> RecordingError | None:
+    """Follow a target with a `target_tracker` and a `replay` process.
+
+    Both run under a namespace of this process, so that they meet no other node. The replay sends a
+    frame only when everything about the frame before has been recorded.
+
+    Parameters
+    ----------
+    source : Source
+        The same recording, open in this process.
+    request : TargetRequest
+        What the nodes are told.
+    results : TargetFolder
+        Where the results go.
+    advance : callable
+        Called after each frame.
+
+    Returns
+    -------
+    RecordingError or None
+        Where the recording broke off; the frames before that are in the results.
+
+    Raises
+    ------
+    RosError
+        The processes do not find each other, or one of them has died.
+    """
+    use_local_environment()
+    namespace = f"/cable_tracker_{os.getpid()}"
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        recorder, executor = stack.enter_context(
+            client_node(lambda context: TargetRecorder(context, namespace))
+        )
+        parameters: dict[str, ParameterValue] = {
+            **request.parameters.as_mapping(),
+            "image_transport": "compressed" if source.compressed else "raw",
+            "image_reliability": "reliable",
+            "initial_target": request.initial_target,
+            "diagnostics_period": 0.1,
+            # The same estimates as without ROS, whatever the recording shows.
+            "frozen_timeout": 0.0,
+        }
+        tracker = stack.enter_context(
+            start_node("target_tracker", namespace, folder, parameters, [])
+        )
+        run = _TargetRun(executor, recorder, tracker, results)
+        run.wait_for_tracker()
+        run.replay = stack.enter_context(
+            start_node(
+                "replay",
+                namespace,
+                folder,
+                {**request.source, "lockstep": True},
+                ["-r", f"state:={ACKNOWLEDGED}"],
+            )
+        )
+        damage = run.record_all(source, advance)
+        run.finish(damage)
+    return damage
+
+
+class _TargetRun(LockstepRun):
+    def __init__(
+        self,
+        executor: SingleThreadedExecutor,
+        recorder: Recorder,
+        tracker: NodeProcess,
+        results: TargetFolder,
+    ) -> None:
+        super().__init__(executor, recorder, tracker)
+        self._results = results
+
+    def _write(self, frame: Frame, recorded: RecordedFrame) -> Message:
+        self._write_messages(self._results.bag, frame, recorded)
+        state = recorded.read(output_topics.STATE)
+        picture = None
+        if output_topics.TARGET_OVERLAY in recorded.messages:
+            overlay = read_compressed_image(recorded.read(output_topics.TARGET_OVERLAY))
+            picture = decode_bgr(overlay)
+        self._results.add(frame, row_of_messages(frame, recorded, state), picture)
+        return state
+
+
+def row_of_messages(frame: Frame, recorded: RecordedFrame, state: Message) -> TargetRow:
+    """Return the row of the table that the node's messages about a frame make."""
+    values = _values_of(recorded.read(output_topics.TARGET_REPORT))
+
+    def number(key: str) -> float | None:
+        return float(values[key]) if values.get(key) else None
+
+    claim = None
+    scale, area = number("scale"), number("area")
+    if scale is not None and area is not None:
+        x, y, _, angle = (float(value) for value in state.position)
+        v_x, v_y, sigma_x, sigma_y = (
+            float(value) for value in (*state.velocity[:2], *state.effort[:2])
+        )
+        box = (float(side) for side in values["box"].split())
+        claim = (x, y, scale, angle, v_x, v_y, sigma_x, sigma_y, *box, area)
+    return TargetRow(
+        frame.index, frame.stamp, recorded.status, claim, number("presence"), number("n_eff"),
+        number("ms"), values.get("event", ""),
+    )  # fmt: skip
+
+
+def _values_of(report: Message) -> dict[str, str]:
+    return {str(pair.key): str(pair.value) for pair in report.status[0].values}

@@ -1,0 +1,223 @@
+"""The part of the replay node that sends what else a bag holds: the vehicle's instruments.
+
+Everything is sent as it was recorded, in step with the frames: before a frame, what was received up
+to it and shortly after it, as `metric.recorded` takes it. So the tracker node gives the same metres
+as `cable-tracker track`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from sensor_msgs.msg import CameraInfo, Imu, JointState, NavSatFix, Range
+
+from cable_tracker.metric.altitude import MOST_ALTITUDE
+from cable_tracker.metric.recorded import LOOK_AHEAD, InstrumentFeed, recorded_vehicle
+from cable_tracker.ros import qos
+from cable_tracker.ros.messages.rclpy_messages import message_class
+from cable_tracker.sequences import output_topics
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.instruments import (
+    TF_STATIC,
+    TF_TYPE,
+    Instrument,
+    InstrumentChoice,
+    InstrumentMessage,
+)
+from cable_tracker.sequences.messages import MessageFactory, make_header
+from cable_tracker.sequences.source import Source
+from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.sequences.typestores import typestore
+
+KINDS: dict[Instrument, type[Any]] = {
+    Instrument.CAMERA_INFO: CameraInfo,
+    Instrument.ALTITUDE: Range,
+    Instrument.IMU: Imu,
+    Instrument.ODOMETRY: Odometry,
+    Instrument.FIX: NavSatFix,
+}
+"""What each is sent as, on a topic of its own name."""
+
+TYPES = {
+    each: f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}" for each, kind in KINDS.items()
+}
+
+BEGINNING = 5_000_000_000
+"""What was said longer before the first frame is not sent, but for the calibration [ns]."""
+
+COUNTED = (Instrument.CAMERA_INFO, Instrument.ALTITUDE, Instrument.IMU, Instrument.ODOMETRY)
+"""Those that a tracker listens to."""
+
+
+class InstrumentReplay:
+    """Sends the instruments of a recording.
+
+    Parameters
+    ----------
+    node : Node
+        The replay node.
+    factory : MessageFactory
+        Makes its messages.
+    recording : Source
+        The open recording.
+    choice : InstrumentChoice
+        Topics that the user has chosen.
+    vehicle_file : Path or None
+        The user's `vehicle.yaml`.
+
+    Raises
+    ------
+    RecordingError
+        A topic that was chosen is not there.
+    ParameterError
+        The vehicle file is not acceptable.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        factory: MessageFactory,
+        recording: Source,
+        choice: InstrumentChoice,
+        vehicle_file: Path | None,
+    ) -> None:
+        self._factory = factory
+        vehicle = recorded_vehicle(recording, choice, vehicle_file)
+        self._source = vehicle.source
+        self._calibration = vehicle.vehicle.calibration
+        found = {} if self._source is None else self._source.found.topics
+        sent = {*found, *([Instrument.CAMERA_INFO] if self._calibration is not None else [])}
+        self._publishers: dict[Instrument, Publisher] = {
+            each: node.create_publisher(KINDS[each], each.value, qos.INSTRUMENTS)
+            for each in Instrument
+            if each in sent
+        }
+        self._counts = None
+        if sent:
+            self._counts = node.create_publisher(
+                JointState, output_topics.INSTRUMENTS_SENT, qos.INSTRUMENTS
+            )
+        self._sent = dict.fromkeys(COUNTED, 0)
+        self._feed: InstrumentFeed | None = None
+        self._is_first = True
+        for note in vehicle.notes:
+            node.get_logger().warning(note)
+        self._send_static(node)
+        if sent:
+            node.get_logger().info(f"instruments: {', '.join(each.value for each in sent)}")
+
+    def _send_static(self, node: Node) -> None:
+        """Send `/tf_static` to whatever shows it; trackers have the mounting as parameters."""
+        messages = [] if self._source is None else list(self._source.static_messages())
+        if not messages:
+            return
+        try:
+            kind = message_class(TF_TYPE)
+        except ImportError:
+            node.get_logger().info(f"tf2_msgs is not installed: {TF_STATIC} is not sent")
+            return
+        publisher = node.create_publisher(kind, TF_STATIC, qos.LATCHED)
+        for message in messages:
+            publisher.publish(bytes(typestore().serialize_cdr(message, TF_TYPE)))
+
+    def is_heard(self) -> bool:
+        """Tell whether each of the instruments has a subscriber, but for fixes."""
+        return all(
+            publisher.get_subscription_count() > 0
+            for each, publisher in self._publishers.items()
+            if each in COUNTED
+        )
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """Full names of what is sent."""
+        return tuple(publisher.topic_name for publisher in self._publishers.values())
+
+    def begin(self) -> None:
+        """Go back to the beginning of the recording."""
+        self.close()
+        self._feed = None if self._source is None else InstrumentFeed(self._source)
+        self._is_first = True
+
+    def send_until(self, frame: Frame) -> None:
+        """Send what belongs to a frame, before the frame itself."""
+        first, self._is_first = self._is_first, False
+        if first and self._calibration is not None:
+            self._send_calibration(frame)
+        if self._feed is not None and frame.received is not None:
+            for message in self._feed.until(frame.received + LOOK_AHEAD):
+                is_calibration = message.instrument is Instrument.CAMERA_INFO
+                if is_calibration and self._calibration is not None:
+                    continue
+                is_old = message.received < frame.received - BEGINNING
+                if is_calibration or not (first and is_old):
+                    self._send(message)
+        if self._counts is not None:
+            header = make_header(self._factory, frame.stamp, "")
+            counts = self._factory.doubles([float(self._sent[each]) for each in COUNTED])
+            names = [each.value for each in COUNTED]
+            self._counts.publish(JointState(header=header, name=names, position=counts))
+
+    def _send(self, given: InstrumentMessage) -> None:
+        publisher = self._publishers[given.instrument]
+        message = _as_sent(given)
+        publisher.publish(bytes(typestore().serialize_cdr(message, TYPES[given.instrument])))
+        if given.instrument in self._sent:
+            self._sent[given.instrument] += 1
+
+    def _send_calibration(self, frame: Frame) -> None:
+        calibration = self._calibration
+        assert calibration is not None
+        (fx, fy), (cx, cy) = calibration.focal, calibration.centre
+        width, height = calibration.image_size
+        info = CameraInfo(
+            header=make_header(self._factory, frame.stamp, frame.frame_id),
+            width=width,
+            height=height,
+            distortion_model=calibration.model,
+            d=self._factory.doubles(calibration.coefficients),
+            k=[fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0],
+            p=[fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0],
+        )
+        self._publishers[Instrument.CAMERA_INFO].publish(info)
+        self._sent[Instrument.CAMERA_INFO] += 1
+
+    def close(self) -> None:
+        """Read no more."""
+        if self._feed is not None:
+            self._feed.close()
+
+
+def _as_sent(given: InstrumentMessage) -> Any:  # noqa: ANN401  Messages of rosbags.
+    """Return a recorded message under the names of ROS 2, with the stamp that it counts with."""
+    message = given.message
+    if given.instrument is Instrument.ALTITUDE and not hasattr(message, "range"):
+        return SimpleNamespace(
+            header=_header(given.stamp, ""), radiation_type=0, field_of_view=0.0, min_range=0.0,
+            max_range=MOST_ALTITUDE, range=float(message.data), variance=0.0,
+        )  # fmt: skip
+    if given.instrument is Instrument.CAMERA_INFO and hasattr(message, "K"):
+        return SimpleNamespace(
+            header=message.header, height=message.height, width=message.width,
+            distortion_model=message.distortion_model, d=message.D, k=message.K, r=message.R,
+            p=message.P, binning_x=message.binning_x, binning_y=message.binning_y, roi=message.roi,
+        )  # fmt: skip
+    if given.instrument is Instrument.ALTITUDE and not hasattr(message, "variance"):
+        # Ranges of ROS 1, and of older distributions, have none.
+        fields = (
+            "header", "radiation_type", "field_of_view", "min_range", "max_range", "range",
+        )  # fmt: skip
+        return SimpleNamespace(**{name: getattr(message, name) for name in fields}, variance=0.0)
+    if not int(message.header.stamp.sec) and not int(message.header.stamp.nanosec):
+        message.header = _header(given.stamp, str(message.header.frame_id))
+    return message
+
+
+def _header(stamp: int, frame_id: str) -> SimpleNamespace:
+    seconds, rest = divmod(stamp, NANOSECONDS)
+    return SimpleNamespace(stamp=SimpleNamespace(sec=seconds, nanosec=rest), frame_id=frame_id)

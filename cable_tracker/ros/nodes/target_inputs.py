@@ -1,0 +1,225 @@
+"""The part of the target tracker that knows the vehicle: calibration and motion in, metres out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import cast
+
+from nav_msgs.msg import Odometry as OdometryMessage
+from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo, Imu
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.metric.calibration import CameraModel
+from cable_tracker.metric.frames import Mounting
+from cable_tracker.metric.messages import read_camera_info, read_rates_of_turn, read_twist
+from cable_tracker.metric.motion import NoMotion, PoseChange
+from cable_tracker.metric.relative_state import RelativeState
+from cable_tracker.metric.target_metres import (
+    TargetMetres,
+    TargetRange,
+    TargetSettings,
+    VehicleMotion,
+    turn_of_picture,
+)
+from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
+from cable_tracker.ros import qos
+from cable_tracker.sequences.messages import Message, stamp_of
+from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.estimate import TargetEstimate
+
+LEAST_SIGMAS = (0.02, math.radians(0.3))
+"""Doubt about velocities and turns that odometry does not state [m/s, rad/s]."""
+
+
+class TargetInputs:
+    """Listens to the instruments, and turns estimates into bearings and ranges.
+
+    Parameters
+    ----------
+    node : Node
+        The node.
+    count : int
+        How many targets it follows.
+    """
+
+    def __init__(self, node: Node, count: int) -> None:
+        self._node = node
+        self._values: dict[str, object] = {
+            spec.name: spec.default for spec in TARGET_METRIC_PARAMETERS
+        }
+        self._motion = VehicleMotion()
+        self._info: Message | None = None
+        self._newest = {"imu": -1, "odometry": -1}
+        self._ranges = [TargetRange(self._settings()) for _ in range(count)]
+        self._results: list[TargetMetres] = []
+        self._before: int | None = None
+        self._moved: tuple[PoseChange, bool] | NoMotion = NoMotion("no frame has come before")
+        self._why_unaided = ""
+
+    def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
+        """Listen, `best_effort` or `reliable`; `on_news` is called after each message."""
+        profile = qos.instrument_input(reliability)
+        for kind, topic, take in (
+            (CameraInfo, "camera_info", self.on_camera_info),
+            (Imu, "imu", self.on_imu),
+            (OdometryMessage, "odometry", self.on_odometry),
+        ):
+            self._node.create_subscription(kind, topic, _then(take, on_news), profile)
+
+    @property
+    def wait(self) -> float:
+        """How long a frame may be held back for the instruments [s]."""
+        return self._number("instrument_wait")
+
+    @property
+    def base_frame(self) -> str:
+        """Frame of what is in metres."""
+        return str(self._values["base_frame"])
+
+    @property
+    def camera_place(self) -> FloatArray:
+        """Of the camera in it, shape (3,) [m]."""
+        return self._settings().mounting.position
+
+    @property
+    def results(self) -> Sequence[TargetMetres]:
+        """What the last frame gave of each target; empty before the first."""
+        return self._results
+
+    def has_all_of(self, stamp: int) -> bool:
+        """Tell whether calibration and motion are known at a time [ns]."""
+        return self._info is not None and max(self._newest.values()) >= stamp
+
+    def apply(self, values: Mapping[str, object]) -> None:
+        """Take what is given of `TARGET_METRIC_PARAMETERS`, by name."""
+        own = {name: values[name] for name in values.keys() & self._values.keys()}
+        if not own:
+            return
+        self._values.update(own)
+        for each in self._ranges:
+            each.configure(self._settings())
+        if self._info is not None:
+            self.on_camera_info(self._info)
+
+    def forget(self, number: int | None = None) -> None:
+        """Begin anew with the range of one target, or of all."""
+        for each in self._ranges if number is None else [self._ranges[number]]:
+            each.forget()
+
+    def on_camera_info(self, message: Message) -> None:
+        """Take a calibration."""
+        is_rectified = bool(self._values["image_is_rectified"])
+        self._motion.take_calibration(read_camera_info(message, is_rectified=is_rectified))
+        self._info = message
+
+    def on_imu(self, message: Message) -> None:
+        """Take rates of turn."""
+        rates = read_rates_of_turn(message)
+        stamp = self._note("imu", message)
+        if rates is not None:
+            self._motion.take_turn(stamp, rates)
+
+    def on_odometry(self, message: Message) -> None:
+        """Take a twist of base_link."""
+        self._motion.take_twist(self._note("odometry", message), *read_twist(message, LEAST_SIGMAS))
+
+    def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
+        """Return what turns of the vehicle did to the picture since the frame before.
+
+        None where they are not known. Call it for each frame, before the filter looks at it.
+
+        Parameters
+        ----------
+        stamp : int
+            Time of the frame [ns].
+        image_size : (int, int)
+            Width and height [px].
+        """
+        if self._before is None:
+            self._moved = NoMotion("no frame has come before")
+        else:
+            self._moved = self._motion.between(self._before, stamp)
+        camera = self._motion.camera(image_size)
+        if not self._values["motion_aid"]:
+            self._why_unaided = "the parameter motion_aid is false"
+        elif isinstance(self._moved, NoMotion):
+            self._why_unaided = self._moved.why
+        elif not isinstance(camera, CameraModel):
+            self._why_unaided = str(camera)
+        else:
+            self._why_unaided = ""
+            mounting = self._settings().mounting
+            return turn_of_picture(camera, mounting, self._moved[0].rotation)
+        return None
+
+    def take(self, estimates: Sequence[TargetEstimate]) -> Sequence[TargetMetres]:
+        """Return what a frame's estimates are in metres; once for each frame."""
+        before, self._before = self._results, estimates[0].stamp
+        self._results = [
+            each.take(estimate, self._motion.camera(estimate.image_size), self._moved)
+            for each, estimate in zip(self._ranges, estimates, strict=True)
+        ]
+        for number, result in enumerate(self._results):
+            self._tell(before[number] if number < len(before) else None, result)
+        return self._results
+
+    def figures(self, number: int) -> dict[str, str]:
+        """Return what diagnostics say of the metres of a target, with units in the keys."""
+        result = self._results[number] if number < len(self._results) else None
+        relative = result.relative if result is not None else None
+        is_known = isinstance(relative, RelativeState)
+        return {
+            "range [m]": f"{relative.range:.2f}" if isinstance(relative, RelativeState) else "",
+            "range sigma [m]": (
+                f"{relative.range_sigma:.2f}" if isinstance(relative, RelativeState) else ""
+            ),
+            "no metres": "" if is_known or relative is None else str(relative),
+        }
+
+    @property
+    def why_unaided(self) -> str:
+        """Why turns were not taken out of the last frame; empty if they were."""
+        return self._why_unaided
+
+    def _tell(self, before: TargetMetres | None, result: TargetMetres) -> None:
+        """Say once why there are no metres. That no target is claimed is said elsewhere."""
+        why = result.relative
+        if not isinstance(why, Withheld) or why.reason is Reason.NO_TARGET:
+            return
+        known = before.relative if before is not None else None
+        if not isinstance(known, Withheld) or known.reason is not why.reason:
+            self._node.get_logger().info(f"no relative_pose: {why}", throttle_duration_sec=10.0)
+
+    def _number(self, name: str) -> float:
+        return float(cast(float, self._values[name]))
+
+    def _settings(self) -> TargetSettings:
+        angles = (
+            math.radians(self._number(name))
+            for name in ("camera_roll", "camera_pitch", "camera_yaw")
+        )
+        places = (self._number(name) for name in ("camera_x", "camera_y", "camera_z"))
+        return TargetSettings(
+            Mounting(*places, *angles),
+            self._number("target_size"),
+            bool(self._values["motion_aid"]),
+        )
+
+    def _note(self, name: str, message: Message) -> int:
+        """Return the stamp of an instrument's message [ns], and remember it."""
+        stamp = stamp_of(message.header) or int(self._node.get_clock().now().nanoseconds)
+        self._newest[name] = stamp
+        return stamp
+
+
+def _then(
+    take: Callable[[Message], None], on_news: Callable[[], None]
+) -> Callable[[Message], None]:
+    def taken(message: Message) -> None:
+        take(message)
+        on_news()
+
+    return taken

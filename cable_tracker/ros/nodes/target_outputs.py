@@ -1,0 +1,263 @@
+"""What the target tracker publishes of its targets. Pictures are built only for subscribers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PolygonStamped, PoseWithCovarianceStamped, Vector3Stamped
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+from visualization_msgs.msg import MarkerArray
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import Image as Picture
+from cable_tracker.metric.relative_state import RelativeState
+from cable_tracker.metric.target_metres import TargetMetres
+from cable_tracker.metric.withheld import Withheld
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.ros import qos
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.jpeg import encode_jpeg
+from cable_tracker.sequences.messages import (
+    Message,
+    make_compressed_image,
+    make_header,
+    make_image,
+    make_report,
+    stamp_of,
+)
+from cable_tracker.sequences.target_messages import (
+    box_corners,
+    is_claimed,
+    make_bearing,
+    make_polygon,
+    make_relative_pose,
+    make_target,
+    make_target_markers,
+    make_target_particles,
+    make_target_state,
+    target_report_values,
+)
+from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.visualisation.target_overlay import draw_target
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TargetAnswer:
+    """What a frame gave of one target.
+
+    Attributes
+    ----------
+    estimate : TargetEstimate
+        In pixels.
+    metres : TargetMetres
+        In metres, or why not.
+    particles : Particles or None
+        Lengths in pixels of the frame.
+    """
+
+    estimate: TargetEstimate
+    metres: TargetMetres
+    particles: Particles | None
+
+
+class Creator:
+    """Creates publishers that notice whom they cannot reach, and remembers their profiles.
+
+    Parameters
+    ----------
+    node : Node
+        Publishes.
+    on_mismatch : callable
+        Called when a subscription is found that cannot hear us.
+    """
+
+    def __init__(self, node: Node, on_mismatch: Callable[[Any], None]) -> None:
+        self._node = node
+        self._on_mismatch = on_mismatch
+        self.publishers: dict[Publisher, Any] = {}
+
+    def __call__(self, kind: type[Any], topic: str, profile: Any) -> Publisher:  # noqa: ANN401
+        """Create one."""
+        # Without the defaults: the executor looks at each event in every turn.
+        events = PublisherEventCallbacks(
+            incompatible_qos=self._on_mismatch, use_default_callbacks=False
+        )
+        publisher = self._node.create_publisher(kind, topic, profile, event_callbacks=events)
+        self.publishers[publisher] = profile
+        return publisher
+
+
+class OneTarget:
+    """The publishers of one target.
+
+    Parameters
+    ----------
+    create : Creator
+        Makes them.
+    prefix : str
+        Before the names of the topics: empty, or `target_0/`.
+    """
+
+    def __init__(self, create: Creator, prefix: str) -> None:
+        self._factory = RclpyMessages()
+        self._state = create(JointState, f"{prefix}state", qos.LATEST_RESULT)
+        self._target = create(PoseWithCovarianceStamped, f"{prefix}target", qos.RESULTS)
+        self._contour = create(PolygonStamped, f"{prefix}contour", qos.RESULTS)
+        self._box = create(PolygonStamped, f"{prefix}box", qos.RESULTS)
+        self._bearing = create(Vector3Stamped, f"{prefix}bearing", qos.RESULTS)
+        self._relative = create(PoseWithCovarianceStamped, f"{prefix}relative_pose", qos.RESULTS)
+        self._particles = create(PointCloud2, f"{prefix}particles", qos.PICTURES)
+        self._markers = create(MarkerArray, f"{prefix}markers", qos.PICTURES)
+
+    def publish_results(
+        self, header: Message, answer: TargetAnswer, base_frame: str, camera_place: FloatArray
+    ) -> None:
+        """Publish what is claimed: centre, outline, bearing, range."""
+        estimate, metres, factory = answer.estimate, answer.metres, self._factory
+        if not is_claimed(estimate):
+            return
+        if self._target.get_subscription_count():
+            self._target.publish(make_target(factory, header, estimate))
+        if self._box.get_subscription_count() and estimate.box is not None:
+            self._box.publish(make_polygon(factory, header, box_corners(estimate.box)))
+        if self._contour.get_subscription_count() and len(estimate.outline):
+            self._contour.publish(make_polygon(factory, header, estimate.outline))
+        if not isinstance(metres.ray, Withheld) and self._bearing.get_subscription_count():
+            self._bearing.publish(make_bearing(factory, header, metres.ray))
+        if isinstance(metres.relative, RelativeState) and self._relative.get_subscription_count():
+            place = metres.relative.position() + camera_place
+            covariance = metres.relative.position_covariance()
+            own_header = make_header(factory, stamp_of(header), base_frame)
+            self._relative.publish(make_relative_pose(factory, own_header, place, covariance))
+
+    def publish_pictures(self, header: Message, answer: TargetAnswer) -> None:
+        """Publish what people look at."""
+        if answer.particles is not None and self._particles.get_subscription_count():
+            self._particles.publish(make_target_particles(self._factory, header, answer.particles))
+        if self._markers.get_subscription_count():
+            size = answer.estimate.image_size
+            self._markers.publish(make_target_markers(self._factory, header, answer.estimate, size))
+
+    def publish_state(self, header: Message, estimate: TargetEstimate | None) -> None:
+        """Publish the state: always, because a subscriber that joins later may ask for it."""
+        self._state.publish(make_target_state(self._factory, header, estimate))
+
+
+class TargetOutputs:
+    """The publishers of all targets, but for the node's diagnostics.
+
+    Parameters
+    ----------
+    node : Node
+        The node that publishes.
+    prefixes : sequence of str
+        Of the topics of each target.
+    on_mismatch : callable
+        Called when a subscription is found that cannot hear us.
+    """
+
+    def __init__(
+        self, node: Node, prefixes: Sequence[str], on_mismatch: Callable[[Any], None]
+    ) -> None:
+        self._factory = RclpyMessages()
+        self._create = Creator(node, on_mismatch)
+        self._targets = [OneTarget(self._create, prefix) for prefix in prefixes]
+        self._overlay = self._create(Image, "~/overlay", qos.PICTURES)
+        self._overlay_compressed = self._create(
+            CompressedImage, "~/overlay/compressed", qos.PICTURES
+        )
+        self._report = self._create(DiagnosticArray, "~/frame_report", qos.RESULTS)
+
+    @property
+    def publishers(self) -> dict[Publisher, Any]:
+        """All publishers, with their profiles."""
+        return self._create.publishers
+
+    def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
+        """Publish that there is no estimate for this frame; every frame gets an answer."""
+        if self._report.get_subscription_count():
+            values = {"event": reason}
+            reports = [make_report(self._factory, header, status, values) for _ in self._targets]
+            self._publish_report(reports)
+        for target in self._targets:
+            target.publish_state(header, None)
+
+    def publish_results(
+        self,
+        header: Message,
+        answers: Sequence[TargetAnswer],
+        base_frame: str,
+        camera_place: FloatArray,
+    ) -> None:
+        """Publish what is claimed.
+
+        Parameters
+        ----------
+        header : Message
+            Stamp and frame of the image.
+        answers : sequence of TargetAnswer
+            Of each target.
+        base_frame : str
+            Frame of what is in metres.
+        camera_place : FloatArray
+            Of the camera there, shape (3,) [m].
+        """
+        for target, answer in zip(self._targets, answers, strict=True):
+            target.publish_results(header, answer, base_frame, camera_place)
+
+    def publish_pictures(
+        self, header: Message, answers: Sequence[TargetAnswer], picture: Picture
+    ) -> None:
+        """Publish what people look at; `picture` is blue-green-red."""
+        for target, answer in zip(self._targets, answers, strict=True):
+            target.publish_pictures(header, answer)
+        raw_count = self._overlay.get_subscription_count()
+        jpeg_count = self._overlay_compressed.get_subscription_count()
+        if not raw_count and not jpeg_count:
+            return
+        drawn = picture
+        for line, answer in enumerate(answers):
+            states = answer.particles.states if answer.particles is not None else None
+            drawn = draw_target(drawn, answer.estimate, states, line=line)
+        if raw_count:
+            raw = raw_from_array(drawn, "bgr8")
+            self._overlay.publish(make_image(self._factory, raw, header))
+        if jpeg_count:
+            jpeg = make_compressed_image(self._factory, encode_jpeg(drawn), header)
+            self._overlay_compressed.publish(jpeg)
+
+    def publish_states(
+        self, header: Message, answers: Sequence[TargetAnswer], milliseconds: float
+    ) -> None:
+        """Publish reports and states; last, because a lockstep replay goes on upon a state."""
+        if self._report.get_subscription_count():
+            self._publish_report(
+                [
+                    make_report(
+                        self._factory,
+                        header,
+                        answer.estimate.status.value,
+                        target_report_values(
+                            answer.estimate,
+                            milliseconds,
+                            answer.particles.count if answer.particles is not None else 0,
+                        ),
+                    )
+                    for answer in answers
+                ]
+            )
+        for target, answer in zip(self._targets, answers, strict=True):
+            target.publish_state(header, answer.estimate)
+
+    def _publish_report(self, reports: list[Message]) -> None:
+        """Publish one message with the entries of all targets, in their order."""
+        first, *others = reports
+        first.status = [*first.status, *(entry for each in others for entry in each.status)]
+        self._report.publish(first)

@@ -1,0 +1,85 @@
+"""The simulated vehicle behind a target: `cmd_vel` in; camera, instruments and truth out."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.publisher import Publisher
+
+from cable_tracker.cable.parameters.parameters import ParameterSpec
+from cable_tracker.node_parameter_tables import TARGET_SIMULATOR_PARAMETERS
+from cable_tracker.ros import qos
+from cable_tracker.ros.nodes.simulator_node import VehicleNode
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import RawImage
+from cable_tracker.sequences.messages import UNKNOWN_VARIANCE, make_header
+from cable_tracker.sequences.target_messages import make_relative_pose
+from cable_tracker.simulation.instrument_messages import BASE
+from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseView, ChaseWorld
+from cable_tracker.simulation.vehicle import Motion
+
+
+class TargetSimulatorNode(VehicleNode):
+    """Tows a red float before a vehicle's camera; clouds of silt hide it now and then.
+
+    `ground_truth/target` has a variance of 1e6 while nothing of it can be seen.
+
+    Parameters
+    ----------
+    **node_arguments
+        Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
+
+    Raises
+    ------
+    ParameterError
+        A parameter is not acceptable.
+    """
+
+    PARAMETERS: ClassVar[tuple[ParameterSpec, ...]] = TARGET_SIMULATOR_PARAMETERS
+
+    def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
+        self._view: ChaseView | None = None
+        super().__init__("target_simulator", **node_arguments)
+
+    def _make_world(self) -> ChaseWorld:
+        self._world = ChaseWorld(
+            ChaseSettings(
+                seed=self._whole("seed"),
+                duration=self._number("duration"),
+                speed=self._number("speed"),
+                hidden_every=self._number("hidden_every"),
+                hidden_for=self._number("hidden_for"),
+                altitude=self._number("altitude"),
+                current=self._number("current"),
+                image_size=(self._whole("image_width"), self._whole("image_height")),
+                rate=self._number("rate"),
+            )
+        )
+        return self._world
+
+    def _create_topics(self) -> None:
+        super()._create_topics()
+        self._true_target = self.create_publisher(
+            PoseWithCovarianceStamped, "ground_truth/target", qos.RESULTS
+        )
+
+    def _draw(self, motion: Motion) -> RawImage:
+        self._view = self._world.view(motion)
+        return raw_from_array(self._view.image, "bgr8")
+
+    def _publish_truth(self, motion: Motion, stamp: int) -> None:
+        assert self._view is not None
+        header = make_header(self._factory, stamp, BASE)
+        # Of what is out of view the place is told, too; its variance says that it cannot be seen.
+        variance = 0.0 if self._view.mask.any() else UNKNOWN_VARIANCE
+        self._true_target.publish(
+            make_relative_pose(self._factory, header, self._view.place, np.eye(3) * variance)
+        )
+
+    def _is_at_end(self, motion: Motion) -> bool:
+        return self._world.time >= self._world.settings.duration
+
+    def _last_publishers(self) -> tuple[Publisher, ...]:
+        return (self._true_target,)

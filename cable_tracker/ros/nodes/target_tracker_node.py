@@ -1,0 +1,279 @@
+"""The target tracker: an image in; `target`, `state`, outline, bearing and range out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from geometry_msgs.msg import PolygonStamped
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.publisher import Publisher
+
+from cable_tracker.arrays import Image
+from cable_tracker.errors import FrameError, ParameterError
+from cable_tracker.node_parameter_tables import (
+    TARGET_OWN_START_PARAMETERS,
+    TARGET_RUNTIME_PARAMETERS,
+)
+from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.health.warm_up import WarmUp
+from cable_tracker.ros.inputs.image_input import AnyImage
+from cable_tracker.ros.nodes.camera_node import CameraNode, FrameOutcome
+from cable_tracker.ros.nodes.target_inputs import TargetInputs
+from cable_tracker.ros.nodes.target_outputs import TargetAnswer, TargetOutputs
+from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.target_messages import read_start
+from cable_tracker.target.group import TargetGroup
+from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.model.start_text import StartText, parse_start_text
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.parameters.presets import target_preset
+from cable_tracker.target.warming import target_variant, warm_up_target
+from cable_tracker.tracking.parameter_table import parameter_table
+from cable_tracker.tracking.status import TrackingStatus
+
+FILTER_PARAMETERS = parameter_table(TargetParameters)
+FILTER_SPECS = {spec.name: spec for spec in FILTER_PARAMETERS}
+
+DETECTOR = "contours"
+"""That is asked where the parameters name none and one is needed."""
+
+
+class TargetTrackerNode(CameraNode):
+    """Wraps a `TargetGroup`.
+
+    Parameters
+    ----------
+    **node_arguments
+        Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
+
+    Raises
+    ------
+    ParameterError
+        A parameter given at start is not acceptable.
+    """
+
+    def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
+        super().__init__("target_tracker", **node_arguments)
+        self._estimates: Sequence[TargetEstimate] = ()
+        self._marks: dict[int, TargetStart] = {}
+        self._mark_topics: list[str] = []
+        self._declare_parameters()
+        self._restart()
+        self._outputs = TargetOutputs(self, self._prefixes, self._mismatches.on_event)
+        self.begin()
+
+    @property
+    def group(self) -> TargetGroup:
+        """The trackers inside."""
+        return self._group
+
+    def _declare_parameters(self) -> None:
+        start = node_parameters.declare_all(self, TARGET_OWN_START_PARAMETERS, read_only=True)
+        count = int(start["target_count"])
+        self._prefixes = [""] if count == 1 else [f"target_{number}/" for number in range(count)]
+        values = target_preset(str(start["preset"]))
+        given = {
+            spec.name: node_parameters.declare(self, spec, values.as_mapping()[spec.name])
+            for spec in FILTER_PARAMETERS
+        }
+        runtime = node_parameters.declare_all(self, TARGET_RUNTIME_PARAMETERS)
+        self._instrument_reliability = str(start["instrument_reliability"])
+        self._filter_parameters = values.replaced(given)
+        self._begins = self._read_start(str(runtime["initial_target"]))
+        self._group = TargetGroup(count, self._with_detector())
+        self._metric = TargetInputs(self, count)
+        self._apply_runtime_values(runtime)
+        specs = {spec.name: spec for spec in TARGET_RUNTIME_PARAMETERS} | FILTER_SPECS
+        node_parameters.watch(self, specs, self._validate_parameters, self._apply_parameters)
+        node_parameters.warn_of_unknown_overrides(self)
+
+    def _read_start(self, text: str) -> StartText:
+        try:
+            start = parse_start_text(text)
+        except ParameterError as error:
+            raise ParameterError(f"initial_target: {error}") from error
+        if len(start.boxes) > len(self._prefixes):
+            raise ParameterError(
+                f"initial_target marks {len(start.boxes)} targets; target_count is"
+                f" {len(self._prefixes)}"
+            )
+        return start
+
+    def _with_detector(self) -> TargetParameters:
+        """Return the filter's parameters, with a detector where the start needs one."""
+        if self._begins.detects and self._filter_parameters.detector == "none":
+            return self._filter_parameters.replaced({"detector": DETECTOR})
+        return self._filter_parameters
+
+    def _validate_parameters(self, values: Mapping[str, object]) -> None:
+        own = {spec.name: spec for spec in TARGET_RUNTIME_PARAMETERS}
+        for name in values.keys() & own.keys():
+            own[name].coerce(values[name])
+        if "initial_target" in values:
+            self._read_start(str(values["initial_target"]))
+        self._filter_parameters.replaced(
+            {name: values[name] for name in values.keys() - own.keys()}
+        )
+
+    def _apply_parameters(self, values: Mapping[str, object]) -> None:
+        changed = {name: values[name] for name in values.keys() & FILTER_SPECS.keys()}
+        if "initial_target" in values:
+            self._begins = self._read_start(str(values["initial_target"]))
+        self._filter_parameters = self._filter_parameters.replaced(changed)
+        effective = self._with_detector()
+        if effective != self._group.parameters:
+            self._group.configure(effective)
+            self._warm_up_for_change()
+        self._apply_runtime_values(values)
+
+    def _apply_runtime_values(self, values: Mapping[str, object]) -> None:
+        self._metric.apply(values)
+        self._apply_camera_values(values)
+
+    def _make_warm_up(self) -> WarmUp:
+        parameters = self._group.parameters
+        return WarmUp(target_variant(parameters), partial(warm_up_target, parameters))
+
+    def _subscribe_more(self) -> None:
+        self._metric.subscribe(self._instrument_reliability, self._hold.release_if_due)
+        for number, prefix in enumerate(self._prefixes):
+            subscription = self.create_subscription(
+                PolygonStamped,
+                f"{prefix}initial_target",
+                self._marking(number),
+                qos.RESULTS,
+                event_callbacks=SubscriptionEventCallbacks(
+                    incompatible_qos=self._mismatches.on_event, use_default_callbacks=False
+                ),
+            )
+            self._mark_topics.append(str(subscription.topic_name))
+
+    def _marking(self, number: int) -> Any:  # noqa: ANN401
+        # A plain function: rclpy wants to see a callback's signature.
+        def take(message: Message) -> None:
+            self.on_initial_target(message, number)
+
+        return take
+
+    def _input_profiles(self) -> dict[str, Any]:
+        return super()._input_profiles() | dict.fromkeys(self._mark_topics, qos.RESULTS)
+
+    def _result_publishers(self) -> dict[Publisher, Any]:
+        return self._outputs.publishers
+
+    def _instrument_wait(self) -> float:
+        return self._metric.wait
+
+    def _has_all_of(self, stamp: int) -> bool:
+        return self._metric.has_all_of(stamp)
+
+    def _decode(self, image: AnyImage) -> Image:
+        """Return the picture in colour, shape (H, W, 3)."""
+        return decode_bgr(image)
+
+    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameOutcome:
+        begin = time.perf_counter()
+        size = (picture.shape[1], picture.shape[0])
+        self._take_marks(size)
+        motion = self._metric.camera_motion(stamp, size)
+        estimates = self._group.process(picture, stamp, motion)
+        metres = self._metric.take(estimates)
+        milliseconds = (time.perf_counter() - begin) * 1e3
+        answers = [
+            TargetAnswer(estimate, result, tracker.particles)
+            for estimate, result, tracker in zip(
+                estimates, metres, self._group.trackers, strict=True
+            )
+        ]
+        place = self._metric.camera_place
+        self._outputs.publish_results(header, answers, self._metric.base_frame, place)
+        self._statistics.latency.add((time.perf_counter() - arrival) * 1e3)
+        self._statistics.tracked += 1
+        self._estimates = estimates
+        self._outputs.publish_pictures(header, answers, picture)
+        self._outputs.publish_states(header, answers, milliseconds)
+        events = dict.fromkeys(estimate.event for estimate in estimates if estimate.event)
+        return FrameOutcome(status_of(estimates), "; ".join(events))
+
+    def _take_marks(self, size: tuple[int, int]) -> None:
+        """Hand on what is marked, if a frame of this size can hold it."""
+        marks, self._marks = self._marks, {}
+        for number, start in sorted(marks.items()):
+            try:
+                start.check(size)
+            except FrameError as error:
+                self._refuse_mark(number, error)
+                continue
+            self._group.initialise(number, start)
+            self._metric.forget(number)
+
+    def _refuse_mark(self, number: int, error: FrameError) -> None:
+        reason = f"{self._prefixes[number]}initial_target refused: {error}"
+        self._statistics.last_event = reason
+        self.get_logger().warning(reason)
+
+    def _note_event(self, event: str) -> None:
+        if event:
+            self._statistics.last_event = event
+            self.get_logger().warning(event)
+
+    def _answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
+        self._outputs.answer_without_estimate(header, status, reason)
+
+    def _restart(self) -> None:
+        super()._restart()
+        self._group.reset()
+        self._metric.forget()
+        self._estimates = ()
+        # What was marked while the node is switched off is followed when it is on again.
+        self._marks = dict(enumerate(self._begins.boxes)) | self._marks
+
+    def on_reset(self, request: Message, response: Message) -> Message:
+        """Forget everything, also a mark, and start as at the beginning."""
+        self._marks = {}
+        return super().on_reset(request, response)
+
+    def on_initial_target(self, message: Message, number: int = 0) -> None:
+        """Follow from the next frame on what is marked: two corners of a box, or an outline."""
+        try:
+            self._check_frame_id(str(message.header.frame_id))
+            start = read_start(message)
+            if self._estimates:
+                start.check(self._estimates[0].image_size)
+        except FrameError as error:
+            self._refuse_mark(number, error)
+            return
+        self._marks[number] = start
+
+    def _figures(self) -> dict[str, str]:
+        figures: dict[str, str] = {}
+        for number, prefix in enumerate(self._prefixes):
+            name = prefix.replace("/", " ")
+            estimate = self._estimates[number] if self._estimates else None
+            own = _values_of(estimate) | self._metric.figures(number)
+            figures |= {f"{name}{key}": value for key, value in own.items()}
+        return figures | {"no motion aid": self._metric.why_unaided}
+
+
+def status_of(estimates: Sequence[TargetEstimate]) -> str:
+    """Return the status of a node by that of its targets: the worst of those that were found."""
+    statuses = {estimate.status for estimate in estimates}
+    for status in (TrackingStatus.LOST, TrackingStatus.TRACKING):
+        if status in statuses:
+            return str(status.value)
+    return str(TrackingStatus.INITIALISING.value)
+
+
+def _values_of(estimate: TargetEstimate | None) -> dict[str, str]:
+    """Return what diagnostics say of a target's last estimate; empty values before the first."""
+    return {
+        "status": estimate.status.value if estimate else "",
+        "N_eff": f"{estimate.effective_sample_size:.1f}" if estimate else "",
+        "presence [%]": f"{100 * estimate.presence:.0f}" if estimate else "",
+        "score": f"{estimate.score:.2f}" if estimate else "",
+    }

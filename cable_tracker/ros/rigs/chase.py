@@ -1,0 +1,310 @@
+"""Let a simulated vehicle follow a target: three nodes in processes of their own, over DDS."""
+
+from __future__ import annotations
+
+import math
+import os
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.context import Context
+from rclpy.node import Node
+from sensor_msgs.msg import CompressedImage, JointState
+
+from cable_tracker.errors import RosError
+from cable_tracker.evaluation.folder import output_folder
+from cable_tracker.evaluation.targets.chase_table import (
+    PLOT,
+    SUMMARY,
+    TABLE,
+    ChaseRow,
+    ChaseSummary,
+    summarise_chase,
+    write_chase,
+)
+from cable_tracker.ros import qos
+from cable_tracker.ros.clients.recorder import spin_until
+from cable_tracker.ros.clients.track_recording import start_node
+from cable_tracker.ros.health.diagnostics import WARMING_UP
+from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.client_node import client_node
+from cable_tracker.ros.process.environment import use_local_environment
+from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.messages import read_compressed_image, stamp_of
+from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
+from cable_tracker.tracking.parameter_table import ParameterValue
+from cable_tracker.visualisation.video import VideoWriter
+
+VIDEO = "chase.webm"
+
+WARM_UP_TIMEOUT = 900.0
+"""Compiling at first use may take minutes on a busy machine [s]."""
+
+SILENCE_TIMEOUT = 90.0
+"""Nothing new for so long, and something is wrong [s]."""
+
+INSTRUMENT_WAIT = 30.0
+"""A frame waits for its instruments as long as need be [s]."""
+
+SETTLE_TIME = 1.0
+"""The follower waits so long for a place that may be withheld [s]."""
+
+NODES = ("target_tracker", "follower")
+
+
+@dataclass(frozen=True, slots=True)
+class ChaseRequest:
+    """What to run, in lockstep.
+
+    Attributes
+    ----------
+    world : ChaseSettings
+        The world.
+    preset : str
+        Of the target tracker.
+    distance : float
+        To be kept [m].
+    """
+
+    world: ChaseSettings = field(default_factory=ChaseSettings)
+    preset: str = "default"
+    distance: float = 2.5
+
+
+def file_names() -> tuple[str, ...]:
+    """Return the names of the files that a run writes."""
+    return TABLE, SUMMARY, PLOT, VIDEO
+
+
+class ChaseRecorder(Node):  # type: ignore[misc]
+    """Keeps what is true and what is told of every frame.
+
+    Parameters
+    ----------
+    context : Context
+        Of this process.
+    namespace : str
+        Of the nodes.
+    """
+
+    def __init__(self, context: Context, namespace: str) -> None:
+        super().__init__("chase_recorder", context=context, namespace=namespace)
+        self.truths: dict[int, Any] = {}
+        self.states: dict[int, Any] = {}
+        self.places: dict[int, Any] = {}
+        self.overlays: list[Any] = []
+        self._readers: dict[str, int] = {}
+        self._is_warm = False
+        pose = PoseWithCovarianceStamped
+        for kind, topic, kept in (
+            (pose, "ground_truth/target", self.truths),
+            (JointState, "state", self.states),
+            (pose, "relative_pose", self.places),
+        ):
+            self.create_subscription(kind, topic, _keep(kept), qos.EVERYTHING)
+
+        def keep_overlay(message: Any) -> None:  # noqa: ANN401
+            self.overlays.append(message)
+
+        overlay = "target_tracker/overlay/compressed"
+        self.create_subscription(CompressedImage, overlay, keep_overlay, qos.EVERYTHING)
+        self.create_subscription(
+            DiagnosticArray, "diagnostics", self._on_diagnostics, qos.EVERYTHING
+        )
+
+    def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
+        for status in message.status:
+            if status.name.endswith(": guidance"):
+                continue
+            self._is_warm = status.message != WARMING_UP
+            for pair in status.values:
+                if pair.key.startswith("subscribers of "):
+                    self._readers[pair.key.rpartition("/")[2]] = int(pair.value)
+
+    def is_ready(self) -> bool:
+        """Tell whether the tracker is warm, and knows both the follower and us."""
+        readers = self._readers
+        both = all(readers.get(name, 0) >= 2 for name in ("state", "relative_pose"))
+        return self._is_warm and both
+
+    def rows(self) -> list[ChaseRow]:
+        """Return the table of the run."""
+        stamps = sorted(self.truths.keys() & self.states.keys())
+        return [self._row(stamp, stamps[0]) for stamp in stamps]
+
+    def _row(self, stamp: int, first: int) -> ChaseRow:
+        truth, told = self.truths[stamp].pose, self.places.get(stamp)
+        true = _vector(truth.pose.position)
+        distance = math.hypot(*true)
+        known, sigma, off = math.nan, math.nan, math.nan
+        if told is not None:
+            place = _vector(told.pose.pose.position)
+            known = math.hypot(*place)
+            off = math.dist(place, true)
+            covariance = told.pose.covariance
+            along = [value / known for value in place]
+            variance = sum(
+                along[i] * along[j] * float(covariance[6 * i + j])
+                for i in range(3)
+                for j in range(3)
+            )
+            sigma = math.sqrt(max(variance, 0.0))
+        return ChaseRow(
+            time=(stamp - first) / NANOSECONDS,
+            distance=distance,
+            is_visible=float(truth.covariance[0]) == 0.0,
+            is_claimed=bool(self.states[stamp].position),
+            range=known,
+            range_sigma=sigma,
+            off=off,
+        )
+
+
+def _keep(kept: dict[int, Any]) -> Callable[[Any], None]:
+    # A plain function: rclpy wants to see a callback's signature.
+    def keep(message: Any) -> None:  # noqa: ANN401
+        kept[stamp_of(message.header)] = message
+
+    return keep
+
+
+def _vector(point: Any) -> tuple[float, float, float]:  # noqa: ANN401
+    return float(point.x), float(point.y), float(point.z)
+
+
+def run_chase(
+    request: ChaseRequest,
+    path: Path,
+    *,
+    overwrite: bool = False,
+    advance: Callable[[int], None] = lambda _: None,
+) -> ChaseSummary:
+    """Let the vehicle follow the target, and write table, figures, plot and video into a folder.
+
+    The tracker is shown the target in the first frame. In lockstep the same request gives the same
+    table.
+
+    Parameters
+    ----------
+    request : ChaseRequest
+        What to run.
+    path : Path
+        The folder.
+    overwrite : bool
+        Replace an earlier one.
+    advance : callable
+        Called with the number of frames that have come since the last call.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written.
+    RosError
+        The processes do not find each other, or one of them has died.
+    """
+    use_local_environment()
+    namespace = f"/cable_tracker_chase_{os.getpid()}"
+    with output_folder(path, TABLE, overwrite=overwrite) as folder, ExitStack() as stack:
+        parameters = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        recorder, executor = stack.enter_context(
+            client_node(lambda context: ChaseRecorder(context, namespace))
+        )
+        video = stack.enter_context(VideoWriter(folder / VIDEO))
+
+        def start(name: str, values: dict[str, ParameterValue]) -> NodeProcess:
+            arguments = ["-r", "/clock:=clock"]
+            return stack.enter_context(start_node(name, namespace, parameters, values, arguments))
+
+        running = {name: start(name, _parameters(request)[name]) for name in NODES}
+
+        def what_died() -> str:
+            for name, node in running.items():
+                if not node.running and (name in NODES or node.wait(0.0) != 0):
+                    return f"the node {name} has died: {node.last_line()}"
+            return ""
+
+        spin_until(executor, recorder.is_ready, START_TIMEOUT + WARM_UP_TIMEOUT, what_died)
+        simulator = start("target_simulator", _parameters(request)["target_simulator"])
+        running["target_simulator"] = simulator
+
+        def spin() -> str:
+            executor.spin_once(timeout_sec=0.02)
+            return what_died()
+
+        _follow(recorder, simulator, spin, video, advance)
+        rows = recorder.rows()
+        if not rows:
+            raise RosError("the simulator has sent no frames")
+        summary = summarise_chase(rows, request.distance)
+        write_chase(folder, rows, summary)
+    return summary
+
+
+def _follow(
+    recorder: ChaseRecorder,
+    simulator: NodeProcess,
+    spin: Callable[[], str],
+    video: VideoWriter,
+    advance: Callable[[int], None],
+) -> None:
+    """Listen until the simulator has ended and every frame is answered."""
+    heard, seen = time.monotonic(), 0
+    while simulator.running or len(recorder.states) < len(recorder.truths):
+        complaint = spin()
+        overlays, recorder.overlays = recorder.overlays, []
+        for message in overlays:
+            picture = decode_bgr(read_compressed_image(message))
+            video.add(picture, stamp_of(message.header))
+        if len(recorder.states) > seen:
+            advance(len(recorder.states) - seen)
+            seen, heard = len(recorder.states), time.monotonic()
+        if not complaint and time.monotonic() - heard > SILENCE_TIMEOUT:
+            complaint = f"nothing came for {SILENCE_TIMEOUT:g} s"
+        if complaint:
+            raise RosError(complaint)
+
+
+def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
+    world = request.world
+    seen = ChaseWorld(world)
+    box = seen.view(seen.motion()).box
+    assert box is not None, "the target begins before the camera"
+    return {
+        "target_tracker": {
+            "preset": request.preset,
+            "initial_target": ",".join(repr(side) for side in box),
+            "target_size": shown_size(),
+            "image_reliability": "reliable",
+            "instrument_reliability": "reliable",
+            "instrument_wait": INSTRUMENT_WAIT,
+            "input_timeout": 3600.0,
+            "diagnostics_period": 0.1,
+        },
+        "follower": {
+            "distance": request.distance,
+            "lockstep": True,
+            "settle_time": SETTLE_TIME,
+        },
+        "target_simulator": {
+            "seed": world.seed,
+            "duration": world.duration,
+            "speed": world.speed,
+            "hidden_every": world.hidden_every,
+            "hidden_for": world.hidden_for,
+            "altitude": world.altitude,
+            "current": world.current,
+            "image_width": world.image_size[0],
+            "image_height": world.image_size[1],
+            "rate": world.rate,
+            "lockstep": True,
+            "publish_clock": True,
+        },
+    }

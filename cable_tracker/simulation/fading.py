@@ -1,0 +1,117 @@
+"""Pictures of a labelled cable made harder: the cable fainter, the picture blurred and in noise."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.simulation.texture import smooth_step
+from cable_tracker.simulation.worlds.strip import pixel_grid, view_strip
+
+FAINTEST = 0.1
+"""Smallest share of its contrast that a faded cable keeps."""
+
+MOST_BLUR = 1.5
+"""Largest standard deviation of the added blur [px at 320 px]."""
+
+MOST_NOISE = 0.05
+"""Largest standard deviation of the added noise, over the range of the picture's grey levels."""
+
+SEAM = 0.25
+"""Half width of the middle, where the surroundings of both sides are blended [radii]."""
+
+MARGIN = 0.15
+"""Beyond the border the cable's edge ends within this [radii]."""
+
+REFERENCE_WIDTH = 320
+
+MOST_COLUMNS = 16_384
+"""Places are looked up so many at a time: OpenCV takes no rows of more than 32 766."""
+
+
+def faded(picture: Image, cable: CableState, share: float) -> Image:
+    """Return a picture in which a cable keeps only a share of its contrast.
+
+    What lies under the cable is taken to look as what lies beside it, mirrored at the border: both
+    meet there without an edge.
+
+    Parameters
+    ----------
+    picture : Image
+        Grey levels, shape (H, W).
+    cable : CableState
+        Where the cable runs [px, rad].
+    share : float
+        0: it is gone; 1: it stays as it is.
+
+    Returns
+    -------
+    Image
+        float32, shape (H, W).
+    """
+    values = np.asarray(picture, np.float32)
+    height, width = values.shape
+    x, y = pixel_grid((width, height))
+    view = view_strip(cable.to_array(), x, y)
+    inside = np.abs(view.u) < 1 + MARGIN
+    u, radius = view.u[inside], view.radius[inside]
+    along = view.v[inside] * radius
+    left, right = (
+        _looked_up(values, cable, (side * (2 + 2 * MARGIN) - u) * radius, along)
+        for side in (-1.0, 1.0)
+    )
+    beside = left + smooth_step(u, -SEAM, SEAM) * (right - left)
+    result = values.copy()
+    result[inside] = beside + np.float32(share) * (values[inside] - beside)
+    return result
+
+
+def _looked_up(values: Image, cable: CableState, across: Image, along: Image) -> Image:
+    """Return the picture at places across and along a cable, from its foot point [px]."""
+    height, width = values.shape
+    cos, sin = np.float32(np.cos(cable.angle)), np.float32(np.sin(cable.angle))
+    across = across + np.float32(cable.distance)
+    columns = across * cos - along * sin + np.float32((width - 1) / 2)
+    rows = np.float32((height - 1) / 2) - across * sin - along * cos
+    found = [
+        cv2.remap(
+            values,
+            columns[None, start : start + MOST_COLUMNS].astype(np.float32),
+            rows[None, start : start + MOST_COLUMNS].astype(np.float32),
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_REFLECT_101,
+        )[0]
+        for start in range(0, len(columns), MOST_COLUMNS)
+    ]
+    return np.concatenate(found) if found else np.empty(0, np.float32)
+
+
+def made_harder(picture: Image, cable: CableState, rng: np.random.Generator) -> Image:
+    """Return a picture with the cable faded to 10^-U(0, 1), blurred and with noise added.
+
+    Parameters
+    ----------
+    picture : Image
+        Grey levels, uint8 or float32, shape (H, W).
+    cable : CableState
+        Where the cable runs [px, rad].
+    rng : numpy.random.Generator
+        Draws how much.
+
+    Returns
+    -------
+    Image
+        float32, shape (H, W); of a uint8 picture, whole numbers from 0 to 255.
+    """
+    share = FAINTEST ** float(rng.random())
+    blur = MOST_BLUR * float(rng.random()) * picture.shape[1] / REFERENCE_WIDTH
+    low, high = np.percentile(picture, (2, 98))
+    noise = MOST_NOISE * float(rng.random()) * float(high - low)
+    values = faded(picture, cable, share)
+    if blur > 0.1:
+        values = cv2.GaussianBlur(values, (0, 0), blur)
+    grain: Image = rng.standard_normal(values.shape, np.float32)
+    values = values + np.float32(noise) * grain
+    return np.clip(np.rint(values), 0.0, 255.0) if picture.dtype == np.uint8 else values

@@ -1,0 +1,216 @@
+"""A vehicle behind a moving target: the world of a chase, with its truth.
+
+A red float is towed through the water, on a way that winds and climbs. Now and then a cloud of silt
+hides it. The camera looks straight ahead from a vehicle with inertia, drag and a current around it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray, Image
+from cable_tracker.simulation.camera import Camera
+from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
+from cable_tracker.simulation.targets.bodies import Pose, buoy, paint
+from cable_tracker.simulation.targets.sequence import HAZE, box_of
+from cable_tracker.simulation.targets.surroundings import MARGIN, Surroundings, make_surroundings
+from cable_tracker.simulation.vehicle import (
+    Current,
+    Motion,
+    Vehicle,
+    VehicleModel,
+    VelocityCommand,
+    rotation_of,
+)
+
+DIAMETER = 0.5
+"""Of the float [m]."""
+
+CLEAR_RANGE = 9.0
+"""Over this distance its colour fades to 1/e [m]."""
+
+NEAREST = 0.4
+"""What is nearer, or behind, is not painted [m]."""
+
+FIRST_DISTANCE = 3.0
+"""Between the camera and the float at the start [m]."""
+
+FIELD = 0.75
+"""Focal length as a share of the picture's width."""
+
+NOISE = 3.0
+"""Standard deviation of the sensor's noise [grey levels]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChaseSettings:
+    """What a chase is like.
+
+    Attributes
+    ----------
+    seed : int
+        The same one gives the same world.
+    duration : float
+        [s].
+    speed : float
+        Of the target [m/s].
+    hidden_every, hidden_for : float
+        A cloud of silt comes so often, and hides the target for so long [s].
+    altitude : float
+        At which the vehicle begins [m].
+    current : float
+        Of the water [m/s].
+    image_size : (int, int)
+        Width and height [px].
+    rate : float
+        Frames per second.
+    """
+
+    seed: int = 0
+    duration: float = 300.0
+    speed: float = 0.35
+    hidden_every: float = 50.0
+    hidden_for: float = 6.0
+    altitude: float = 5.0
+    current: float = 0.05
+    image_size: tuple[int, int] = (320, 240)
+    rate: float = 12.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChaseView:
+    """What the camera sees, and the truth about it.
+
+    Attributes
+    ----------
+    image : Image
+        uint8, blue-green-red, shape (H, W, 3).
+    mask : BoolArray
+        What can be seen of the target, shape (H, W).
+    place : FloatArray
+        Of the target in base_link, shape (3,) [m].
+    """
+
+    image: Image
+    mask: BoolArray
+    place: FloatArray
+
+    @property
+    def box(self) -> tuple[float, float, float, float] | None:
+        """Left, top, right, bottom of the mask, from the top left corner; None if out of view."""
+        return box_of(self.mask)
+
+
+@cache
+def shown_size() -> float:
+    """Return the root of the area that the float shows [m], as `target_size` wants it."""
+    unit = 120.0
+    _, coverage = paint(buoy(0.0), Pose(150.0, 150.0, unit), (300, 300))
+    return math.sqrt(float(coverage.sum())) / unit * DIAMETER
+
+
+class ChaseWorld:
+    """Vehicle, target and camera.
+
+    Parameters
+    ----------
+    settings : ChaseSettings
+        What it is like.
+    """
+
+    def __init__(self, settings: ChaseSettings) -> None:
+        self.settings = settings
+        seeds = np.random.SeedSequence([settings.seed, 17]).spawn(4)
+        way_rng, motion_rng, own_rng, self._noise_rng = (np.random.default_rng(s) for s in seeds)
+        self.camera = Camera(
+            settings.image_size, FIELD * settings.image_size[0], mounting=math.pi / 2
+        )
+        around = math.ceil(2.0 * math.pi * self.camera.focal)
+        self._surroundings = _closed(
+            make_surroundings((around, settings.image_size[1]), way_rng), around
+        )
+        self._around = around
+        rates, phases = way_rng.uniform(0.03, 0.2, 4), way_rng.uniform(0.0, 2.0 * math.pi, 4)
+        self._turns = (rates, phases, way_rng.uniform(0.2, 0.5, 4))
+        self._target = np.array([FIRST_DISTANCE, 0.0, settings.altitude])
+        start = np.array([0.0, 0.0, settings.altitude, 0.0])
+        current = Current.random(settings.current, motion_rng)
+        self._vehicle = Vehicle(VehicleModel(), current, start, motion_rng)
+        self.instruments = InstrumentSet(InstrumentErrors(), self._vehicle.motion(), own_rng)
+        self.time = 0.0
+
+    def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
+        """Let time pass; see `Vehicle.advance`."""
+        self._vehicle.advance(command, altitude, seconds)
+        rates, phases, sizes = self._turns
+        course = float((sizes * np.sin(rates * self.time + phases)).sum())
+        climb = 0.05 * math.sin(0.11 * self.time + phases[0])
+        speed = self.settings.speed
+        self._target = self._target + seconds * np.array(
+            [speed * math.cos(course), speed * math.sin(course), climb]
+        )
+        self.time += seconds
+
+    def motion(self) -> Motion:
+        """Return where the vehicle is, and how it moves."""
+        return self._vehicle.motion()
+
+    @property
+    def is_hidden(self) -> bool:
+        """Whether a cloud of silt is before the target."""
+        settings = self.settings
+        into = self.time % settings.hidden_every
+        return self.time >= settings.hidden_every and into < settings.hidden_for
+
+    def place(self, motion: Motion) -> FloatArray:
+        """Return where the target is in base_link, shape (3,) [m]; the camera is its origin."""
+        there: FloatArray = rotation_of(motion.angles).T @ (self._target - motion.position)
+        return there
+
+    def view(self, motion: Motion) -> ChaseView:
+        """Return what the camera sees."""
+        width, height = self.settings.image_size
+        focal = self.camera.focal
+        roll, pitch, yaw = (float(angle) for angle in motion.angles)
+        offset = ((-yaw * focal) % self._around, -math.tan(pitch) * focal)
+        picture = self._surroundings.view((width, height), offset, self.time)
+        place = self.place(motion)
+        coverage = np.zeros((height, width), np.float32)
+        if place[0] > NEAREST and not self.is_hidden:
+            ahead, left, up = (float(value) for value in place)
+            pose = Pose(
+                (width - 1) / 2 - focal * left / ahead,
+                (height - 1) / 2 - focal * up / ahead,
+                focal * DIAMETER / float(np.linalg.norm(place)),
+                -roll,
+            )
+            colours, coverage = paint(buoy(0.0), pose, (width, height))
+            clear = math.exp(-float(np.linalg.norm(place)) / CLEAR_RANGE)
+            colours = clear * colours + (1.0 - clear) * HAZE * coverage[..., None]
+            picture = (1.0 - coverage)[..., None] * picture + colours
+        self._surroundings.snow(picture, self.time)
+        picture = cv2.GaussianBlur(picture, (0, 0), 0.7)
+        picture += self._noise_rng.normal(0.0, NOISE, picture.shape).astype(np.float32)
+        image = np.clip(np.rint(picture), 0, 255).astype(np.uint8)
+        return ChaseView(image, coverage > 0.5, place)
+
+
+def _closed(surroundings: Surroundings, around: int) -> Surroundings:
+    """Return surroundings whose right end goes over into the left one: one may look all round."""
+    panorama = surroundings.panorama.copy()
+    # What lies beyond the round, on both sides, is what lies at its other end.
+    share = np.linspace(0.0, 1.0, MARGIN, dtype=np.float32)[None, :, None]
+    begin, end = panorama[:, :MARGIN].copy(), panorama[:, around : around + MARGIN].copy()
+    seam = (1.0 - share) * end + share * begin
+    panorama[:, around : around + MARGIN] = seam
+    panorama[:, :MARGIN] = seam
+    right = panorama.shape[1] - (around + MARGIN)
+    wrapped = np.concatenate(
+        (panorama[:, : around + MARGIN], panorama[:, MARGIN : MARGIN + right + MARGIN]), axis=1
+    )
+    return Surroundings(np.ascontiguousarray(wrapped), surroundings.flakes, surroundings.glitter)

@@ -1,0 +1,46 @@
+"""Compiles and loads what a target tracker needs, before frames come."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.tracker import TargetTracker
+from cable_tracker.tracking.parameter_table import parameter_table
+
+WIDTH, HEIGHT = 320, 240
+FRAMES = 3
+STEP = 40_000_000
+"""Size of the frames [px], how many, and the time between them [ns]."""
+
+ENOUGH = 60
+"""Particles: how many there are is all the same to the compiler."""
+
+WATER, TARGET = (90, 80, 40), (30, 30, 200)
+"""Colours [blue, green, red]."""
+
+
+def target_variant(parameters: TargetParameters) -> tuple[str, ...]:
+    """Return the words among the parameters: they choose which code runs, numbers do not."""
+    values = parameters.as_mapping()
+    words = [str(values[spec.name]) for spec in parameter_table(TargetParameters) if spec.choices]
+    return ("target", *words)
+
+
+def warm_up_target(parameters: TargetParameters) -> None:
+    """Run trackers of its own on a few frames, in colour and in grey.
+
+    The first time on a machine takes some seconds or more; later the machine code is on disk.
+    """
+    few = parameters.replaced({"particle_count": min(parameters.particle_count, ENOUGH)})
+    picture = np.full((HEIGHT, WIDTH, 3), WATER, np.uint8)
+    picture[90:150, 120:200] = TARGET
+    for frame in (picture, np.ascontiguousarray(picture[..., 2])):
+        # Frames of messages cannot be written to, and are compiled for as another type.
+        frame.setflags(write=False)
+        tracker = TargetTracker(few)
+        tracker.process(frame, stamp=STEP)
+        tracker.initialise(TargetStart.from_box(120, 90, 200, 150))
+        for number in range(2, FRAMES + 2):
+            tracker.process(frame, stamp=number * STEP)

@@ -1,0 +1,173 @@
+"""Evaluate the methods, and write what comes out into docs/evaluation.md.
+
+    python docs/evaluation_tables.py --seeds 10                    # run, then write
+    python docs/evaluation_tables.py --seeds 10 --keep build/eval  # take results that lie there
+
+Each block of the page between `<!-- NAME -->` and `<!-- end of NAME -->` is written anew: the
+command, when and where it was run, and the tables.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import datetime
+import platform
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
+
+import cv2
+import numpy as np
+
+PAGE = Path(__file__).with_name("evaluation.md")
+METHODS = ("default", "thesis", "hough", "segmentation", "lsd", "texture")
+
+Key: TypeAlias = tuple[str, str, str]
+"""Sequence, method, metric."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A column of the summary, what it is called, and with how many digits it is told."""
+
+    name: str
+    title: str
+    digits: int
+
+
+USEFUL = Measure("useful", "Useful frames [%]", 1)
+WRONG = Measure("wrong_claims", "Wrong claims, of all claims [%]", 1)
+FALSE = Measure("false_tracking", "Claims without a cable [%]", 1)
+FOUND = Measure("found_again", "Returns after which it is found again within 1 s [%]", 0)
+MEDIAN_D = Measure("median_d", "Median error of d [px]", 2)
+MEDIAN_ALPHA = Measure("median_alpha", "Median error of alpha [deg]", 2)
+MEDIAN_W = Measure("median_w", "Median error of w [px]", 1)
+INSIDE_D = Measure("inside_2_sigma_d", "Truths of d inside two sigma [%]", 0)
+INSIDE_W = Measure("inside_2_sigma_w", "Truths of w inside two sigma [%]", 0)
+
+
+@dataclass(frozen=True)
+class Block:
+    """One block of the page: sequences and the measures that are told of them."""
+
+    name: str
+    arguments: tuple[str, ...]
+    measures: tuple[Measure, ...]
+
+
+def _scenarios(*names: str) -> tuple[str, ...]:
+    return tuple(part for name in names for part in ("--scenario", name))
+
+
+BLOCKS = (
+    Block(
+        "scenarios",
+        _scenarios("S1", "S2", "S3", "S4", "S5", "S6"),
+        (USEFUL, WRONG, MEDIAN_D, MEDIAN_ALPHA, MEDIAN_W, INSIDE_D, INSIDE_W),
+    ),
+    Block(
+        "further",
+        _scenarios("leaves", "buried", "crossing", "no_cable", "decoys", "night"),
+        (USEFUL, WRONG, FALSE, FOUND),
+    ),
+    Block("footage", (), (USEFUL, WRONG, MEDIAN_D, MEDIAN_ALPHA, MEDIAN_W)),
+)
+
+
+def main() -> None:
+    """Run what is chosen, and write the page."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--frames", type=int, help="use only so many frames of each scenario")
+    parser.add_argument("--method", action="append", choices=METHODS)
+    parser.add_argument("--block", action="append", choices=[block.name for block in BLOCKS])
+    parser.add_argument("--footage", type=Path, help="strip.mp4, with strip.txt beside it")
+    parser.add_argument("--results", type=Path, default=Path("build/evaluation"))
+    parser.add_argument("--keep", action="store_true", help="take results that lie there")
+    chosen = parser.parse_args()
+    page = PAGE.read_text(encoding="utf-8")
+    for block in BLOCKS:
+        if chosen.block and block.name not in chosen.block:
+            continue
+        source: list[str] = []
+        if block.name == "footage":
+            if chosen.footage is None:
+                print("no --footage: its block stays as it is")
+                continue
+            source = ["--source", str(chosen.footage)]
+            source += ["--truth", str(chosen.footage.with_suffix(".txt"))]
+        arguments = [*block.arguments, "--seeds", str(chosen.seeds)]
+        if chosen.frames and not source:
+            arguments += ["--frames", str(chosen.frames)]
+        for method in chosen.method or ():
+            arguments += ["--method", method]
+        folder = chosen.results / block.name
+        if not chosen.keep:
+            evaluate([*source, *arguments], folder)
+        shown = ["--source strip.mp4 --truth strip.txt"] if source else []
+        command = " ".join(["cable-tracker evaluate", *shown, *arguments])
+        page = replaced(page, block, text_of(block, command, folder / "summary.csv"))
+    PAGE.write_text(page, encoding="utf-8")
+
+
+def evaluate(arguments: Sequence[str], folder: Path) -> None:
+    """Run `cable-tracker evaluate`."""
+    command = [str(Path(sys.executable).with_name("cable-tracker")), "evaluate"]
+    subprocess.run([*command, *arguments, "--output", str(folder), "--force"], check=True)
+
+
+def replaced(page: str, block: Block, text: str) -> str:
+    """Return the page with another text in a block."""
+    begin, end = f"<!-- {block.name} -->", f"<!-- end of {block.name} -->"
+    before, rest = page.split(begin)
+    _, after = rest.split(end)
+    return f"{before}{begin}\n{text}{end}{after}"
+
+
+def text_of(block: Block, command: str, summary: Path) -> str:
+    """Return the text of a block: the command, the machine, and a table for each measure."""
+    rows = read_summary(summary)
+    sequences = list(dict.fromkeys(sequence for sequence, _, _ in rows))
+    methods = list(dict.fromkeys(method for _, method, _ in rows))
+    libraries = f"NumPy {np.__version__}, OpenCV {cv2.__version__}"
+    today = datetime.datetime.now(tz=datetime.UTC).date()
+    parts = [
+        f"```sh\n{command}\n```\n",
+        f"{today}, Python {platform.python_version()}, {libraries}.\n",
+    ]
+    for measure in block.measures:
+        lines = [
+            f"| method | {' | '.join(sequences)} |",
+            f"|---|{'---|' * len(sequences)}",
+        ]
+        for method in methods:
+            cells = [told(rows[sequence, method, measure.name], measure) for sequence in sequences]
+            lines.append(f"| `{method}` | {' | '.join(cells)} |")
+        parts.append(f"{measure.title}:\n\n" + "\n".join(lines) + "\n")
+    return "\n" + "\n".join(parts) + "\n"
+
+
+def read_summary(path: Path) -> dict[Key, tuple[str, str]]:
+    """Return mean and standard error by sequence, method and metric."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return {
+            (row["sequence"], row["method"], row["metric"]): (row["mean"], row["standard_error"])
+            for row in csv.DictReader(file)
+        }
+
+
+def told(value: tuple[str, str], measure: Measure) -> str:
+    """Return a mean and its standard error as they stand in a cell."""
+    mean, error = value
+    if not mean or not np.isfinite(float(mean)):
+        return "-"
+    text = f"{float(mean):.{measure.digits}f}"
+    return f"{text} ± {float(error):.{measure.digits}f}" if error else text
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,281 @@
+"""Measure surveys of simulated dives against their truth, and write the table of docs/survey.md.
+
+    python docs/survey_goals.py FOLDER [--dives 5] [--length 200] [--rate 6.25]
+
+Dives that lie in FOLDER already are used again. Each has a cable of its own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.sequences.bag_storage import open_storage
+from cable_tracker.sequences.unpacking import deserialise
+from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
+from cable_tracker.simulation.survey_bag import write_survey_bag
+from cable_tracker.simulation.survey_dive import (
+    Stretch,
+    SurveyDive,
+    usual_survey,
+)
+from cable_tracker.simulation.survey_dive import SurveySettings as Simulated
+from cable_tracker.simulation.tube import Tube
+from cable_tracker.survey.events import Event, EventKind
+from cable_tracker.survey.forwards import read_pose, track_forwards
+from cable_tracker.survey.recording import SurveySettings, analyse
+from cable_tracker.survey.route import Course, DiveRoute
+from cable_tracker.survey.smoothing import SmoothedCable, smooth
+
+TRUTH_TOPIC = "/ground_truth/odometry"
+REGION = 1.96
+"""Half of a 95 % region [standard deviations]."""
+
+NEAR = 1.0
+"""An event is that of the truth if it is so near to it [m]."""
+
+CLEAR = 6.0
+"""What is nearer than this to where a dive ends need not be found [m]."""
+
+HIDDEN_SHARE = 0.4
+"""Where sand, growth and ropes hide so much of the borders, it is right to say so."""
+
+HEADINGS = (
+    "dive", "length [m]", "RMS [m]", "without the way back [m]", "inside 95 % regions [%]",
+    "ends of buried stretches off by at most [m]", "events found", "false in 100 m",
+    "times real time",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What came of one dive; lengths in m."""
+
+    name: str
+    length: float
+    rms: float
+    forwards: float
+    inside: float
+    ends: float
+    found: int
+    expected: int
+    false: tuple[str, ...]
+    speed: float
+
+    def row(self) -> tuple[str, ...]:
+        """Return the cells of the table."""
+        return (
+            self.name, f"{self.length:.0f}", f"{self.rms:.3f}", f"{self.forwards:.3f}",
+            f"{100 * self.inside:.1f}", f"{self.ends:.2f}", f"{self.found} of {self.expected}",
+            f"{100 * len(self.false) / self.length:.1f}", f"{self.speed:.0f}",
+        )  # fmt: skip
+
+
+class Truth:
+    """The true cable, seen from the true vehicle."""
+
+    def __init__(self, path: Path, settings: Simulated) -> None:
+        storage = open_storage(path)
+        poses = [
+            (each.time, *read_pose(deserialise(each, is_ros1=False))[:4])
+            for each in storage.messages([TRUTH_TOPIC])
+        ]
+        table = np.array(poses)
+        self._stamps, self._poses = table[:, 0], table[:, [1, 2, 4]]
+        self._poses[:, 2] = np.unwrap(self._poses[:, 2])
+        self.tube: Tube = cable_of_seed(settings.cable_seed)
+
+    def looked_at(self, stamps: FloatArray, look: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the cable's way and its place beside look lines (N,) ahead of the vehicle [m]."""
+        poses = np.column_stack([np.interp(stamps, self._stamps, each) for each in self._poses.T])
+        ahead = np.column_stack((np.cos(poses[:, 2]), np.sin(poses[:, 2])))
+        places = poses[:, :2] + look[:, None] * ahead
+        along = places[:, 0].copy()
+        for _ in range(8):
+            points, directions = cable_points(self.tube, along)
+            way = ((places - points[:, :2]) * ahead).sum(axis=1)
+            along += way / (directions[:, :2] * ahead).sum(axis=1) * directions[:, 0]
+        points, _ = cable_points(self.tube, along)
+        apart = points[:, :2] - places
+        return along, -apart[:, 0] * ahead[:, 1] + apart[:, 1] * ahead[:, 0]
+
+    def headings(self, stamps: FloatArray) -> FloatArray:
+        """Return the vehicle's true direction [rad]."""
+        return np.interp(stamps, self._stamps, self._poses[:, 2])
+
+
+def measure(path: Path, settings: Simulated) -> Measured:
+    """Survey one dive and compare it with its truth."""
+    survey = SurveySettings(pictures=False)
+    begin = time.process_time()
+    dive = track_forwards(path, survey.forward)
+    surveyed, course = analyse(dive, survey)
+    seconds = time.process_time() - begin
+    if course is None or not surveyed.routes:
+        raise SystemExit(f"{path}: no route; {surveyed.notes}")
+    truth = Truth(path, settings)
+    rows = dive.table.rows
+    looks, cable = course.looks, course.cable
+    look = rows["look"][looks.first]
+    look = np.where(np.isfinite(look), look, np.nanmedian(look))
+    along, beside = truth.looked_at(looks.stamps.astype(float), look)
+    on_route = _on_routes(cable, [each.route for each in surveyed.routes])
+    errors = (cable.states[:, 0] - beside) * np.cos(cable.states[:, 1])
+    sigmas = np.sqrt(cable.covariances[:, 0, 0]) * np.cos(cable.states[:, 1])
+    forwards = smooth(looks, way_back=False)
+    errors_forwards = (forwards.states[:, 0] - beside) * np.cos(forwards.states[:, 1])
+    where = _Where(course, along)
+    events = [
+        (event, *where.true(event, each.route)) for each in surveyed.routes for event in each.events
+    ]
+    done = _as_far_as(settings, float(along.max()))
+    found, expected, ends = _judge_found(done, events)
+    return Measured(
+        path.name,
+        done.length,
+        _rms(errors[on_route]),
+        _rms(errors_forwards[on_route]),
+        float((np.abs(errors[on_route]) < REGION * sigmas[on_route]).mean()),
+        ends,
+        found,
+        expected,
+        _judge_false(settings, truth.tube, events),
+        surveyed.seconds / seconds,
+    )
+
+
+def _as_far_as(settings: Simulated, reach: float) -> Simulated:
+    """Return what there is up to where a dive has come, which may have been broken off [m]."""
+    return replace(
+        settings,
+        length=min(settings.length, reach),
+        buried=tuple(each for each in settings.buried if each.end < reach - CLEAR),
+        crossings=tuple(each for each in settings.crossings if each < reach - CLEAR),
+        excursions=tuple(each for each in settings.excursions if each.end < reach - CLEAR),
+    )
+
+
+class _Where:
+    """Takes ways along a route to ways along the true course."""
+
+    def __init__(self, course: Course, along: FloatArray) -> None:
+        order = np.argsort(course.cable.along, kind="stable")
+        self._own, self._true = course.cable.along[order], along[order]
+
+    def true(self, event: Event, route: DiveRoute) -> tuple[float, float]:
+        """Return from where to where an event is on the true course [m]."""
+        ends = np.interp(
+            [route.start + event.along, route.start + event.end], self._own, self._true
+        )
+        return float(ends[0]), float(ends[1])
+
+
+def _on_routes(cable: SmoothedCable, routes: Sequence[DiveRoute]) -> BoolArray:
+    on_route = np.zeros(len(cable.along), bool)
+    for route in routes:
+        way = cable.along - route.start
+        on_route |= (way >= 0.0) & (way <= route.along[-1])
+    return on_route
+
+
+def _rms(errors: FloatArray) -> float:
+    return math.sqrt(float(np.mean(errors**2)))
+
+
+Placed = tuple[Event, float, float]
+"""An event, and from where to where it is on the true course [m]."""
+
+
+def _judge_found(settings: Simulated, events: Sequence[Placed]) -> tuple[int, int, float]:
+    """Return how many of the built-in events were found, of how many, and how far ends are off."""
+    found, off = 0, 0.0
+    for stretch in settings.buried:
+        best = [
+            max(abs(start - stretch.start), abs(end - stretch.end))
+            for event, start, end in events
+            if event.kind is EventKind.BURIED and start < stretch.end and end > stretch.start
+        ]
+        if best:
+            found += 1
+            off = max(off, min(best))
+    for place in settings.crossings:
+        found += any(
+            event.kind is EventKind.CROSSING and abs(start - place) < NEAR
+            for event, start, _ in events
+        )
+    for stretch in settings.excursions:
+        found += any(
+            event.kind is EventKind.ASIDE and start < stretch.end + NEAR and end > stretch.start
+            for event, start, end in events
+        )
+    expected = len(settings.buried) + len(settings.crossings) + len(settings.excursions)
+    return found, expected, off
+
+
+def _judge_false(settings: Simulated, tube: Tube, events: Sequence[Placed]) -> tuple[str, ...]:
+    """Name the events that nothing on the sea bed or in the dive explains."""
+    dive = SurveyDive(settings)
+    across = dive.lines_across()
+    aside = tuple(Stretch(each.start - 6.0, each.end + 6.0) for each in settings.excursions)
+
+    def explained(event: Event, start: float, end: float) -> bool:
+        kind = event.kind
+        if kind is EventKind.CROSSING:
+            return bool((np.abs(across - start) < NEAR).any())
+        if kind in (EventKind.BURIED, EventKind.FOUND, EventKind.LOST):
+            reach = 0.0 if kind is EventKind.BURIED else NEAR
+            shares = dive.hidden_share(np.arange(start - reach, end + reach + 0.1, 0.2))
+            if float(np.median(shares) if reach == 0.0 else shares.max()) > HIDDEN_SHARE:
+                return True
+        if kind in (EventKind.FOUND, EventKind.LOST, EventKind.OUT_OF_VIEW, EventKind.ASIDE):
+            near = (*aside, Stretch(-2.0, 3.0))
+            return any(start < each.end + NEAR and end > each.start - NEAR for each in near)
+        if kind is EventKind.BEND:
+            return _sharpest(tube, start, end) > 0.08
+        return False
+
+    return tuple(
+        f"{event.kind.value} at {start:.1f} m ({event.detail})"
+        for event, start, end in events
+        if not explained(event, start, end)
+    )
+
+
+def _sharpest(tube: Tube, start: float, end: float) -> float:
+    along = np.arange(start - 1.0, end + 1.5, 0.25)
+    _, directions = cable_points(tube, along)
+    headings = np.unwrap(np.arctan2(directions[:, 1], directions[:, 0]))
+    return float(np.abs(np.diff(headings) / 0.25).max())
+
+
+def main() -> None:
+    """Simulate what is missing, measure all, and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--dives", type=int, default=5)
+    parser.add_argument("--length", type=float, default=200.0)
+    parser.add_argument("--rate", type=float, default=6.25)
+    given = parser.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    print("| " + " | ".join(HEADINGS) + " |\n|" + "---|" * len(HEADINGS), flush=True)
+    false = []
+    for seed in range(1, given.dives + 1):
+        settings = replace(usual_survey(given.length, seed, seed), rate=given.rate)
+        path = given.folder / f"dive_{seed}"
+        if not path.is_dir():
+            write_survey_bag(path, settings)
+        measured = measure(path, settings)
+        print("| " + " | ".join(measured.row()) + " |", flush=True)
+        false += [f"{measured.name}: {each}" for each in measured.false]
+    print("\n".join(["", "Events that nothing explains:", *(false or ["none"])]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,96 @@
+"""Start the target tracker beside a camera and a controller.
+
+ros2 launch cable_tracker target.launch.py image:=/camera/image_raw initial_target:=213,196,358,357
+"""
+
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+from launch import LaunchDescription
+
+INSTRUMENTS = ("camera_info", "imu", "odometry")
+
+
+def generate_launch_description() -> LaunchDescription:
+    arguments = [
+        DeclareLaunchArgument(
+            "preset", default_value="default", description="Values that the parameters start from"
+        ),
+        DeclareLaunchArgument(
+            "params_file",
+            default_value=[
+                FindPackageShare("cable_tracker"),
+                "/config/target_",
+                LaunchConfiguration("preset"),
+                ".yaml",
+            ],
+            description="YAML file with parameters; what it sets counts",
+        ),
+        DeclareLaunchArgument("namespace", default_value="", description="Namespace of the node"),
+        DeclareLaunchArgument("image", default_value="image", description="Topic of the camera"),
+        DeclareLaunchArgument(
+            "image_transport",
+            default_value="raw",
+            description="Read the topic itself, or what is compressed beside it",
+            choices=["raw", "compressed"],
+        ),
+        DeclareLaunchArgument(
+            "image_reliability",
+            default_value="best_effort",
+            description="Take the newest frame, or every frame of a reliable camera",
+            choices=["best_effort", "reliable"],
+        ),
+        DeclareLaunchArgument(
+            "initial_target",
+            default_value="wait",
+            description="`wait` for a mark, `detect`, or boxes x0,y0,x1,y1 [px] divided by `;`",
+        ),
+        DeclareLaunchArgument(
+            "initial_target_topic",
+            default_value="initial_target",
+            description="Topic of marks, for a single target",
+        ),
+        DeclareLaunchArgument("target_count", default_value="1", description="Targets to follow"),
+        DeclareLaunchArgument(
+            "target_size",
+            default_value="0.0",
+            description="Root of the area that the target shows [m]; 0: not known",
+        ),
+        *(
+            DeclareLaunchArgument(name, default_value=name, description=f"Topic of {name}")
+            for name in INSTRUMENTS
+        ),
+        DeclareLaunchArgument(
+            "use_sim_time", default_value="false", description="Take the time from /clock"
+        ),
+        DeclareLaunchArgument(
+            "log_level", default_value="info", description="debug, info, warn, error or fatal"
+        ),
+    ]
+    words = ("preset", "image_transport", "image_reliability", "initial_target")
+    target_tracker = Node(
+        package="cable_tracker",
+        executable="target_tracker",
+        namespace=LaunchConfiguration("namespace"),
+        parameters=[
+            {name: ParameterValue(LaunchConfiguration(name), value_type=str) for name in words},
+            {
+                "target_count": ParameterValue(LaunchConfiguration("target_count"), value_type=int),
+                "target_size": ParameterValue(LaunchConfiguration("target_size"), value_type=float),
+            },
+            {"use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)},
+            LaunchConfiguration("params_file"),
+        ],
+        remappings=[
+            ("image", LaunchConfiguration("image")),
+            ("image/compressed", [LaunchConfiguration("image"), "/compressed"]),
+            ("initial_target", LaunchConfiguration("initial_target_topic")),
+            *((name, LaunchConfiguration(name)) for name in INSTRUMENTS),
+        ],
+        ros_arguments=["--log-level", LaunchConfiguration("log_level")],
+        output="screen",
+    )
+    return LaunchDescription([*arguments, target_tracker])

@@ -1,0 +1,68 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.hypotheses.background import SMALLEST_SPREAD, Background, background_of
+from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.measure.border_points import frame_scan
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+LOWER, UPPER = np.array([-220.0, -2.0, 3.0, -0.5]), np.array([220.0, 2.0, 240.0, 0.5])
+MODEL = BorderLikelihoodRatio(TrackerParameters())
+
+
+def background(picture, poses, rng) -> Background:
+    image = make_working_image(picture.astype(np.float32), 320)
+    means = np.hstack((np.array(poses), np.zeros((len(poses), 4))))
+    noise = draw_frame_noise(rng, 0, 0, 4.0)
+    return background_of(
+        means, noise, frame_scan(image), MODEL.model_for(image), 0.5, LOWER, UPPER, (320.0, 240.0)
+    )
+
+
+def level_of(picture, pose) -> float:
+    image = make_working_image(picture.astype(np.float32), 320)
+    return float(MODEL.log_likelihoods(np.array([[*pose, 0.0, 0.0, 0.0, 0.0]]), image)[0])
+
+
+def grain(rng) -> np.ndarray:
+    return rng.normal(100.0, 5.0, (240, 320))
+
+
+def test_a_single_strip_has_no_like_in_the_picture(rng):
+    picture = grain(rng)
+    picture[:, 140:180] += 60.0
+    pose = [0.0, 0.0, 40.0, 0.0]
+    found = background(picture, [pose], rng)
+    assert found.alike[0] < 0.3 * level_of(picture, pose)
+    assert level_of(picture, pose) > found.means[0] + 5.0 * found.spreads[0]
+
+
+def test_one_ripple_of_many_has(rng):
+    stripes = 60.0 * (np.sin(2.0 * np.pi * np.arange(320) / 32.0) > 0.0)
+    picture = grain(rng) + stripes
+    pose = [8.0 - 160.0 + 0.5 + 160.0, 0.0, 16.0, 0.0]
+    found = background(picture, [pose], rng)
+    assert found.alike[0] > 0.5 * level_of(picture, pose)
+
+
+def test_the_bottom_explains_nothing_at_least(rng):
+    found = background(
+        np.full((240, 320), 90.0), [[0.0, 0.3, 30.0, 0.0], [50.0, 0.0, 9.0, 0.0]], rng
+    )
+    assert (found.alike >= 0.0).all()
+    assert (found.spreads >= SMALLEST_SPREAD).all()
+
+
+def test_without_hypotheses_there_is_nothing(rng):
+    found = background(grain(rng), np.empty((0, 4)), rng)
+    assert len(found.alike) == len(found.means) == len(found.spreads) == 0
+
+
+@pytest.mark.parametrize("count", [1, 3, 5])
+def test_each_hypothesis_has_a_background_of_its_own(count, rng):
+    poses = [[30.0 * index - 60.0, 0.0, 20.0, 0.0] for index in range(count)]
+    assert len(background(grain(rng), poses, rng).alike) == count

@@ -1,0 +1,195 @@
+"""`cable-tracker survey`, `simulate --survey`, and what `track` makes of such bags."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from cable_tracker import cli
+from cable_tracker.commands.survey import parse_datum
+from cable_tracker.errors import ParameterError
+from cable_tracker.sequences.estimates import read_estimates
+
+pytestmark = pytest.mark.slow
+
+USER_ERROR = 2
+
+Run = Callable[..., tuple[int, str]]
+
+
+def run_with(monkeypatch: pytest.MonkeyPatch, *words: object) -> int:
+    monkeypatch.setattr(sys, "argv", ["cable-tracker", *map(str, words)])
+    try:
+        cli.main()
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 0
+    return 0
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Run a command; return its exit code, and all that it said."""
+
+    def run_command(*words: object) -> tuple[int, str]:
+        capsys.readouterr()
+        code = run_with(monkeypatch, *words)
+        said = capsys.readouterr()
+        return code, " ".join((said.out + said.err).split())
+
+    return run_command
+
+
+@pytest.fixture(scope="module")
+def dives(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Two short dives over one cable."""
+    folder = tmp_path_factory.mktemp("dives")
+    paths = (folder / "first", folder / "second")
+    with pytest.MonkeyPatch.context() as patch:
+        for seed, path in enumerate(paths):
+            code = run_with(
+                patch, "simulate", path, "--survey", 3, "--rate", 6, "--size", "160x120",
+                "--seed", seed,
+            )  # fmt: skip
+            assert code == 0
+    return paths
+
+
+@pytest.fixture(scope="module")
+def surveyed(dives: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    output = tmp_path_factory.mktemp("map") / "out"
+    with pytest.MonkeyPatch.context() as patch:
+        assert run_with(patch, "survey", *dives, "--output", output) == 0
+    return output
+
+
+def test_a_survey_dive_holds_its_truth_and_its_vehicle(dives):
+    assert {"truth.json", "vehicle.yaml"} <= {file.name for file in dives[0].iterdir()}
+    assert json.loads((dives[0] / "truth.json").read_text())["world"]
+
+
+def test_a_survey_writes_all_of_its_files(surveyed):
+    names = {file.name for file in surveyed.iterdir()}
+    assert names == {
+        "route.gpkg", "route.geojson", "events.csv", "frames.parquet", "report.html", "recordings",
+    }  # fmt: skip
+    assert set(pq.read_table(surveyed / "frames.parquet")["recording"].to_pylist()) == {
+        "first", "second",
+    }  # fmt: skip
+    with (surveyed / "events.csv").open() as file:
+        assert "found" in {row["kind"] for row in csv.DictReader(file)}
+
+
+def test_an_earlier_survey_is_kept_unless_it_is_to_go_on(surveyed, dives, run):
+    code, said = run("survey", *dives, "--output", surveyed)
+    assert code == USER_ERROR
+    assert "--resume" in said and "--force" in said
+    code, said = run("survey", *dives, "--output", surveyed, "--resume")
+    assert code == 0
+    assert "2 kept or failed" in said
+
+
+def test_a_folder_that_is_no_survey_is_never_written_over(tmp_path, dives, run):
+    (tmp_path / "letter.txt").write_text("precious")
+    code, said = run("survey", dives[0], "--output", tmp_path, "--force")
+    assert code == USER_ERROR
+    assert "no earlier survey" in said
+
+
+def test_a_recording_that_cannot_be_read_is_a_row_and_the_others_are_done(tmp_path, dives, run):
+    broken = tmp_path / "broken.mcap"
+    broken.write_bytes(b"nothing")
+    code, said = run("survey", dives[0], broken, "--output", tmp_path / "out", "--no-pictures")
+    assert code == 0
+    assert "broken.mcap: failed" in said
+    assert not list((tmp_path / "out").glob("recordings/*/pictures"))
+
+
+def test_only_broken_recordings_are_an_error(tmp_path, run):
+    broken = tmp_path / "broken.mcap"
+    broken.write_bytes(b"nothing")
+    code, said = run("survey", broken, "--output", tmp_path / "out")
+    assert code != 0
+    assert "none of the 1 recordings could be surveyed" in said
+
+
+def test_pictures_are_thinned_as_asked(tmp_path, dives, run):
+    code, said = run("survey", dives[0], "--output", tmp_path / "out", "--most-rate", 2)
+    assert code == 0
+    assert "pictures were tracked, 2 a second" in said
+
+
+def test_without_odometry_there_is_no_route(tmp_path, dives, run):
+    code, said = run("survey", dives[0], "--output", tmp_path / "out", "--odometry-topic", "none")
+    assert code == 0
+    assert "known in pixels only" in said
+    content = json.loads((tmp_path / "out/route.geojson").read_text())
+    assert not [each for each in content["features"] if each["geometry"]["type"] == "LineString"]
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (("--datum", "north"), "datum"),
+        (("--most-rate", "-1"), "most-rate"),
+        (("--workers", "0"), "workers is 0"),
+        (("--imu-topic", "/nothing"), "there is no topic /nothing"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_words(tmp_path, dives, run, words, reason):
+    code, said = run("survey", dives[0], "--output", tmp_path / "out", *words)
+    assert code != 0
+    assert reason in said
+
+
+def test_a_datum_is_two_numbers_of_a_place():
+    assert parse_datum("54.25,7.9") == (54.25, 7.9)
+    for text in ("54", "95,7", "a,b", "nan,0"):
+        with pytest.raises(ParameterError, match="datum"):
+            parse_datum(text)
+
+
+@pytest.fixture(scope="module")
+def tracked(dives: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory):
+    """Track a dive with options; return its table."""
+
+    def track(*options: object):
+        output = tmp_path_factory.mktemp("tracked") / "out"
+        with pytest.MonkeyPatch.context() as patch:
+            code = run_with(
+                patch, "track", dives[0], "--output", output, "--no-video", "--no-pictures",
+                "--no-bag", *options,
+            )  # fmt: skip
+        assert code == 0
+        return read_estimates(output / "estimates.csv")
+
+    return track
+
+
+def test_track_gives_metres_for_what_it_claims(tracked):
+    claimed = [row for row in tracked() if row.status == "TRACKING"]
+    assert claimed
+    assert all(abs(row.metres.offset) < 0.6 for row in claimed)
+    assert all(row.metres.sigma_offset > 0.0 for row in claimed)
+
+
+def test_without_an_altitude_track_says_why_there_are_no_metres(tracked):
+    rows = tracked("--altitude-topic", "none")
+    assert all(row.metres is None and "altitude" in row.no_metres for row in rows if row.state)
+
+
+def test_an_altitude_may_be_chosen_by_its_vehicle_file(tracked, tmp_path):
+    file = tmp_path / "vehicle.yaml"
+    file.write_text("fixed_altitude: 4.0\n")
+    near = [row for row in tracked("--altitude-topic", "none", "--vehicle", file) if row.state]
+    assert near and all(row.metres is not None for row in near)
+
+
+def test_without_odometry_the_filter_is_not_aided(tracked):
+    aided, alone = tracked(), tracked("--odometry-topic", "none")
+    assert [row.state for row in aided] != [row.state for row in alone]

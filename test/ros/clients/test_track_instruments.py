@@ -1,0 +1,38 @@
+"""`track --ros` and `track` on a bag with instruments."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from cable_tracker import cli
+from cable_tracker.sequences.estimates import read_estimates
+from cable_tracker.simulation.survey_bag import write_survey_bag
+from cable_tracker.simulation.survey_dive import SurveySettings
+
+pytestmark = pytest.mark.slow
+
+
+def test_the_estimates_and_the_metres_are_the_same_with_ros_and_without(tmp_path, monkeypatch):
+    bag = tmp_path / "dive"
+    write_survey_bag(bag, SurveySettings(length=2.0, rate=8.0, image_size=(160, 120), seed=3))
+
+    def tracked(name: str, *words: str) -> Path:
+        output = tmp_path / name
+        arguments = ["track", str(bag), "--output", str(output), "--no-video", "--no-pictures"]
+        monkeypatch.setattr(sys, "argv", ["cable-tracker", *arguments, "--no-timing", *words])
+        cli.main()
+        return output / "estimates.csv"
+
+    def main(name: str, *words: str) -> Path:
+        try:
+            return tracked(name, *words)
+        except SystemExit as end:
+            assert not end.code
+            return tmp_path / name / "estimates.csv"
+
+    plain, over_ros = main("plain"), main("over_ros", "--ros")
+    assert any(row.metres is not None for row in read_estimates(plain))
+    assert plain.read_text() == over_ros.read_text()

@@ -1,0 +1,121 @@
+from __future__ import annotations
+
+import numba
+import numpy as np
+import pytest
+from numba.core.codegen import JITCodeLibrary
+from numba.core.registry import cpu_target
+
+from cable_tracker.compilation import compiled, compiled_loop, compiled_part
+
+
+@compiled_part
+def checked(value):
+    if value < 0.0:
+        raise ValueError("negative", value)
+    return value
+
+
+@compiled
+def twice(value):
+    return 2.0 * checked(value)
+
+
+@compiled
+def root(value):
+    return np.sqrt(checked(value))
+
+
+@compiled
+def root_of_twice(value):
+    return root(twice(value))
+
+
+def kind_of_libraries():
+    return cpu_target.target_context.codegen()._library_class
+
+
+def test_a_part_serves_several_entries():
+    assert twice(8.0) == 16.0
+    assert root(9.0) == 3.0
+
+
+@pytest.mark.parametrize("entry", [twice, root, root_of_twice])
+def test_what_a_part_raises_comes_from_the_entry(entry):
+    with pytest.raises(ValueError, match="negative") as raised:
+        entry(-1.0)
+    assert raised.value.args == ("negative", -1.0)
+
+
+def test_an_entry_that_another_one_calls_answers_python_too():
+    assert root_of_twice(8.0) == 4.0
+    assert twice(2.0) == 4.0
+
+
+def test_machine_code_is_made_of_entries_alone(monkeypatch):
+    @compiled_part
+    def half(value):
+        return 0.5 * value
+
+    @compiled
+    def quarter(value):
+        return half(half(value))
+
+    engine = cpu_target.target_context.codegen()._engine
+    made, original = [], engine.finalize_object
+    monkeypatch.setattr(engine, "finalize_object", lambda: made.append(original()))
+    assert quarter(8.0) == 2.0
+    assert len(made) == 1
+
+
+def test_functions_of_others_are_compiled_as_ever():
+    @compiled
+    def ours(count):
+        return np.zeros(count).sum()
+
+    @numba.njit
+    def theirs(count):
+        return np.zeros(count).sum() + 1.0
+
+    assert ours(3) == 0.0
+    assert theirs(3) == 1.0
+    assert kind_of_libraries() is JITCodeLibrary
+
+
+def test_what_does_not_compile_leaves_the_compiler_as_it_was():
+    @compiled
+    def entry(value):
+        return value.nothing_of_this_name
+
+    with pytest.raises(numba.TypingError):
+        entry(1.0)
+    assert kind_of_libraries() is JITCodeLibrary
+
+
+def test_a_loop_fills_arrays_that_it_is_given():
+    @compiled_loop
+    def fill(values, value):
+        for index in range(len(values)):
+            values[index] = value
+
+    @compiled
+    def filled(count, value):
+        values = np.empty(count)
+        fill(values[1:], value)
+        values[0] = 0.0
+        return values
+
+    assert filled(3, 2.0).tolist() == [0.0, 2.0, 2.0]
+
+
+def test_a_loop_that_makes_an_array_does_not_compile():
+    @compiled_loop
+    def made(count):
+        return len(np.empty(count))
+
+    @compiled
+    def entry(count):
+        return made(count)
+
+    with pytest.raises(numba.core.errors.NumbaError):
+        entry(3)
