@@ -12,7 +12,7 @@ import os
 import pickle
 import shutil
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -158,6 +158,8 @@ def _keep(path: Path, result: object) -> None:
         partial.replace(path)
     except OSError as error:
         partial.unlink(missing_ok=True)
+        with suppress(OSError):  # Results of other tasks stay, for a campaign that goes on.
+            path.parent.rmdir()
         raise OutputError(
             f"{path.parent}: cannot be written ({error.strerror or error}); check the disk"
         ) from error

@@ -35,9 +35,10 @@ def chase(  # noqa: PLR0917
     ] = None,
     force: ForceOption = False,
 ) -> None:
-    """Let a simulated vehicle follow a moving target over DDS, through clouds of silt.
+    """Let a simulated vehicle follow a moving target over DDS.
 
-    Simulator, target tracker and follower run in lockstep, as fast as the machine can. Needs ROS 2.
+    Clouds of silt hide the target now and then. Simulator, target tracker and follower run in
+    lockstep, as fast as the machine can. Needs ROS 2.
     """
     rigs = need_ros("rigs.chase")
     world = ChaseSettings(seed=seed, duration=duration, hidden_for=hidden_for)

@@ -234,7 +234,7 @@ class TrackerParameters(ParameterSet):
         "Evidence for a narrower strip counts less: any bottom has thin lines.",
     )
     evidence_limit: float = number(
-        10.0, "", 0.0, 1e6, "What a new hypothesis explains better counts up to this."
+        18.0, "", 0.0, 1e6, "What a new hypothesis explains better counts up to this."
     )
     evidence_repeated: float = number(
         0.2, "", 0.0, 1.0, "Share of the evidence that counts again; 1 if frames were independent."
