@@ -180,7 +180,9 @@ class ResponseTable:
         """Log-likelihood ratios of a point that shows nothing at all, by class, shape (4,)."""
         # In Python: a tracker needs no machine code for many points then.
         nothing = np.float32(0.0)
-        row, column, cell = response_bin(nothing), slope_bin(nothing), contrast_bin(nothing)
+        # Integers: before NumPy 2 an unsigned number of NumPy divided by one of Python is a float.
+        row, column = int(response_bin(nothing)), int(slope_bin(nothing))
+        cell = int(contrast_bin(nothing))
         edges, contrasts = self.edges_of_both[row, column], self.contrasts_of_both[row // COARSE]
         ratios = np.minimum(edges + contrasts[cell], LARGEST_RATIO)
         means: FloatArray = ratios.reshape(2, CLASSES).mean(axis=0).astype(np.float64)
