@@ -12,7 +12,7 @@ import cv2
 
 from cable_tracker.campaigns.crew import ClusterSettings, move_store, run_all, stored_beside
 from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.target import NODE
+from cable_tracker.commands.target import NODE, chosen_target
 from cable_tracker.commands.terminal import advance, console, messages, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.folder import output_folder
@@ -26,7 +26,6 @@ from cable_tracker.evaluation.targets.peers import MISSING_PEERS, PEERS
 from cable_tracker.evaluation.targets.target_sequences import SimulatedTarget, TargetSequence
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.parameters.presets import target_preset
 from cable_tracker.tracking.parameter_files import read_parameter_file
 
 FIGURES_CSV = "figures.csv"
@@ -90,9 +89,7 @@ def tuned_targets(files: Sequence[Path] | None) -> tuple[tuple[str, TargetParame
         name = file.stem
         if name in tuned or name in method_names():
             raise ParameterError(f"params: there are two methods {name!r}; rename {file}")
-        values = read_parameter_file(file, NODE)
-        base = target_preset(str(values.pop("preset", "default")))
-        tuned[name] = base.replaced(values)
+        tuned[name] = chosen_target(None, read_parameter_file(file, NODE), None)
     return tuple(tuned.items())
 
 

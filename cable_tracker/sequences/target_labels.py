@@ -139,7 +139,7 @@ def find_boxes(source: Source, truth: Path | None = None) -> BoxTruth:
         There are none, they cannot be read, or belong to no frame of the recording.
     """
     if truth is None:
-        truth = source.path / BOXES_NAME if (source.path / BOXES_NAME).is_file() else source.path
+        truth = _own_labels(source)
     if is_bag(truth):
         if not isinstance(source, BagSource):
             raise RecordingError(
@@ -152,6 +152,28 @@ def find_boxes(source: Source, truth: Path | None = None) -> BoxTruth:
             f" form: {FORM}"
         )
     return BoxTruth(by_index=_numbered(source, read_boxes(truth), truth))
+
+
+def _own_labels(source: Source) -> Path:
+    """Return where a recording's own boxes are, if it has any: beside its pictures, or in it."""
+    beside = source.path / BOXES_NAME
+    return beside if beside.is_file() else source.path
+
+
+def own_boxes(source: Source) -> BoxTruth:
+    """Return the boxes that a recording holds itself, perhaps none.
+
+    Raises
+    ------
+    RecordingError
+        They cannot be read.
+    """
+    path = _own_labels(source)
+    if path != source.path:
+        return find_boxes(source, path)
+    if isinstance(source, BagSource) and _box_topic(_storage(path)):
+        return find_boxes(source)
+    return BoxTruth()
 
 
 def _numbered(
@@ -173,23 +195,33 @@ def _numbered(
     return found
 
 
-def _read_bag(path: Path) -> dict[int, Box | None]:
-    """Read the boxes of a bag by stamp [ns]."""
+def _storage(path: Path) -> BagStorage:
     try:
-        storage = open_storage(path)
+        return open_storage(path)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+
+
+def _box_topic(storage: BagStorage) -> str:
+    """Return the first topic of boxes; empty if there is none."""
     wanted = output_topics.TRUE_BOX
     topics = [
         name
         for name, topic in sorted(storage.topics.items())
         if topic.msgtype == wanted.type_name and name.endswith(f"/{wanted.name}")
     ]
-    if not topics:
+    return topics[0] if topics else ""
+
+
+def _read_bag(path: Path) -> dict[int, Box | None]:
+    """Read the boxes of a bag by stamp [ns]."""
+    storage, wanted = _storage(path), output_topics.TRUE_BOX
+    topic = _box_topic(storage)
+    if not topic:
         raise RecordingError(
             f"{path}: the bag holds no {wanted.name} ({wanted.type_name}); give boxes with --truth"
         )
-    return _boxes_of(storage, path, topics[0])
+    return _boxes_of(storage, path, topic)
 
 
 def _boxes_of(storage: BagStorage, path: Path, topic: str) -> dict[int, Box | None]:

@@ -6,7 +6,7 @@ import os
 import tempfile
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
@@ -42,11 +42,14 @@ class TargetRequest:
         Parameters of the filter.
     initial_target : str
         `detect`, or a box.
+    sight : dict
+        Parameters of the tracker about camera and instruments.
     """
 
     source: dict[str, ParameterValue]
     parameters: TargetParameters
     initial_target: str
+    sight: dict[str, ParameterValue] = field(default_factory=dict)
 
 
 class TargetRecorder(Recorder):
@@ -123,6 +126,7 @@ def track_target_over_ros(
         )
         parameters: dict[str, ParameterValue] = {
             **request.parameters.as_mapping(),
+            **request.sight,
             "image_transport": "compressed" if source.compressed else "raw",
             "image_reliability": "reliable",
             "initial_target": request.initial_target,
