@@ -52,11 +52,10 @@ def test_bearing_and_range_of_a_target_of_known_size_are_those_of_the_world(turn
     told, why = followed(path, truths[0][0], shown_size())
     assert why[0] == "no frame has come before"
     assert not any(why[1:])
-    assert all(
-        overlap(each.box, box) > 0.5 for (each, _), (box, _) in zip(told, truths, strict=False)
-    )
+    pairs = list(zip(told, truths, strict=True))
+    assert all(overlap(each.box, box) > 0.5 for (each, _), (box, _) in pairs)
     off, ranges = [], []
-    for (_, metres), (_, place) in zip(told, truths, strict=False):
+    for (_, metres), (_, place) in pairs:
         ahead, left, up = place
         ray = np.array([-left, -up, ahead]) / np.linalg.norm(place)
         off.append(math.degrees(math.acos(min(float(metres.ray @ ray), 1.0))))
@@ -70,7 +69,7 @@ def test_the_homography_carries_the_target_along(turning):
     path, truths = turning
     with open_source(path) as source, RecordedSight(recorded_vehicle(source)) as sight:
         places = []
-        for frame, (box, _) in zip(source.frames(), truths, strict=False):
+        for frame, (box, _) in zip(source.frames(), truths, strict=True):
             sight.advance(frame)
             motion = sight.camera_motion(frame.stamp, (320, 240))
             centre = np.array([(box[0] + box[2]) / 2 - 160, 120 - (box[1] + box[3]) / 2])
