@@ -101,7 +101,7 @@ def simulate_command(  # noqa: PLR0912, PLR0917
         ),
     ] = False,
 ) -> None:
-    """Simulate a dive over a cable, or before a target, with exact ground truth."""
+    """Simulate a cable or a target, with exact ground truth."""
     image_size = parse_size(size)
     if live:
         _run_live(output, seed, image_size, rate)

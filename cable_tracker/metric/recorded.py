@@ -163,11 +163,6 @@ class RecordedMetres:
         """Whether there is odometry for the filter."""
         return self._aids
 
-    @property
-    def why_not_aided(self) -> str:
-        """Why the last frame was tracked without odometry; empty if it was not."""
-        return self._aiding.why_not
-
     def advance(self, frame: Frame) -> list[InstrumentMessage]:
         """Take what the instruments said up to a frame and shortly after it, and return it."""
         if self._feed is None or frame.received is None:

@@ -70,16 +70,3 @@ def peak_density(degrees_of_freedom: float, dimensions: int) -> float:
         - 0.5 * dimensions * math.log(degrees_of_freedom * math.pi)
     )
     return math.exp(log_peak)
-
-
-@compiled
-def log_densities(
-    squared_distances: FloatArray, degrees_of_freedom: float, dimensions: int
-) -> FloatArray:
-    """Return the log-density for a unit scale at squared Mahalanobis distances (N,), shape (N,)."""
-    log_peak = math.log(peak_density(degrees_of_freedom, dimensions))
-    logs = np.empty(len(squared_distances))
-    for index in range(len(logs)):
-        squared = squared_distances[index]
-        logs[index] = log_peak + relative_log_density(squared, degrees_of_freedom, dimensions)
-    return logs

@@ -265,7 +265,15 @@ def make_particles(factory: MessageFactory, header: Message, cloud: FloatArray) 
     distance, angle = cloud[:, StateColumn.DISTANCE], cloud[:, StateColumn.ANGLE]
     points = np.column_stack(
         (distance * np.cos(angle), distance * np.sin(angle), np.zeros(len(cloud)), cloud)
-    ).astype("<f4")
+    )
+    return point_cloud(factory, header, CLOUD_COLUMNS, points)
+
+
+def point_cloud(
+    factory: MessageFactory, header: Message, names: Sequence[str], points: FloatArray
+) -> Message:
+    """Pack points (N, K) as a PointCloud2 of float32 whose K fields have names."""
+    packed = points.astype("<f4")
     fields = [
         factory.make(
             "sensor_msgs/msg/PointField",
@@ -274,18 +282,19 @@ def make_particles(factory: MessageFactory, header: Message, cloud: FloatArray) 
             datatype=POINT_FIELD_FLOAT32,
             count=1,
         )
-        for column, name in enumerate(CLOUD_COLUMNS)
+        for column, name in enumerate(names)
     ]
+    step = 4 * len(names)
     return factory.make(
         "sensor_msgs/msg/PointCloud2",
         header=header,
         height=1,
-        width=len(points),
+        width=len(packed),
         fields=fields,
         is_bigendian=False,
-        point_step=4 * len(CLOUD_COLUMNS),
-        row_step=4 * len(CLOUD_COLUMNS) * len(points),
-        data=factory.octets(points.tobytes()),
+        point_step=step,
+        row_step=step * len(packed),
+        data=factory.octets(packed.tobytes()),
         is_dense=True,
     )
 

@@ -19,10 +19,10 @@ from cable_tracker.sequences.messages import (
     MARKER_DELETE_ALL,
     MARKER_LINE_LIST,
     METRES_PER_PIXEL,
-    POINT_FIELD_FLOAT32,
     UNKNOWN_VARIANCE,
     Message,
     MessageFactory,
+    point_cloud,
 )
 from cable_tracker.target.model.estimate import Box, TargetEstimate
 from cable_tracker.target.model.start import TargetStart
@@ -183,30 +183,8 @@ def make_target_particles(
             np.exp(states[:, PoseColumn.LOG_SCALE]), states[:, PoseColumn.ANGLE],
             states[:, PoseColumn.X_RATE], states[:, PoseColumn.Y_RATE], particles.weights,
         )
-    ).astype("<f4")  # fmt: skip
-    fields = [
-        factory.make(
-            "sensor_msgs/msg/PointField",
-            name=name,
-            offset=4 * column,
-            datatype=POINT_FIELD_FLOAT32,
-            count=1,
-        )
-        for column, name in enumerate(TARGET_CLOUD_COLUMNS)
-    ]
-    step = 4 * len(TARGET_CLOUD_COLUMNS)
-    return factory.make(
-        "sensor_msgs/msg/PointCloud2",
-        header=header,
-        height=1,
-        width=len(points),
-        fields=fields,
-        is_bigendian=False,
-        point_step=step,
-        row_step=step * len(points),
-        data=factory.octets(points.tobytes()),
-        is_dense=True,
-    )
+    )  # fmt: skip
+    return point_cloud(factory, header, TARGET_CLOUD_COLUMNS, points)
 
 
 def read_target_particles(message: Message) -> FloatArray | None:

@@ -11,10 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
-from cable_tracker.arrays import FloatArray
-from cable_tracker.compilation import compiled_inside, compiled_part
+from cable_tracker.compilation import compiled_inside
 
 SEARCH_SHARE = 1.0 / 3.0
 """Share of the births without knowledge of the last place right after the loss."""
@@ -50,15 +47,6 @@ def survival_probability(inside: float, rates: SurvivalRates, dt: float) -> floa
     beyond = -inside / rates.margin
     at_edge = 1.0 / (1.0 + math.exp(min(max(-beyond, -700.0), 700.0)))
     return math.exp(-(rates.vanishing + rates.leaving * at_edge) * dt)
-
-
-@compiled_part
-def survival_probabilities(inside: FloatArray, rates: SurvivalRates, dt: float) -> FloatArray:
-    """Return `survival_probability` for several distances to the edge [px], shape (N,)."""
-    probabilities = np.empty(len(inside))
-    for row in range(len(inside)):
-        probabilities[row] = survival_probability(inside[row], rates, dt)
-    return probabilities
 
 
 def share_about_last_place(seconds: float, memory_time: float) -> float:

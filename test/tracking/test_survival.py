@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,7 +11,6 @@ from cable_tracker.tracking.survival import (
     SEARCH_SHARE,
     SurvivalRates,
     share_about_last_place,
-    survival_probabilities,
     survival_probability,
 )
 
@@ -20,7 +18,7 @@ RATES = SurvivalRates(vanishing=0.25, leaving=10.0, margin=8.0)
 
 
 def test_in_the_middle_only_vanishing_counts_and_beyond_the_edge_both():
-    survival = survival_probabilities(np.array([1000.0, 0.0, -1000.0]), RATES, 0.5)
+    survival = [survival_probability(inside, RATES, 0.5) for inside in (1000.0, 0.0, -1000.0)]
     expected = [math.exp(-rate * 0.5) for rate in (0.25, 5.25, 10.25)]
     assert survival == pytest.approx(expected)
 

@@ -30,7 +30,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.filter import CableFilter, Finding, ParticleBelief, equal_states
 from cable_tracker.cable.hypotheses.ancestors import plan_draw, surviving_ancestors
-from cable_tracker.cable.hypotheses.belief import Belief, initial_belief
+from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
 from cable_tracker.cable.hypotheses.border_jump import RATE, jump_from
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, draw_and_conclude
 from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
@@ -204,11 +204,11 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     def first_belief(self) -> Belief:
         """Return the belief of a search: the prior, without a history."""
         states = self._box.draw(self._parameters.particle_count, self._rng)
-        return initial_belief(states, LEAST_PRESENCE, self._image_size[0])
+        return initial_belief(states, LEAST_PRESENCE)
 
     def given_belief(self, states: FloatArray) -> Belief:
         """Return the belief after an operator or planner gave states, (N, 8)."""
-        return initial_belief(states, GIVEN_PRESENCE, self._image_size[0])
+        return initial_belief(states, GIVEN_PRESENCE)
 
     def adapted(self, belief: ParticleBelief) -> Belief:
         """Return the belief of any filter as this one's, with as many particles as wanted."""
@@ -218,16 +218,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         if belief.particles.count == count:
             return belief
         indices = self._resample(belief.particles.weights, count, self._rng)
-        states = belief.particles.states[indices]
-        fresh = initial_belief(states, belief.presence, self._image_size[0])
-        return replace(
-            belief,
-            particles=fresh.particles,
-            clusters=fresh.clusters,
-            covariance=fresh.covariance,
-            effective_size=fresh.effective_size,
-            log_odds=fresh.log_odds,
-        )
+        return resampled_belief(belief, indices)
 
     def step(
         self,
@@ -450,7 +441,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         """Return the belief when every particle is impossible: that of a new search."""
         states = draw_births(births, self._parameters.particle_count, self._rng)
         return replace(
-            initial_belief(states, LEAST_PRESENCE, self._image_size[0]),
+            initial_belief(states, LEAST_PRESENCE),
             p_bright=before.p_bright,
             memory=before.memory,
             width_prior=before.width_prior,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
@@ -258,9 +258,3 @@ class CableMovement:
         """
         sigmas: FloatArray = np.sqrt(variances_over(self._per_frame, self._parameters, dt))
         return sigmas if motion is None else np.minimum(sigmas, motion.sigmas())
-
-    def is_within_limits(self, states: FloatArray) -> BoolArray:
-        """Tell which states lie in the box of limits, shape (N,)."""
-        pose = states[:, :POSE_SIZE]
-        inside = (pose >= self._limits.lower) & (pose <= self._limits.upper)
-        return np.asarray(inside.all(axis=1))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -48,10 +48,13 @@ class RecordedFrame:
         CDR bytes by topic.
     status : str
         The frame's status.
+    diagnostics : sequence of bytes
+        Those that came since the frame before.
     """
 
     messages: Mapping[OutputTopic, bytes]
     status: str
+    diagnostics: Sequence[bytes] = ()
 
     def read(self, topic: OutputTopic) -> Message:
         """Deserialise one of the messages."""
@@ -139,7 +142,8 @@ class Recorder(Node):  # type: ignore[misc]
         if not all(self._queues[topic] for topic in topics):
             return None
         status = str(report.status[0].message)
-        return RecordedFrame({topic: self._queues[topic].popleft() for topic in topics}, status)
+        messages = {topic: self._queues[topic].popleft() for topic in topics}
+        return RecordedFrame(messages, status, self.take_diagnostics())
 
     def _topics_of(self, report: Message) -> list[OutputTopic]:
         """Return the topics that speak of a frame, by its report."""

@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Callable
-from contextlib import ExitStack
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import ClassVar
-
-from rclpy.executors import SingleThreadedExecutor
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.targets.track_target import TargetFolder, TargetRow
-from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder
-from cable_tracker.ros.clients.track_recording import LockstepRun, start_node
-from cable_tracker.ros.process.child_process import NodeProcess
-from cable_tracker.ros.process.client_node import client_node
-from cable_tracker.ros.process.environment import use_local_environment
+from cable_tracker.ros.clients.lockstep import LockstepNodes, track_in_lockstep, write_messages
+from cable_tracker.ros.clients.recorder import RecordedFrame, Recorder
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
@@ -117,62 +108,24 @@ def track_target_over_ros(
     RosError
         The processes do not find each other, or one of them has died.
     """
-    use_local_environment()
-    namespace = f"/cable_tracker_{os.getpid()}"
-    with ExitStack() as stack:
-        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        recorder, executor = stack.enter_context(
-            client_node(lambda context: TargetRecorder(context, namespace))
-        )
-        parameters: dict[str, ParameterValue] = {
-            **request.parameters.as_mapping(),
-            **request.sight,
-            "image_transport": "compressed" if source.compressed else "raw",
-            "image_reliability": "reliable",
-            "initial_target": request.initial_target,
-            "diagnostics_period": 0.1,
-            # The same estimates as without ROS, whatever the recording shows.
-            "frozen_timeout": 0.0,
-        }
-        tracker = stack.enter_context(
-            start_node("target_tracker", namespace, folder, parameters, [])
-        )
-        run = _TargetRun(executor, recorder, tracker, results)
-        run.wait_for_tracker()
-        run.replay = stack.enter_context(
-            start_node(
-                "replay",
-                namespace,
-                folder,
-                {**request.source, "lockstep": True},
-                ["-r", f"state:={ACKNOWLEDGED}"],
-            )
-        )
-        damage = run.record_all(source, advance)
-        run.finish(damage)
-    return damage
 
-
-class _TargetRun(LockstepRun):
-    def __init__(
-        self,
-        executor: SingleThreadedExecutor,
-        recorder: Recorder,
-        tracker: NodeProcess,
-        results: TargetFolder,
-    ) -> None:
-        super().__init__(executor, recorder, tracker)
-        self._results = results
-
-    def _write(self, frame: Frame, recorded: RecordedFrame) -> Message:
-        self._write_messages(self._results.bag, frame, recorded)
+    def take(frame: Frame, recorded: RecordedFrame) -> Message:
+        write_messages(results.bag, frame, recorded)
         state = recorded.read(output_topics.STATE)
         picture = None
         if output_topics.TARGET_OVERLAY in recorded.messages:
             overlay = read_compressed_image(recorded.read(output_topics.TARGET_OVERLAY))
             picture = decode_bgr(overlay)
-        self._results.add(frame, row_of_messages(frame, recorded, state), picture)
+        results.add(frame, row_of_messages(frame, recorded, state), picture)
         return state
+
+    parameters = {
+        **request.parameters.as_mapping(),
+        **request.sight,
+        "initial_target": request.initial_target,
+    }
+    nodes = LockstepNodes("target_tracker", parameters, request.source, TargetRecorder)
+    return track_in_lockstep(source, nodes, take, advance)
 
 
 def row_of_messages(frame: Frame, recorded: RecordedFrame, state: Message) -> TargetRow:

@@ -34,6 +34,7 @@ from cable_tracker.metric.settings import instrument_settings
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
 from cable_tracker.ros import qos
+from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.messages import Message, MessageFactory, make_header, stamp_of
 
@@ -84,12 +85,12 @@ class MetricInputs:
             (Imu, "imu", self.on_imu),
             (OdometryMessage, "odometry", self.on_odometry),
         ):
-            self._node.create_subscription(kind, topic, _then(take, on_news), profile)
+            self._node.create_subscription(kind, topic, followed_by(take, on_news), profile)
         if reliability == RELIABLE:
             self._node.create_subscription(
                 JointState,
                 output_topics.INSTRUMENTS_SENT,
-                _then(self.on_instruments_sent, on_news),
+                followed_by(self.on_instruments_sent, on_news),
                 profile,
             )
 
@@ -240,13 +241,3 @@ class MetricInputs:
         """Return how far from the prediction the sea bed moved; empty if that is not known."""
         seen = self._aiding.seen
         return f"{seen.error:.1f} of {seen.length:.1f}" if seen is not None else ""
-
-
-def _then(
-    take: Callable[[Message], None], on_news: Callable[[], None]
-) -> Callable[[Message], None]:
-    def taken(message: Message) -> None:
-        take(message)
-        on_news()
-
-    return taken

@@ -17,6 +17,7 @@ from cable_tracker.metric.target_sight import TargetSight
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.ros import qos
+from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.sequences.messages import Message, stamp_of
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
@@ -51,7 +52,7 @@ class TargetInputs:
             (Imu, "imu", self.on_imu),
             (OdometryMessage, "odometry", self.on_odometry),
         ):
-            self._node.create_subscription(kind, topic, _then(take, on_news), profile)
+            self._node.create_subscription(kind, topic, followed_by(take, on_news), profile)
 
     @property
     def wait(self) -> float:
@@ -151,13 +152,3 @@ class TargetInputs:
         stamp = stamp_of(message.header) or int(self._node.get_clock().now().nanoseconds)
         self._newest[name] = stamp
         return stamp
-
-
-def _then(
-    take: Callable[[Message], None], on_news: Callable[[], None]
-) -> Callable[[Message], None]:
-    def taken(message: Message) -> None:
-        take(message)
-        on_news()
-
-    return taken

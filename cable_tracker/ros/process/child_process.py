@@ -13,6 +13,9 @@ from typing import Self
 START_TIMEOUT = 120.0
 """Within so long nodes have found each other; the compiling at first use is included [s]."""
 
+ENTRY = "cable_tracker.ros.entry"
+"""Module that runs the node whose name it is given."""
+
 GRACE = 10.0
 """Time that a node gets to end by itself after SIGINT [s]."""
 
@@ -37,7 +40,7 @@ class NodeProcess:
         node: str,
         arguments: Sequence[str],
         environment: Mapping[str, str],
-        module: str = "cable_tracker.ros.entry",
+        module: str = ENTRY,
     ) -> None:
         self._command = [sys.executable, "-m", module, node, "--ros-args", *arguments]
         self._environment = dict(environment)

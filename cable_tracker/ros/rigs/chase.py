@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import tempfile
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -30,12 +29,18 @@ from cable_tracker.evaluation.targets.chase_table import (
     write_chase,
 )
 from cable_tracker.ros import qos
+from cable_tracker.ros.clients.lockstep import (
+    EVERY_FRAME,
+    EVERY_MEASUREMENT,
+    NO_WATCH,
+    READY_SOON,
+)
 from cable_tracker.ros.clients.recorder import spin_until
-from cable_tracker.ros.clients.track_recording import start_node
 from cable_tracker.ros.health.diagnostics import WARMING_UP
 from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
+from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages import read_compressed_image, stamp_of
 from cable_tracker.sequences.stamps import NANOSECONDS
@@ -51,13 +56,8 @@ WARM_UP_TIMEOUT = 900.0
 SILENCE_TIMEOUT = 90.0
 """Nothing new for so long, and something is wrong [s]."""
 
-INSTRUMENT_WAIT = 30.0
-"""A frame waits for its instruments as long as need be [s]."""
-
 SETTLE_TIME = 1.0
 """The follower waits so long for a place that may be withheld [s]."""
-
-NODES = ("target_tracker", "follower")
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,31 +213,23 @@ def run_chase(
     use_local_environment()
     namespace = f"/cable_tracker_chase_{os.getpid()}"
     with output_folder(path, TABLE, overwrite=overwrite) as folder, ExitStack() as stack:
-        parameters = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         recorder, executor = stack.enter_context(
             client_node(lambda context: ChaseRecorder(context, namespace))
         )
         video = stack.enter_context(VideoWriter(folder / VIDEO))
-
-        def start(name: str, values: dict[str, ParameterValue]) -> NodeProcess:
-            arguments = ["-r", "/clock:=clock"]
-            return stack.enter_context(start_node(name, namespace, parameters, values, arguments))
-
-        running = {name: start(name, _parameters(request)[name]) for name in NODES}
-
-        def what_died() -> str:
-            for name, node in running.items():
-                if not node.running and (name in NODES or node.wait(0.0) != 0):
-                    return f"the node {name} has died: {node.last_line()}"
-            return ""
-
-        spin_until(executor, recorder.is_ready, START_TIMEOUT + WARM_UP_TIMEOUT, what_died)
-        simulator = start("target_simulator", _parameters(request)["target_simulator"])
-        running["target_simulator"] = simulator
+        group = stack.enter_context(NodeGroup(namespace, {"/clock": "clock"}))
+        parameters = _parameters(request)
+        for name in ("target_tracker", "follower"):
+            group.start(name, parameters[name])
+        spin_until(
+            executor, recorder.is_ready, START_TIMEOUT + WARM_UP_TIMEOUT, group.what_has_died
+        )
+        name = "target_simulator"
+        simulator = group.start(name, parameters[name], may_end=True)
 
         def spin() -> str:
             executor.spin_once(timeout_sec=0.02)
-            return what_died()
+            return group.what_has_died()
 
         _follow(recorder, simulator, spin, video, advance)
         rows = recorder.rows()
@@ -282,11 +274,10 @@ def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
             "preset": request.preset,
             "initial_target": ",".join(repr(side) for side in box),
             "target_size": shown_size(),
-            "image_reliability": "reliable",
-            "instrument_reliability": "reliable",
-            "instrument_wait": INSTRUMENT_WAIT,
-            "input_timeout": 3600.0,
-            "diagnostics_period": 0.1,
+            **EVERY_FRAME,
+            **EVERY_MEASUREMENT,
+            **NO_WATCH,
+            **READY_SOON,
         },
         "follower": {
             "distance": request.distance,

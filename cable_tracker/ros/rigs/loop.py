@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -29,15 +28,21 @@ from cable_tracker.evaluation.closed_loop.loop_table import (
 )
 from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.evaluation.methods import BASELINES
+from cable_tracker.ros.clients.lockstep import (
+    EVERY_FRAME,
+    EVERY_MEASUREMENT,
+    NO_WATCH,
+    READY_SOON,
+)
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
-from cable_tracker.ros.process.environment import local_environment, use_local_environment
+from cable_tracker.ros.process.environment import use_local_environment
+from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.loop_recorder import LoopRecorder, SeenFrame
 from cable_tracker.simulation.dive import CABLE_RADIUS
 from cable_tracker.simulation.live_world import MOUNTING, LiveSettings, cable_course
 from cable_tracker.simulation.tube import SETTLED
-from cable_tracker.tracking.parameter_files import write_node_parameters
 from cable_tracker.visualisation.overlay import draw_overlay
 from cable_tracker.visualisation.video import VideoWriter
 
@@ -51,9 +56,6 @@ SILENCE_TIMEOUT = 90.0
 
 SETTLE_TIMEOUT = 3.0
 """Free-running, frames that the tracker left out are not waited for any longer [s]."""
-
-INSTRUMENT_WAIT = 30.0
-"""In lockstep a frame waits for its instruments as long as need be [s]."""
 
 SETTLE_TIME = 1.0
 """In lockstep the controller waits so long for a `cross_track` that may be withheld [s]."""
@@ -147,25 +149,19 @@ def run_loop(
     use_local_environment()
     namespace = f"/cable_tracker_loop_{os.getpid()}"
     with output_folder(path, TABLE, overwrite=overwrite) as folder, ExitStack() as stack:
-        parameters = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         recorder, executor = stack.enter_context(
             client_node(
                 lambda context: LoopRecorder(context, namespace, with_images=request.with_video)
             )
         )
         video = stack.enter_context(VideoWriter(folder / VIDEO)) if request.with_video else None
-        starter = _Starter(namespace, parameters)
-        run = _Run(request, recorder, executor, video, advance)
-        for name, values in (
-            (request.tracker_node, _tracker_parameters(request)),
-            ("controller", _controller_parameters(request)),
-        ):
-            run.nodes.append(stack.enter_context(starter.start(name, values)))
+        group = stack.enter_context(NodeGroup(namespace, {"/clock": "clock"}))
+        run = _Run(request, recorder, executor, group, video, advance=advance)
+        group.start(request.tracker_node, _tracker_parameters(request))
+        group.start("controller", _controller_parameters(request))
         run.wait_until_connected()
-        run.simulator = stack.enter_context(
-            starter.start("simulator", _simulator_parameters(request))
-        )
-        run.follow()
+        simulator = group.start("simulator", _simulator_parameters(request), may_end=True)
+        run.follow(simulator)
         return run.write(folder)
 
 
@@ -174,17 +170,12 @@ def _tracker_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
         "camera_pitch": 90.0 - float(np.degrees(MOUNTING)),
         "cable_height": SETTLED * CABLE_RADIUS,
         "altitude_is_vertical": True,
-        "diagnostics_period": 0.1,
+        **READY_SOON,
         "method" if request.method in BASELINES else "preset": request.method,
         **request.tracker,
     }
     if not request.realtime:
-        values |= {
-            "image_reliability": "reliable",
-            "instrument_reliability": "reliable",
-            "instrument_wait": INSTRUMENT_WAIT,
-            "input_timeout": 3600.0,
-        }
+        values |= {**EVERY_FRAME, **EVERY_MEASUREMENT, **NO_WATCH}
     return values
 
 
@@ -215,29 +206,6 @@ def _simulator_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
     }
 
 
-@dataclass(frozen=True, slots=True)
-class _Starter:
-    """Starts our nodes; their parameters go into files in a folder."""
-
-    namespace: str
-    folder: Path
-
-    def start(self, name: str, parameters: dict[str, ParameterValue]) -> NodeProcess:
-        """Return a node's process, which begins when its context is entered."""
-        file = self.folder / f"{name}.yaml"
-        write_node_parameters(file, parameters)
-        return NodeProcess(
-            name,
-            [
-                "--params-file", str(file),
-                "-r", f"__ns:={self.namespace}",
-                "-r", "/diagnostics:=diagnostics",
-                "-r", "/clock:=clock",
-            ],
-            local_environment(),
-        )  # fmt: skip
-
-
 class _Run:
     """One run on its way."""
 
@@ -246,29 +214,30 @@ class _Run:
         request: LoopRequest,
         recorder: LoopRecorder,
         executor: SingleThreadedExecutor,
+        group: NodeGroup,
         video: VideoWriter | None,
+        *,
         advance: Callable[[float], None],
     ) -> None:
         self._request = request
         self._recorder = recorder
         self._executor = executor
+        self._group = group
         self._video = video
         self._advance = advance
         along = np.arange(-5.0, request.world.length + 5.0, 0.25)
         self._course = cable_course(request.world.seed, along)
         self._map = MapPanel(self._course, request.burial)
         self._first_stamp: int | None = None
-        self.nodes: list[NodeProcess] = []
-        self.simulator: NodeProcess | None = None
 
     def wait_until_connected(self) -> None:
         """Wait until what the tracker publishes reaches all nodes, and it is ready for frames."""
-        spin_until(self._executor, self._recorder.is_connected, START_TIMEOUT, self._what_died)
-        spin_until(self._executor, self._recorder.is_warm, WARM_UP_TIMEOUT, self._what_died)
+        what_has_died = self._group.what_has_died
+        spin_until(self._executor, self._recorder.is_connected, START_TIMEOUT, what_has_died)
+        spin_until(self._executor, self._recorder.is_warm, WARM_UP_TIMEOUT, what_has_died)
 
-    def follow(self) -> None:
+    def follow(self, simulator: NodeProcess) -> None:
         """Draw frame after frame until the simulator has ended, and all of them have come."""
-        assert self.simulator is not None
         heard = time.monotonic()
         ended: float | None = None
         while ended is None or not self._has_settled(ended):
@@ -279,9 +248,9 @@ class _Run:
                 self._advance(frame.place[0])
             now = time.monotonic()
             heard = now if frames else heard
-            if ended is None and not self.simulator.running:
+            if ended is None and not simulator.running:
                 ended = now
-            complaint = self._what_died()
+            complaint = self._group.what_has_died()
             if not complaint and now - heard > SILENCE_TIMEOUT:
                 complaint = f"nothing came for {SILENCE_TIMEOUT:g} s"
             if complaint:
@@ -291,14 +260,6 @@ class _Run:
         is_late = time.monotonic() - ended > SETTLE_TIMEOUT
         is_done = self._recorder.is_settled() and time.monotonic() - ended > 0.5
         return is_done or (is_late and self._request.realtime)
-
-    def _what_died(self) -> str:
-        for node, name in zip(self.nodes, ("tracker", "controller"), strict=False):
-            if not node.running:
-                return f"the {name} node has died: {node.last_line()}"
-        if self.simulator is None or self.simulator.running or self.simulator.wait(0.0) == 0:
-            return ""
-        return f"the simulator node has died: {self.simulator.last_line()}"
 
     def _draw(self, frame: SeenFrame) -> None:
         if self._video is None or frame.image is None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import tempfile
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -31,12 +30,12 @@ from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.child_process import ENTRY, START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
-from cable_tracker.ros.process.environment import local_environment, use_local_environment
+from cable_tracker.ros.process.environment import use_local_environment
+from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages import Message, make_header, make_image, stamp_of
-from cable_tracker.tracking.parameter_files import write_node_parameters
 
 BLOCK = 30
 """Frames that one of the competitors gets before it is the next one's turn."""
@@ -140,13 +139,10 @@ def measure_node(
     use_local_environment()
     os.environ.setdefault(DOMAIN_VARIABLE, str(DOMAIN))
     with ExitStack() as stack:
-        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         node, executor = stack.enter_context(client_node(_probe))
         bench = _Bench(trial, node, executor, advance)
-        bench.echo = bench.start(stack, "echo", [], "cable_tracker.ros.rigs.echo_node")
-        bench.tracker = bench.start(
-            stack, "tracker", ["--params-file", str(_parameter_file(trial, folder))]
-        )
+        bench.echo = bench.start(stack, "echo", {}, "cable_tracker.ros.rigs.echo_node")
+        bench.tracker = bench.start(stack, "tracker", _tracker_parameters(trial))
         return bench.run()
 
 
@@ -154,16 +150,13 @@ def _probe(context: Context) -> Node:
     return Node("latency_probe", namespace=f"/bench_{os.getpid()}", context=context)
 
 
-def _parameter_file(trial: NodeTrial, folder: Path) -> Path:
-    parameters: dict[str, ParameterValue] = {
+def _tracker_parameters(trial: NodeTrial) -> dict[str, ParameterValue]:
+    return {
         **trial.parameters.as_mapping(),
         "initial_state": format_initial_state(trial.shown.truths[0]),
         # It waits while it is the others' turn.
         "input_timeout": 3600.0,
     }
-    file = folder / "tracker.yaml"
-    write_node_parameters(file, parameters)
-    return file
 
 
 class _Bench:
@@ -187,7 +180,7 @@ class _Bench:
         self._messages = [self._packed(image) for image in trial.shown.images]
         self._method = ConfiguredFilter(trial.name, trial.parameters).make(trial.parameters.seed)
         self._number = 0
-        self._processes: list[NodeProcess] = []
+        self._groups: list[NodeGroup] = []
 
     def _packed(self, image: Picture) -> Message:
         header = make_header(self._factory, FIRST_STAMP, "camera")
@@ -197,20 +190,14 @@ class _Bench:
         self,
         stack: ExitStack,
         name: str,
-        arguments: list[str],
-        module: str = "cable_tracker.ros.entry",
+        parameters: dict[str, ParameterValue],
+        module: str = ENTRY,
     ) -> _Target:
-        """Start a node and listen to it."""
+        """Start a node under a namespace of its own, and listen to it."""
         namespace = f"{self._node.get_namespace()}/{name}"
-        process = stack.enter_context(
-            NodeProcess(
-                name,
-                ["-r", f"__ns:={namespace}", "-r", "/diagnostics:=diagnostics", *arguments],
-                local_environment(),
-                module,
-            )
-        )
-        self._processes.append(process)
+        group = stack.enter_context(NodeGroup(namespace))
+        self._groups.append(group)
+        process = group.start(name, parameters, module=module)
         publisher = self._node.create_publisher(Image, f"{namespace}/image", CAMERA)
         target = _Target(process, publisher)
         for kind, topic, arrivals in (
@@ -284,10 +271,7 @@ class _Bench:
             self._settle(target)
 
     def _what_has_died(self) -> str:
-        for process in self._processes:
-            if not process.running:
-                return f"a node has died: {process.last_line()}"
-        return ""
+        return next(filter(None, (group.what_has_died() for group in self._groups)), "")
 
     def _stamp(self, number: int) -> int:
         return FIRST_STAMP + number * FRAME_STEP

@@ -79,10 +79,6 @@ class Appearance:
             surroundings=(1.0 - outer_rate) * self.surroundings + outer_rate * surroundings,
         )
 
-    def adapted_around(self, surroundings: FloatArray, rate: float) -> Appearance:
-        """Return it with only the surroundings moved."""
-        return self.adapted(self.target, surroundings, 0.0, rate)
-
 
 def _hues(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
     """Return the shares of the chromas, whatever the luma; of a grey picture, those of all bins.

@@ -137,7 +137,7 @@ def test_no_proposal_changes_whether_there_is_a_cable(strip):
         values = []
         for seed in range(8):
             cable_filter = make_filter(seed, **BROAD, **changes)
-            belief = initial_belief(cloud(STRIP, seed=seed), 0.5, SIZE[0])
+            belief = initial_belief(cloud(STRIP, seed=seed), 0.5)
             presence = cable_filter.step(belief, strip, FRAME, FOUND).presence
             values.append(np.log(presence / (1.0 - presence)))
         log_odds[name] = np.mean(values)

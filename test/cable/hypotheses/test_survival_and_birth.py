@@ -23,7 +23,7 @@ from cable_tracker.cable.model.geometry import (
 )
 from cable_tracker.cable.model.initialisation import search_box
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.tracking.survival import survival_probabilities as generic_survival_probabilities
+from cable_tracker.tracking.survival import survival_probability
 
 SIZE = (320, 240)
 PARAMETERS = TrackerParameters(
@@ -45,8 +45,8 @@ def densities(density, states) -> np.ndarray:
 
 
 def survival_probabilities(states, size, parameters, dt) -> np.ndarray:
-    inside = np.array([inset(state, size) for state in states])
-    return generic_survival_probabilities(inside, survival_rates(parameters, size[0]), dt)
+    rates = survival_rates(parameters, size[0])
+    return np.array([survival_probability(inset(state, size), rates, dt) for state in states])
 
 
 @given(ANGLES)

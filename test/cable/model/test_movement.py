@@ -259,13 +259,6 @@ def test_clipping_stops_at_the_limit():
     np.testing.assert_allclose(clip_to_limits(states, box), expected)
 
 
-def test_what_is_within_the_limits_is_told_from_what_is_not():
-    states = np.array([[219.0, 9.0, 5.0, 0.0], [221.0, 0.0, 5.0, 0.0], [0.0, 0.0, 3.0, 0.0]])
-    states = np.hstack((states, np.full((3, 4), 1e9)))
-    inside = CableMovement(LIMITED, 320).is_within_limits(states)
-    np.testing.assert_array_equal(inside, [True, False, False])
-
-
 def test_the_states_given_are_not_changed(rng):
     states = np.tile(START, (3, 1))
     moved(TrackerParameters(), FRAME, rng, states)

@@ -39,7 +39,7 @@ def test_a_node_that_dies_ends_it_with_what_it_said(
     shown: Footage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(node_latency, "format_initial_state", lambda state: "nonsense")
-    with pytest.raises(RosError, match=r"a node has died: error: .*initial state"):
+    with pytest.raises(RosError, match=r"the tracker node has died: error: .*initial state"):
         measure_node(NodeTrial("thesis", preset("thesis"), shown, FRAMES))
 
 

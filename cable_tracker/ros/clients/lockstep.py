@@ -1,0 +1,196 @@
+"""A recording on its way through a tracker's process, frame by frame, in lockstep over DDS."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import Final
+
+from rclpy.executors import SingleThreadedExecutor
+
+from cable_tracker.errors import RecordingError, RosError
+from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
+from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.client_node import client_node
+from cable_tracker.ros.process.environment import use_local_environment
+from cable_tracker.ros.process.node_group import NodeGroup
+from cable_tracker.sequences import output_topics
+from cable_tracker.sequences.bag_writer import MessageSink
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.source import Source
+from cable_tracker.tracking.parameter_table import ParameterValue
+
+FRAME_TIMEOUT = 60.0
+END_TIMEOUT = 10.0
+
+READY_SOON: Final[Mapping[str, ParameterValue]] = {"diagnostics_period": 0.1}
+"""Of a tracker: who waits for its diagnostics, which tell when it is ready, waits shortly."""
+
+EVERY_FRAME: Final[Mapping[str, ParameterValue]] = {"image_reliability": "reliable"}
+"""Of a tracker that answers every frame that is sent."""
+
+EVERY_MEASUREMENT: Final[Mapping[str, ParameterValue]] = {
+    "instrument_reliability": "reliable",
+    "instrument_wait": 30.0,
+}
+"""Of a tracker whose frames wait until what was measured before them has come.
+
+It has been sent, so that it is not waited for in vain.
+"""
+
+NO_WATCH: Final[Mapping[str, ParameterValue]] = {"input_timeout": 3600.0}
+"""Of a tracker whose frames come when others are ready for them."""
+
+
+@dataclass(frozen=True, slots=True)
+class LockstepNodes:
+    """Which nodes track a recording.
+
+    Attributes
+    ----------
+    tracker : str
+        Name of the tracker node.
+    parameters : mapping
+        Parameters of its method, and where it starts.
+    replay : mapping
+        Parameters of the replay node that name the recording.
+    recorder : type of Recorder
+        Listens to that tracker.
+    """
+
+    tracker: str
+    parameters: Mapping[str, ParameterValue]
+    replay: Mapping[str, ParameterValue]
+    recorder: type[Recorder] = Recorder
+
+
+def track_in_lockstep(
+    source: Source,
+    nodes: LockstepNodes,
+    take: Callable[[Frame, RecordedFrame], Message],
+    advance: Callable[[], None],
+) -> RecordingError | None:
+    """Let a tracker's process answer all frames of a source, which a replay's process sends.
+
+    Both run under a namespace of this process, so that they meet no other node. The replay sends a
+    frame only when everything about the frame before has been taken.
+
+    Parameters
+    ----------
+    source : Source
+        The same recording, open in this process.
+    nodes : LockstepNodes
+        What is started.
+    take : callable
+        Called with each frame and what the tracker published about it; returns its state.
+    advance : callable
+        Called after each frame.
+
+    Returns
+    -------
+    RecordingError or None
+        Where the recording broke off.
+
+    Raises
+    ------
+    RosError
+        The processes do not find each other, or one of them has died.
+    """
+    use_local_environment()
+    namespace = f"/cable_tracker_{os.getpid()}"
+    with ExitStack() as stack:
+        recorder, executor = stack.enter_context(
+            client_node(lambda context: nodes.recorder(context, namespace))
+        )
+        group = stack.enter_context(NodeGroup(namespace))
+        run = _Run(executor, recorder, group, take)
+        group.start(nodes.tracker, {**nodes.parameters, **_tracker_parameters(source)})
+        run.wait_for_tracker()
+        replay = group.start(
+            "replay",
+            {**nodes.replay, "lockstep": True},
+            {"state": ACKNOWLEDGED},
+            may_end=True,
+        )
+        damage = run.record_all(source, advance)
+        _finish(replay, damage)
+    return damage
+
+
+def _tracker_parameters(source: Source) -> dict[str, ParameterValue]:
+    return {
+        **EVERY_FRAME,
+        **READY_SOON,
+        "image_transport": "compressed" if source.compressed else "raw",
+        # The same estimates as without ROS, whatever the recording shows.
+        "frozen_timeout": 0.0,
+    }
+
+
+def write_messages(bag: MessageSink, frame: Frame, recorded: RecordedFrame) -> None:
+    """Write what was published about a frame, and the diagnostics that came meanwhile."""
+    for topic, data in recorded.messages.items():
+        bag.write_serialised(f"/{topic.name}", topic.type_name, data, frame.stamp)
+    for data in recorded.diagnostics:
+        topic = output_topics.DIAGNOSTICS
+        bag.write_serialised(f"/{topic.name}", topic.type_name, data, frame.stamp)
+
+
+class _Run:
+    """One recording on its way through the nodes."""
+
+    def __init__(
+        self,
+        executor: SingleThreadedExecutor,
+        recorder: Recorder,
+        group: NodeGroup,
+        take: Callable[[Frame, RecordedFrame], Message],
+    ) -> None:
+        self._executor = executor
+        self._recorder = recorder
+        self._group = group
+        self._take = take
+
+    def wait_for_tracker(self) -> None:
+        """Wait until the tracker knows that everything it publishes is recorded."""
+        spin_until(
+            self._executor,
+            self._recorder.is_subscribed,
+            START_TIMEOUT,
+            self._group.what_has_died,
+            self._recorder.is_warming,
+        )
+
+    def record_all(self, source: Source, advance: Callable[[], None]) -> RecordingError | None:
+        """Record every frame of the source."""
+        try:
+            for frame in source.frames():
+                self._record(frame)
+                advance()
+        except RecordingError as error:
+            return error
+        return None
+
+    def _record(self, frame: Frame) -> None:
+        taken: list[RecordedFrame] = []
+
+        def has_come() -> bool:
+            recorded = self._recorder.take()
+            if recorded is not None:
+                taken.append(recorded)
+            return bool(taken)
+
+        # The replay may have sent its last frame and ended while the answer is still awaited.
+        spin_until(self._executor, has_come, FRAME_TIMEOUT, self._group.what_has_died)
+        self._recorder.acknowledge(self._take(frame, taken[0]))
+
+
+def _finish(replay: NodeProcess, damage: RecordingError | None) -> None:
+    """Wait for the replay to end by itself, and see that it ended as expected."""
+    code = replay.wait(END_TIMEOUT)
+    if code != (0 if damage is None else 2):
+        words = replay.last_line()
+        raise RosError(f"the replay ended with exit code {code} after all frames: {words}")

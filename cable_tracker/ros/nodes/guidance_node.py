@@ -1,0 +1,147 @@
+"""What the examples of controllers have in common: results of a tracker in, `cmd_vel` out."""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+from collections.abc import Sequence
+from enum import Enum
+from typing import Any, ClassVar, TypeVar, cast
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import Twist
+from sensor_msgs.msg import JointState
+
+from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
+from cable_tracker.sequences.messages import Message, stamp_of
+from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.tracking.parameter_table import ParameterSpec
+
+Kept = TypeVar("Kept")
+
+KEPT = 100
+"""Messages of each kind that are kept until their `state` comes."""
+
+POLL = 0.005
+"""Longest sleep while a `state` waits for what belongs to it [s]."""
+
+
+class GuidanceNode(ProcessNode):
+    """Answers each `state` of a tracker with a `cmd_vel`, and tells what it is about.
+
+    Without a `state` for `state_timeout` the vehicle is stopped. In lockstep there is no such
+    watch, and no first answer before the command has a subscriber.
+
+    Parameters
+    ----------
+    name : str
+        Of the node.
+    parameters : sequence of ParameterSpec
+        Its parameters, `lockstep`, `settle_time` and `state_timeout` among them.
+    **node_arguments
+        Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
+
+    Raises
+    ------
+    ParameterError
+        A parameter is not acceptable.
+    """
+
+    WELL: ClassVar[Enum]
+    """The mode in which all is as it should be."""
+
+    def __init__(
+        self,
+        name: str,
+        parameters: Sequence[ParameterSpec],
+        **node_arguments: Any,  # noqa: ANN401
+    ) -> None:
+        super().__init__(name, **node_arguments)
+        self._values = node_parameters.declare_all(self, parameters, read_only=True)
+        node_parameters.warn_of_unknown_overrides(self)
+        self._told: Enum | None = None
+        self._states: list[tuple[int, bool, float]] = []
+        self._last_state = time.monotonic()
+        self._stopped = False
+        self._commands = self.create_publisher(Twist, "cmd_vel", qos.RESULTS)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
+        self.create_subscription(JointState, "state", self.on_state, qos.RESULTS)
+
+    @property
+    def mode(self) -> Enum:
+        """What the node is about."""
+        raise NotImplementedError
+
+    def _is_complete(self, stamp: int, is_claimed: bool) -> bool:
+        """Tell whether all has come that belongs to a frame of a time [ns]."""
+        raise NotImplementedError
+
+    def _command(self, stamp: int, is_claimed: bool) -> Twist:
+        """Return the answer to a frame of a time [ns]."""
+        raise NotImplementedError
+
+    def _number(self, name: str) -> float:
+        return float(cast(float, self._values[name]))
+
+    def on_state(self, message: Message) -> None:
+        """Take note that the tracker has seen a frame, and whether it claims something in it."""
+        now = time.monotonic()
+        self._last_state = now
+        self._states.append((stamp_of(message.header), bool(message.position), now))
+
+    def seconds_until_due(self) -> float:
+        """Return how long the executor may sleep [s]."""
+        return POLL if self._states else WAKE_UP
+
+    def work(self) -> None:
+        """Answer the oldest `state`, or stop the vehicle if none comes."""
+        if self._states:
+            self._answer(*self._states[0])
+        elif not self._values["lockstep"]:
+            self._watch()
+
+    def _answer(self, stamp: int, is_claimed: bool, came: float) -> None:
+        # A first command without a subscriber would stop a lockstep simulator for ever.
+        if self._values["lockstep"] and not self._commands.get_subscription_count():
+            return
+        has_time = time.monotonic() - came < self._number("settle_time")
+        if has_time and not self._is_complete(stamp, is_claimed):
+            return
+        self._states.pop(0)
+        self._commands.publish(self._command(stamp, is_claimed))
+        self._stopped = False
+        self._tell(stamp)
+
+    def _watch(self) -> None:
+        silent = time.monotonic() - self._last_state > self._number("state_timeout")
+        if silent and not self._stopped:
+            self._stopped = True
+            self.get_logger().warning("no `state` comes from the tracker: the vehicle stops")
+            self._commands.publish(Twist())
+
+    def _tell(self, stamp: int) -> None:
+        """Tell of a change of mode, in the log and in diagnostics."""
+        if self.mode is self._told:
+            return
+        self._told = self.mode
+        self.get_logger().info(self.mode.value)
+        message = DiagnosticArray()
+        seconds, rest = divmod(stamp, NANOSECONDS)
+        message.header.stamp.sec, message.header.stamp.nanosec = seconds, rest
+        is_well = self.mode is self.WELL
+        status = DiagnosticStatus(
+            level=DiagnosticStatus.OK if is_well else DiagnosticStatus.WARN,
+            name=f"{self.get_fully_qualified_name()}: guidance",
+            message=self.mode.value,
+            hardware_id=self.get_fully_qualified_name(),
+        )
+        message.status.append(status)
+        self._diagnostics.publish(message)
+
+
+def keep(kept: OrderedDict[int, Kept], stamp: int, value: Kept) -> None:
+    """Keep a value by its time [ns], and as many as `KEPT` of those before it."""
+    kept[stamp] = value
+    while len(kept) > KEPT:
+        kept.popitem(last=False)

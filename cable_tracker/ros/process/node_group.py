@@ -1,0 +1,90 @@
+"""Nodes that work together, each in a process of its own."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from cable_tracker.ros.process.child_process import ENTRY, NodeProcess
+from cable_tracker.ros.process.environment import local_environment
+from cable_tracker.tracking.parameter_files import write_node_parameters
+from cable_tracker.tracking.parameter_table import ParameterValue
+
+
+class NodeGroup:
+    """Starts nodes under one namespace; to be used as a context manager, which stops them all.
+
+    Parameters
+    ----------
+    namespace : str
+        Of the nodes. With the number of this process in it they meet no other ones.
+    remappings : mapping
+        Other names of topics, for all of them; `/diagnostics` goes into the namespace anyhow.
+    """
+
+    def __init__(self, namespace: str, remappings: Mapping[str, str] | None = None) -> None:
+        self._namespace = namespace
+        self._remappings = {"/diagnostics": "diagnostics", **(remappings or {})}
+        self._running: list[tuple[NodeProcess, str, bool]] = []
+
+    def __enter__(self) -> Self:
+        self._stack = ExitStack()
+        self._folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory()))
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._stack.close()
+
+    def start(
+        self,
+        name: str,
+        parameters: Mapping[str, ParameterValue],
+        remappings: Mapping[str, str] | None = None,
+        *,
+        may_end: bool = False,
+        module: str = ENTRY,
+    ) -> NodeProcess:
+        """Start a node.
+
+        Parameters
+        ----------
+        name : str
+            Of the node; once in a group.
+        parameters : mapping
+            Its parameters; others keep their defaults.
+        remappings : mapping
+            Other names of topics, for this node.
+        may_end : bool
+            It ends by itself when its work is done.
+        module : str
+            What is run, with the node's name as its first argument.
+        """
+        words = ["-r", f"__ns:={self._namespace}"]
+        if parameters:
+            file = self._folder / f"{name}.yaml"
+            write_node_parameters(file, parameters)
+            words += ["--params-file", str(file)]
+        for old, new in {**self._remappings, **(remappings or {})}.items():
+            words += ["-r", f"{old}:={new}"]
+        process = self._stack.enter_context(NodeProcess(name, words, local_environment(), module))
+        self._running.append((process, name, may_end))
+        return process
+
+    def what_has_died(self) -> str:
+        """Return which node has died, with its last words; empty if none has.
+
+        A node that may end has not died if its exit code is 0.
+        """
+        for process, name, may_end in self._running:
+            if not process.running and not (may_end and process.wait(0.0) == 0):
+                return f"the {name} node has died: {process.last_line()}"
+        return ""

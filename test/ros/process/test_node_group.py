@@ -1,0 +1,29 @@
+from __future__ import annotations
+
+from cable_tracker.ros.process.node_group import NodeGroup
+
+
+def test_nodes_stand_in_the_namespace_under_the_names_that_are_given(namespace, world):
+    with NodeGroup(namespace, {"cmd_vel": "thrust"}) as group:
+        group.start("controller", {"speed": 0.3}, {"state": "seen"})
+        infos = (
+            lambda: world.me.get_publishers_info_by_topic(f"{namespace}/thrust"),
+            lambda: world.me.get_publishers_info_by_topic(f"{namespace}/diagnostics"),
+            lambda: world.me.get_subscriptions_info_by_topic(f"{namespace}/seen"),
+        )
+        world.spin(lambda: all(info() for info in infos) or group.what_has_died(), patience=60.0)
+        assert group.what_has_died() == ""
+
+
+def test_a_node_that_ends_with_an_error_has_died(namespace):
+    with NodeGroup(namespace) as group:
+        process = group.start("replay", {"source": "/nowhere"}, may_end=True)
+        assert process.wait(60.0)
+        assert group.what_has_died().startswith("the replay node has died: error: ")
+
+
+def test_all_processes_end_with_the_group(namespace):
+    with NodeGroup(namespace) as group:
+        processes = [group.start(name, {}) for name in ("controller", "follower")]
+        assert all(process.running for process in processes)
+    assert not any(process.running for process in processes)
