@@ -72,12 +72,12 @@ def test_tasks_of_a_killed_worker_are_done_by_others(both, tmp_path):
     assert states(outcomes) == [TaskState.DONE] * 3
 
 
-def test_many_tiny_tasks_all_come_to_their_end(both, tmp_path):
+@pytest.mark.parametrize("count", [100, pytest.param(1000, marks=pytest.mark.slow)])
+def test_many_tiny_tasks_all_come_to_their_end(both, tmp_path, count):
     counted = []
-    outcomes = run_campaign(
-        [Square(n) for n in range(1000)], tmp_path, both, advance=counted.append
-    )
-    assert states(outcomes) == [TaskState.DONE] * 1000
+    tasks = [Square(n) for n in range(count)]
+    outcomes = run_campaign(tasks, tmp_path, both, advance=counted.append)
+    assert states(outcomes) == [TaskState.DONE] * count
 
 
 def test_results_that_are_sent_back_come_in_order(both):
