@@ -11,6 +11,7 @@ versions that are tested are those of the constraints files.
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -123,6 +124,22 @@ def _making(codegen: Any, kind: type) -> Iterator[None]:  # noqa: ANN401
         codegen._library_class = before
 
 
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Do without the collector of garbage. Numba's lock of the compiler is held.
+
+    A compiler makes millions of objects, of which most live until it ends: to look through them
+    again and again takes a fifth of its time.
+    """
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
 class EntryCompiler(Compiler):  # type: ignore[misc]
     """Compiles an entry; all that it calls is compiled as parts."""
 
@@ -131,5 +148,5 @@ class EntryCompiler(Compiler):  # type: ignore[misc]
         codegen = self.state.targetctx.codegen()
         self.state.library = EntryLibrary(codegen, func.__qualname__)
         self.state.library.enable_object_caching()
-        with _making(codegen, PartLibrary):
+        with _making(codegen, PartLibrary), _without_collection():
             return super().compile_extra(func)

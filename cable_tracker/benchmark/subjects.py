@@ -14,7 +14,6 @@ from cable_tracker.benchmark.footage import FIRST_STAMP, FRAME_STEP, Footage, Fr
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.benchmark.round_robin import Label, Step, Subject
 from cable_tracker.benchmark.yardstick import Yardstick
-from cable_tracker.cable.hypotheses.clusters import find_clusters
 from cable_tracker.cable.hypotheses.proposer import CableProposer
 from cable_tracker.cable.measure.border_responses import BorderResponseModel
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
@@ -259,12 +258,11 @@ class FilterSteps:
     def _default_steps(self) -> dict[str, Step]:
         image = self._moment.image
         observation = BorderLikelihoodRatio(self._parameters)
-        states, log_weights = self._moment.particles.states, self._moment.particles.log_weights
+        states = self._moment.particles.states
         proposer = make_proposer(self._parameters)
         return {
             "detector": lambda: proposer.propose(image),
             "measure": lambda: observation.measure(states, image),
-            "clusters": lambda: find_clusters(states, log_weights, float(self._width)),
         }
 
 

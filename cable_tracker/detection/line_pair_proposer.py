@@ -12,17 +12,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.compilation import (
-    compiled,
-    compiled_fast_loop,
-    compiled_inside,
-    compiled_loop,
-    compiled_part,
-)
+from cable_tracker.compilation import compiled, compiled_inside
 from cable_tracker.detection.line_pairs import plausible_pairs
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 
@@ -41,8 +36,8 @@ DIRECTIONS = np.stack((np.cos(np.arange(ANGLE_BINS) * BIN), np.sin(np.arange(ANG
 ANGLE_MARGIN = 2
 """The angle goes round: so many bins of the other end let peaks at the seam be seen whole."""
 
-PEAK_REACH = (2, 1)
-"""A peak is the highest within so many bins of angle and offset to either side."""
+PEAK_WINDOW = np.ones((5, 3), np.uint8)
+"""A peak is the highest among these bins of angle and offset about it."""
 
 OFFSET_BIN = 3.0
 """Width of a bin of the accumulator [px at the reference width]."""
@@ -55,6 +50,9 @@ MOST_CABLES = 8
 
 SHARED_SPREAD = 0.5
 """Share of the spread of all votes in what the votes at one angle are judged by."""
+
+NO_SPREAD = np.float32(1e-6)
+"""Added to a spread: a frame without strong gradients has none."""
 
 
 class LinePairProposer:
@@ -88,7 +86,7 @@ class LinePairProposer:
 class _Accumulator(NamedTuple):
     """Votes by normal and offset; `middle` is the number of the bin of offset zero."""
 
-    votes: FloatArray
+    votes: Image
     bins_per_pixel: float
     middle: int
 
@@ -99,22 +97,23 @@ def accumulator_layout(image: WorkingImage) -> tuple[float, int]:
     return offset_bin, int(np.hypot(*image.size) / 2 / offset_bin) + 2
 
 
-def accumulated_votes(image: WorkingImage) -> FloatArray:
+def accumulated_votes(image: WorkingImage) -> Image:
     """Return the votes of a frame's scan lines for normals and offsets.
 
     Returns
     -------
-    FloatArray
-        Shape (ANGLE_BINS + 2 ANGLE_MARGIN, 2 middle + 1); the first and last rows repeat the other
-        end.
+    Image
+        float32, shape (ANGLE_BINS + 2 ANGLE_MARGIN, 2 middle + 1); the first and last rows repeat
+        the other end.
     """
     offset_bin, middle = accumulator_layout(image)
-    votes = np.zeros((ANGLE_BINS + 2 * ANGLE_MARGIN, 2 * middle + 1))
+    votes = np.zeros((ANGLE_BINS + 2 * ANGLE_MARGIN, 2 * middle + 1), np.float32)
     rows, columns = image.scanned.rows, image.scanned.columns
     accumulator = _Accumulator(votes, 1.0 / offset_bin, middle)
     _vote(rows.gradients, rows.places, False, accumulator)
     _vote(columns.gradients, columns.places, True, accumulator)
-    _wrap_margins(votes)
+    votes[:ANGLE_MARGIN] = votes[ANGLE_BINS : ANGLE_BINS + ANGLE_MARGIN]
+    votes[-ANGLE_MARGIN:] = votes[ANGLE_MARGIN : 2 * ANGLE_MARGIN]
     return votes
 
 
@@ -160,17 +159,8 @@ def _cast(
         accumulator.votes[within + ANGLE_MARGIN, column] += weight
 
 
-@compiled
-def _wrap_margins(votes: FloatArray) -> None:
-    for step in range(ANGLE_MARGIN):
-        for column in range(votes.shape[1]):
-            votes[step, column] = votes[step + ANGLE_BINS, column]
-            votes[step + ANGLE_BINS + ANGLE_MARGIN, column] = votes[step + ANGLE_MARGIN, column]
-
-
-@compiled
 def strongest_lines(
-    votes: FloatArray, offset_bin: float, middle: int, most: int
+    votes: Image, offset_bin: float, middle: int, most: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return angles, offsets and clearness of the highest peaks, best first.
 
@@ -179,143 +169,50 @@ def strongest_lines(
 
     Parameters
     ----------
-    votes : FloatArray
+    votes : Image
         See `accumulated_votes`.
     offset_bin, middle : float, int
         See `accumulator_layout`.
     most : int
         Number of lines at most.
     """
-    smooth = clearness_of(smoothed(votes))
-    columns = smooth.shape[1]
-    peaks = _peaks(smooth, highest_near(smooth))
-    heights = np.empty(len(peaks), np.float32)
-    for index in range(len(peaks)):
-        heights[index] = smooth[peaks[index] // columns, peaks[index] % columns]
-    order = highest_first(heights, most)
-    angles, offsets, supports = np.empty(len(order)), np.empty(len(order)), np.empty(len(order))
-    for rank in range(len(order)):
-        peak = peaks[order[rank]]
-        row, column = peak // columns, peak % columns
-        here = smooth[row, column]
-        turn, shift = _vertex(smooth[row - 1, column], here, smooth[row + 1, column]), 0.0
-        if 0 < column < columns - 1:
-            shift = _vertex(smooth[row, column - 1], here, smooth[row, column + 1])
-        angles[rank] = (row - ANGLE_MARGIN + turn) * BIN
-        offsets[rank] = (column + shift - middle) * offset_bin
-        supports[rank] = here
-    return angles, offsets, supports
+    clear = clearness_of(cv2.GaussianBlur(votes, (3, 3), 0))
+    rows, columns = _peaks(clear, most)
+    heights = clear[rows, columns]
+    left, right = np.maximum(columns - 1, 0), np.minimum(columns + 1, clear.shape[1] - 1)
+    turns = _vertices(clear[rows - 1, columns], heights, clear[rows + 1, columns])
+    shifts = _vertices(clear[rows, left], heights, clear[rows, right])
+    return (
+        (rows - ANGLE_MARGIN + turns) * BIN,
+        (columns - middle + shifts) * offset_bin,
+        heights.astype(np.float64),
+    )
 
 
-@compiled_inside
-def _vertex(before: float, here: float, after: float) -> float:
-    """Return where the parabola through three values is highest, from -0.5 to 0.5."""
-    bend = 2.0 * here - before - after
-    if bend <= 0.0:
-        return 0.0
-    return float(min(max(0.5 * (after - before) / bend, -0.5), 0.5))
-
-
-@compiled_part
 def clearness_of(smooth: Image) -> Image:
     """Return how far votes stand above the others at their angle, in spreads; at least 0."""
-    clear = np.empty_like(smooth)
-    shared = SHARED_SPREAD * _mean_and_spread(smooth.reshape(-1))[1]
-    for row in range(len(smooth)):
-        mean, spread = _mean_and_spread(smooth[row])
-        for column in range(smooth.shape[1]):
-            excess = (smooth[row, column] - mean) / (spread + shared + 1e-6)
-            clear[row, column] = max(excess, 0.0)
+    means = smooth.mean(axis=1, keepdims=True)
+    excess = smooth - means
+    variances = np.square(excess).mean(axis=1, keepdims=True)
+    of_all = variances.mean() + means.var()
+    spreads = np.sqrt(variances) + SHARED_SPREAD * np.sqrt(of_all)
+    clear: Image = np.maximum(excess / (spreads + NO_SPREAD), np.float32(0.0))
     return clear
 
 
-@compiled_loop
-def _mean_and_spread(values: Image) -> tuple[float, float]:
-    """Return the mean of numbers (N,) and their standard deviation."""
-    total = np.float32(0.0)
-    for value in values:
-        total += value
-    mean = float(total / len(values))
-    squares = 0.0
-    for value in values:
-        squares += (value - mean) * (value - mean)
-    return mean, math.sqrt(squares / len(values))
+def _peaks(clear: Image, most: int) -> tuple[IndexArray, IndexArray]:
+    """Return rows and columns (P,) of cells that are the highest near them, highest first."""
+    inside = slice(ANGLE_MARGIN, -ANGLE_MARGIN)
+    highest = cv2.dilate(clear, PEAK_WINDOW)
+    rows, columns = np.nonzero((clear[inside] >= highest[inside]) & (clear[inside] > 0.0))
+    rows += ANGLE_MARGIN
+    first = np.argsort(-clear[rows, columns], kind="stable")[:most]
+    return rows[first], columns[first]
 
 
-@compiled_part
-def smoothed(votes: FloatArray) -> Image:
-    """Weigh each cell and its eight neighbours by 1/4, 1/2, 1/4 each way; mirrored at the ends."""
-    height, width = votes.shape
-    cells = np.empty(width + 2, np.float32)
-    along = np.empty((height, width), np.float32)
-    smooth = np.empty((height, width), np.float32)
-    for row in range(height):
-        for column in range(width):
-            cells[column + 1] = votes[row, column]
-        cells[0], cells[width + 1] = cells[2], cells[width - 1]
-        _fold(cells[:-2], cells[1:-1], cells[2:], along[row])
-    for row in range(height):
-        below = row + 1 if row + 1 < height else height - 2
-        _fold(along[abs(row - 1)], along[row], along[below], smooth[row])
-    return smooth
-
-
-@compiled_fast_loop
-def _fold(before: Image, here: Image, after: Image, result: Image) -> None:
-    half, quarter = np.float32(0.5), np.float32(0.25)
-    for x in range(len(result)):
-        result[x] = half * here[x] + quarter * (before[x] + after[x])
-
-
-@compiled_part
-def highest_near(smooth: Image) -> Image:
-    """Return the highest value within `PEAK_REACH` of each cell, but for rows at the margins."""
-    height = len(smooth)
-    along = smooth.copy()
-    for row in range(height):
-        for step in range(1, PEAK_REACH[1] + 1):
-            _raise_to(along[row, :-step], smooth[row, step:])
-            _raise_to(along[row, step:], smooth[row, :-step])
-    highest = along.copy()
-    for row in range(PEAK_REACH[0], height - PEAK_REACH[0]):
-        for step in range(1, PEAK_REACH[0] + 1):
-            _raise_to(highest[row], along[row - step])
-            _raise_to(highest[row], along[row + step])
-    return highest
-
-
-@compiled_fast_loop
-def _raise_to(values: Image, others: Image) -> None:
-    for x in range(len(values)):
-        values[x] = max(values[x], others[x])
-
-
-@compiled_part
-def _peaks(heights: Image, highest: Image) -> IndexArray:
-    """Return the flat indices (P,) of the cells that are as high as the highest near them."""
-    height, width = heights.shape
-    count = np.int64(0)
-    peaks = np.empty(height * width + 1, np.int64)
-    for row in range(ANGLE_MARGIN, height - ANGLE_MARGIN):
-        for column in range(width):
-            # Without a branch, which no processor could predict: what is no peak is written over.
-            peaks[count] = row * width + column
-            value = heights[row, column]
-            count += np.int64(value >= highest[row, column]) & np.int64(value > 0.0)
-    return peaks[:count]
-
-
-@compiled_part
-def highest_first(values: FloatArray | Image, most: int) -> IndexArray:
-    """Return the indices of the highest values; of equal ones the first comes first."""
-    count = min(most, len(values))
-    order = np.empty(count, np.int64)
-    taken = np.zeros(len(values), np.bool_)
-    for rank in range(count):
-        best = -1
-        for index in range(len(values)):
-            if not taken[index] and (best < 0 or values[index] > values[best]):
-                best = index
-        order[rank] = best
-        taken[best] = True
-    return order
+def _vertices(before: Image, here: Image, after: Image) -> FloatArray:
+    """Return where parabolas through three values (P,) are highest, from -0.5 to 0.5."""
+    bends = 2.0 * here - before - after
+    vertices = 0.5 * (after - before) / np.where(bends > 0.0, bends, np.inf)
+    clipped: FloatArray = np.clip(vertices, -0.5, 0.5).astype(np.float64)
+    return clipped

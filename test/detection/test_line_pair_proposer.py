@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import cv2
-import hypothesis.extra.numpy as hnp
 import numpy as np
 import pytest
 from hypothesis import given
@@ -14,7 +12,6 @@ from cable_tracker.detection.line_pair_proposer import (
     ANGLE_BINS,
     ANGLE_MARGIN,
     MOST_CABLES,
-    PEAK_REACH,
     STRONG,
     VOTE_CAP,
     VOTE_SPREAD,
@@ -22,9 +19,7 @@ from cable_tracker.detection.line_pair_proposer import (
     accumulated_votes,
     accumulator_layout,
     clearness_of,
-    highest_first,
-    highest_near,
-    smoothed,
+    strongest_lines,
 )
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 
@@ -146,20 +141,25 @@ def test_a_line_across_ripples_is_clearer_than_the_ripples(rng):
     assert (clear >= 0.0).all()
 
 
-def test_the_accumulator_is_smoothed_and_searched_as_a_picture_would_be(rng):
-    votes = rng.exponential(1.0, (40, 31))
-    smooth = cv2.GaussianBlur(votes.astype(np.float32), (3, 3), 0)
-    np.testing.assert_allclose(smoothed(votes), smooth, rtol=1e-5)
-    rows, columns = PEAK_REACH
-    around = np.ones((2 * rows + 1, 2 * columns + 1), np.uint8)
-    highest = cv2.dilate(smooth, around)
-    np.testing.assert_array_equal(highest_near(smooth)[rows:-rows], highest[rows:-rows])
+@given(row=st.floats(4.0, 20.0), column=st.floats(4.0, 36.0))
+def test_a_peak_is_told_between_its_bins(row, column):
+    rows, columns = np.mgrid[:30, :41]
+    votes = np.exp(-0.5 * ((rows - row) ** 2 + (columns - column) ** 2) / 1.5**2)
+    angles, offsets, supports = strongest_lines(votes.astype(np.float32), 3.0, 20, 24)
+    assert angles[0] == pytest.approx((row - ANGLE_MARGIN) * 2 * np.pi / ANGLE_BINS, abs=0.02)
+    assert offsets[0] == pytest.approx((column - 20) * 3.0, abs=0.6)
+    assert supports[0] == supports.max() > 0.0
 
 
-@given(hnp.arrays(np.float64, st.integers(0, 30), elements=st.integers(0, 5)), st.integers(0, 40))
-def test_the_highest_come_first_and_of_equal_ones_the_first(values, most):
-    expected = np.argsort(-values, kind="stable")[:most]
-    np.testing.assert_array_equal(highest_first(values, most), expected)
+def test_the_clearest_lines_come_first_and_no_more_than_asked_for(rng):
+    votes = rng.exponential(1.0, (40, 31)).astype(np.float32)
+    few, many = (strongest_lines(votes, 3.0, 15, most)[2] for most in (5, 1000))
+    assert (np.diff(many) <= 0.0).all()
+    np.testing.assert_array_equal(few, many[:5])
+
+
+def test_a_frame_without_votes_has_no_lines():
+    assert all(len(each) == 0 for each in strongest_lines(np.zeros((40, 31)), 3.0, 15, 24))
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 2, -1.2])

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.clusters import Clusters, find_clusters
+from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.cable.hypotheses.clusters import NONE, Clusters
 from cable_tracker.cable.hypotheses.presence import log_odds_of
 from cable_tracker.cable.hypotheses.survival_and_birth import RememberedCable
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.particle_filter.particles import Particles
 
 
@@ -68,11 +69,24 @@ class Belief:
         return float(self.clusters.means[0, StateColumn.ANGLE])
 
 
-def initial_belief(states: FloatArray, presence: float, image_width: int) -> Belief:
-    """Return a belief of equally weighted states (N, 8)."""
+def initial_belief(states: FloatArray, presence: float) -> Belief:
+    """Return a belief of equally weighted states (N, 8), all of them one hypothesis."""
     particles = Particles.equally_weighted(wrap_states(states))
-    clusters, covariance = find_clusters(
-        particles.states, particles.log_weights, float(image_width)
-    )
-    log_odds = np.full(len(clusters.masses), log_odds_of(presence))
+    mean, covariance = cable_mean_and_covariance(particles.states, particles.weights)
+    labels = np.zeros(particles.count, np.int64)
+    clusters = Clusters(labels, np.ones(1), mean[None, :], 0.0)
+    log_odds = np.full(1, log_odds_of(presence))
     return Belief(particles, clusters, covariance, float(len(states)), presence, log_odds=log_odds)
+
+
+def resampled_belief(belief: Belief, indices: IndexArray) -> Belief:
+    """Return a belief in the particles that were drawn from it, (N,), equally weighted."""
+    labels = belief.clusters.labels[indices]
+    count, clusters = len(indices), len(belief.clusters.masses)
+    masses = np.bincount(labels[labels != NONE], minlength=clusters) / count
+    return replace(
+        belief,
+        particles=Particles.equally_weighted(belief.particles.states[indices]),
+        clusters=Clusters(labels, masses, belief.clusters.means, float(np.mean(labels == NONE))),
+        effective_size=float(count),
+    )

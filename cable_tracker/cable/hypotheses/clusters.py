@@ -14,8 +14,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.geometry import turn_sign, unwrap_state, wrapped_angle
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.compilation import compiled, compiled_loop, compiled_part
-from cable_tracker.particle_filter.weights import exponentials, logarithms
+from cable_tracker.compilation import compiled_loop, compiled_part
 
 RADII = np.array([24.0, np.deg2rad(12.0), 30.0, np.deg2rad(10.0)])
 """Half-axes of the ellipsoid that a cluster fills at most: d, alpha, w, beta [px at the reference
@@ -53,35 +52,6 @@ class Clusters(NamedTuple):
     masses: FloatArray
     means: FloatArray
     rest: float
-
-
-@compiled
-def find_clusters(
-    states: FloatArray, log_weights: FloatArray, image_width: float
-) -> tuple[Clusters, FloatArray]:
-    """Return the clusters of particles, at least one, and the covariance (8, 8) of the first.
-
-    Parameters
-    ----------
-    states : FloatArray
-        Shape (N, 8).
-    log_weights : FloatArray
-        Shape (N,), the exponentials sum to one.
-    image_width : float
-        Width of the frames [px].
-    """
-    return _find(states, log_weights, image_width)
-
-
-@compiled_part
-def _find(
-    states: FloatArray, log_weights: FloatArray, image_width: float
-) -> tuple[Clusters, FloatArray]:
-    # A part of its own: what entries call themselves is translated anew for them.
-    weights = exponentials(log_weights)
-    labels, count = find_groups(states, logarithms(weights), image_width, np.empty((0, 8)))
-    clusters = clusters_of(states, weights, labels, count)
-    return clusters, leading_covariance(states, weights, clusters)
 
 
 @compiled_part

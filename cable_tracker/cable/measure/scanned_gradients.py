@@ -13,6 +13,7 @@ across that line. The second tells how far away the edge is: on its ridge it van
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
@@ -27,7 +28,6 @@ from cable_tracker.compilation import (
     compiled_fast_loop,
     compiled_fast_part,
     compiled_loop,
-    compiled_part,
 )
 
 GAUSSIAN_MAD = 1.4826
@@ -170,16 +170,32 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
     # Copies of one kind of array: for bytes, and for frames that cannot be written to, Numba would
     # compile anew.
     pixels, turned = (np.array(each, np.float32, order="C") for each in (picture, turned))
-    along_rows, along_columns, scale, contrast_scale = _scan_both(
-        pixels, turned, rows, columns, kernels.gaussian, kernels.derivative, kernels.region,
-        kernels.contrast_lag,
-    )  # fmt: skip
+    (gradients, smooth), (turned_gradients, turned_smooth) = _scan_both(
+        pixels, turned, rows, columns, kernels.gaussian, kernels.derivative, kernels.region
+    )
+    steps = [each[:, ::SCALE_STEP, :2] for each in (gradients, turned_gradients)]
+    scale = robust_scale(steps, NOISE_FLOOR)
+    lag = kernels.contrast_lag
+    contrasts = [
+        each[:, lag::SCALE_STEP] - each[:, :-lag:SCALE_STEP] for each in (smooth, turned_smooth)
+    ]
+    contrast_scale = robust_scale(contrasts, SMALLEST_CONTRAST)
+    steepness, brightness = np.float32(1.0 / scale), np.float32(1.0 / contrast_scale)
     return ScannedFrame(
-        ScanLines(*along_rows, (height - 1) / 2 - rows),
-        ScanLines(*along_columns, columns - (width - 1) / 2),
+        ScanLines(gradients * steepness, smooth * brightness, (height - 1) / 2 - rows),
+        ScanLines(
+            turned_gradients * steepness, turned_smooth * brightness, columns - (width - 1) / 2
+        ),
         scale,
         contrast_scale,
     )
+
+
+def robust_scale(families: Sequence[Image], smallest: float) -> float:
+    """Return the robust standard deviation about zero of all values, at least the smallest."""
+    sizes = np.abs(np.concatenate([values.ravel() for values in families]))
+    middle = len(sizes) // 2
+    return max(GAUSSIAN_MAD * float(np.partition(sizes, middle)[middle]), smallest)
 
 
 @compiled
@@ -191,15 +207,12 @@ def _scan_both(
     gaussian: Image,
     derivative: Image,
     region: Image,
-    lag: int,
-) -> tuple[tuple[Image, Image], tuple[Image, Image], float, float]:
-    """Return gradients and smooth grey levels of rows and of columns, and the two scales."""
+) -> tuple[tuple[Image, Image], tuple[Image, Image]]:
+    """Return gradients and smooth grey levels of rows and of columns, not scaled."""
     # Rows run down where v runs up.
     along_rows = _scan(pixels, rows, np.float32(-1.0), gaussian, derivative, region)
     along_columns = _scan(turned, columns, np.float32(1.0), gaussian, derivative, region)
-    scale = _scale_gradients(along_rows[0], along_columns[0])
-    contrast_scale = _scale_contrast(along_rows[1], along_columns[1], lag)
-    return along_rows, along_columns, scale, contrast_scale
+    return along_rows, along_columns
 
 
 @compiled_fast_part
@@ -318,104 +331,3 @@ def _antisymmetric_along(padded: Image, margin: int, kernel: Image, answers: Ima
         before, after = padded[margin - tap :], padded[margin + tap :]
         for x in range(width):
             answers[x] += weight * (after[x] - before[x])
-
-
-@compiled_part
-def _scale_gradients(rows: Image, columns: Image) -> float:
-    """Divide gradients by their robust scale, in place, and return it."""
-    scale = max(GAUSSIAN_MAD * _median(_moduli(rows, columns)), NOISE_FLOOR)
-    _multiply(rows.reshape(-1), np.float32(1.0 / scale))
-    _multiply(columns.reshape(-1), np.float32(1.0 / scale))
-    return scale
-
-
-@compiled_part
-def _scale_contrast(rows: Image, columns: Image, lag: int) -> float:
-    """Divide smooth grey levels by the robust scale of their contrast, in place; return it."""
-    scale = max(GAUSSIAN_MAD * _median(_differences(rows, columns, lag)), SMALLEST_CONTRAST)
-    _multiply(rows.reshape(-1), np.float32(1.0 / scale))
-    _multiply(columns.reshape(-1), np.float32(1.0 / scale))
-    return scale
-
-
-@compiled_loop
-def _multiply(values: Image, factor: np.float32) -> None:
-    for index in range(len(values)):
-        values[index] *= factor
-
-
-@compiled_part
-def _median(values: Image) -> float:
-    """Return the median of numbers that are not negative, as NumPy does."""
-    middle = len(values) // 2
-    upper = _at_rank(values, middle)
-    if len(values) % 2:
-        return float(upper)
-    below, lower = _below(values, upper)
-    return float(((lower if below == middle else upper) + upper) / np.float32(2.0))
-
-
-@compiled_part
-def _at_rank(values: Image, rank: int) -> np.float32:
-    """Return which of the numbers (none negative) has so many before it in ascending order.
-
-    Such floats are in the order of their bits, which are found one by one, from the highest: to
-    count is faster than to sort, for it takes no branch.
-    """
-    bits = np.zeros(1, np.uint32)
-    for bit in range(30, -1, -1):
-        bits[0] |= np.uint32(1 << bit)
-        if _count_below(values, bits.view(np.float32)[0]) > rank:
-            bits[0] ^= np.uint32(1 << bit)
-    value: np.float32 = bits.view(np.float32)[0]
-    return value
-
-
-@compiled_fast_loop
-def _count_below(values: Image, limit: np.float32) -> np.float32:
-    count = np.float32(0.0)
-    for index in range(len(values)):
-        count += np.float32(1.0) if values[index] < limit else np.float32(0.0)
-    return count
-
-
-@compiled_loop
-def _below(values: Image, limit: np.float32) -> tuple[int, np.float32]:
-    """Return how many numbers are below a limit, and the largest of them."""
-    count, largest = 0, np.float32(0.0)
-    for value in values:
-        if value < limit:
-            count += 1
-            largest = max(largest, value)
-    return count, largest
-
-
-@compiled_part
-def _moduli(rows: Image, columns: Image) -> Image:
-    samples = np.empty(_samples(rows, 0) * 2 + _samples(columns, 0) * 2, np.float32)
-    count = 0
-    for gradients in (rows, columns):
-        for line in range(gradients.shape[0]):
-            for place in range(0, gradients.shape[1], SCALE_STEP):
-                samples[count] = abs(gradients[line, place, 0])
-                samples[count + 1] = abs(gradients[line, place, 1])
-                count += 2
-    return samples[:count]
-
-
-@compiled_part
-def _differences(rows: Image, columns: Image, lag: int) -> Image:
-    samples = np.empty(_samples(rows, lag) + _samples(columns, lag), np.float32)
-    count = 0
-    for smooth in (rows, columns):
-        for line in range(smooth.shape[0]):
-            for place in range(0, smooth.shape[1] - lag, SCALE_STEP):
-                samples[count] = abs(smooth[line, place + lag] - smooth[line, place])
-                count += 1
-    return samples[:count]
-
-
-@compiled_loop
-def _samples(lines: Image, lag: int) -> int:
-    places = max(lines.shape[1] - lag, 0)
-    return int(lines.shape[0] * (-(-places // SCALE_STEP)))

@@ -8,12 +8,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.state import StateColumn
-from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.compilation import compiled_inside
+
+Angle = TypeVar("Angle", float, FloatArray)
+"""One angle in kernels, or an array of angles [rad]."""
 
 SIGN_CHANGING_COLUMNS = (
     StateColumn.DISTANCE,
@@ -72,10 +76,11 @@ def borders_cross_inside(pose: FloatArray, image_size: tuple[float, float]) -> b
 
 
 @compiled_inside
-def turn_sign(angle: float, wrapped: float) -> float:
+def turn_sign(angle: Angle, wrapped: Angle) -> Angle:
     """Return -1 if an odd number of half turns lies between two ways of writing it, else 1."""
     turns = 0.5 * np.rint((angle - wrapped) / math.pi)
-    return 1.0 if turns == np.floor(turns) else -1.0
+    sign: Angle = 1.0 - 4.0 * (turns - np.floor(turns))
+    return sign
 
 
 @compiled_inside
@@ -99,14 +104,7 @@ def unwrap_state(state: FloatArray, reference_angle: float, result: FloatArray) 
     result[7] = sign * state[7]
 
 
-@compiled
-def unwrap_in_place(states: FloatArray, reference_angle: float) -> None:
-    """Write cables (N, 8) with their normal angle within pi/2 of a reference angle [rad]."""
-    for row in range(len(states)):
-        unwrap_state(states[row], reference_angle, states[row])
-
-
-def unwrap_states(states: FloatArray, reference_angle: float) -> FloatArray:
+def unwrap_states(states: FloatArray, reference_angle: float | FloatArray) -> FloatArray:
     """Write each cable with its normal angle within pi/2 of a reference angle.
 
     In this chart the cables around the reference can be averaged like vectors, also those that lie
@@ -116,17 +114,19 @@ def unwrap_states(states: FloatArray, reference_angle: float) -> FloatArray:
     ----------
     states : FloatArray
         Shape (N, 8).
-    reference_angle : float
-        Centre of the chart [rad].
+    reference_angle : float or FloatArray
+        Centre of the chart, or of a chart for each, shape (N,) [rad].
 
     Returns
     -------
     FloatArray
         Shape (N, 8), the same cables, angles in (reference - pi/2, reference + pi/2].
     """
-    # A copy of one kind of array, whatever comes in: for every kind, Numba compiles anew.
     chart = np.array(states, np.float64, order="C")
-    unwrap_in_place(chart, float(reference_angle))
+    angles = chart[:, StateColumn.ANGLE] - reference_angle
+    wrapped = wrap_angle(angles)
+    chart[:, SIGN_CHANGING_COLUMNS] *= turn_sign(angles, wrapped)[:, None]
+    chart[:, StateColumn.ANGLE] = wrapped + reference_angle
     return chart
 
 
@@ -137,6 +137,8 @@ def wrap_states(states: FloatArray) -> FloatArray:
 
 def wrap_state(state: FloatArray) -> FloatArray:
     """Write one cable, shape (8,), with its normal angle in (-pi/2, pi/2]."""
+    if -math.pi / 2 < state[StateColumn.ANGLE] <= math.pi / 2:
+        return state.copy()
     wrapped: FloatArray = wrap_states(state[None, :])[0]
     return wrapped
 

@@ -1,16 +1,19 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.belief import initial_belief
+from cable_tracker.cable.hypotheses.belief import initial_belief, resampled_belief
+from cable_tracker.cable.hypotheses.clusters import NONE, Clusters
 
 
 def test_states_that_are_given_count_alike_and_are_wrapped(rng):
     states = np.array([20.0, np.pi / 2, 30.0, 0.0, 0.0, 0.0, 0.0, 0.0]) + rng.normal(
         0.0, 0.01, (50, 8)
     )
-    belief = initial_belief(states, 0.9, 320)
+    belief = initial_belief(states, 0.9)
     assert belief.presence == 0.9
     np.testing.assert_allclose(belief.particles.weights, 1 / 50)
     assert (np.abs(belief.particles.states[:, 1]) <= np.pi / 2).all()
@@ -19,3 +22,19 @@ def test_states_that_are_given_count_alike_and_are_wrapped(rng):
     assert abs(belief.reference_angle) == pytest.approx(np.pi / 2, abs=0.01)
     assert belief.memory is None
     assert belief.width_prior is None
+
+
+def test_a_belief_that_is_resampled_keeps_its_hypotheses(rng):
+    belief = initial_belief(rng.normal(0.0, 0.1, (50, 8)), 0.9)
+    labels = np.repeat([0, 1, NONE], [30, 15, 5])
+    means = rng.normal(0.0, 1.0, (2, 8))
+    clusters = Clusters(labels, np.array([0.6, 0.3]), means, 0.1)
+    belief = replace(belief, clusters=clusters, log_odds=np.array([2.0, -1.0]))
+    drawn = resampled_belief(belief, np.array([0, 29, 29, 44, 49]))
+    assert drawn.clusters.labels.tolist() == [0, 0, 0, 1, NONE]
+    assert drawn.clusters.masses.tolist() == [0.6, 0.2]
+    assert drawn.clusters.rest == 0.2
+    assert drawn.clusters.means is means
+    assert drawn.log_odds is belief.log_odds
+    np.testing.assert_array_equal(drawn.particles.states[3], belief.particles.states[44])
+    np.testing.assert_allclose(drawn.particles.weights, 0.2)
