@@ -41,6 +41,8 @@ JAZZY_TIER ?= $(QUICK)
 # A home that cannot be written to must not stop ROS from logging.
 export ROS_LOG_DIR ?= $(CURDIR)/$(VENV)/log/ros
 export MPLCONFIGDIR ?= $(CURDIR)/$(VENV)/cache/matplotlib
+# The tests start the same modules in many processes: what was parsed once is kept.
+export PYTHONDONTWRITEBYTECODE :=
 
 help:
 	@echo "make demo                  simulate dives, an easy and a hard one, track them, show the errors"

@@ -55,21 +55,16 @@ def compiled(function: Function) -> Function:
     return _entry(function)
 
 
-def compiled_fast(function: Function) -> Function:
-    """Compile such a function whose sums may be taken in any order.
-
-    Not for code that compares with infinity or NaN.
-    """
-    return _entry(function, fastmath=FAST)
-
-
 def compiled_part(function: Function) -> Function:
     """Compile a function as a part of compiled ones that call it."""
     return cast(Function, register_jitable(**PART)(function))
 
 
 def compiled_fast_part(function: Function) -> Function:
-    """Compile a part whose sums may be taken in any order; see `compiled_fast`."""
+    """Compile a part whose sums may be taken in any order.
+
+    Not for code that compares with infinity or NaN.
+    """
     return cast(Function, register_jitable(fastmath=FAST, **PART)(function))
 
 
@@ -83,7 +78,7 @@ def compiled_loop(function: Function) -> Function:
 
 
 def compiled_fast_loop(function: Function) -> Function:
-    """Compile such a part whose sums may be taken in any order; see `compiled_fast`."""
+    """Compile such a part whose sums may be taken in any order; see `compiled_fast_part`."""
     return cast(Function, register_jitable(fastmath=FAST, **LOOP)(function))
 
 

@@ -428,8 +428,8 @@ def test_it_runs_as_a_process_without_ros_and_without_a_traceback(tmp_path):
 
 
 def test_a_scenario_of_the_evaluation_is_simulated(run):
-    outcome = run("simulate", "night", "--scenario", "stop", "--size", "64x48", "--seed", 2)
-    assert outcome == Outcome(0, "250 frames: night\n", "")
+    outcome = run("simulate", "night", "--scenario", "S6", "--size", "64x48", "--seed", 2)
+    assert outcome == Outcome(0, "129 frames: night\n", "")
 
 
 def test_an_unknown_scenario_is_refused_with_the_known_ones(run):
@@ -443,7 +443,7 @@ def test_photographs_need_a_scenario(run, tmp_path):
 
 @pytest.mark.parametrize("detector", ["hough", "lsd"])
 def test_a_detector_can_say_where_to_start(run, detector):
-    run("simulate", "clear", "--frames", 8, "--clutter", 0.1)
+    run("simulate", "clear", "--frames", 3, "--clutter", 0.1, "--size", "160x120")
     outcome = run("track", "clear", "--init", detector)
     assert outcome.code == 0
     rows = read_estimates(Path("clear_tracked/estimates.csv"))

@@ -72,7 +72,9 @@ def test_the_readme_is_short_and_the_index_names_every_page():
 
 def test_the_examples_of_the_python_page_run(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    write_bag(tmp_path / "dive", simulate(SimulationSettings(frame_count=12)))
+    write_bag(
+        tmp_path / "dive", simulate(SimulationSettings(frame_count=12, image_size=(160, 120)))
+    )
     page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
     code = "\n".join(re.findall(r"```python\n(.*?)```", page, re.DOTALL))
     exec(compile(code.replace("dive.mp4", "dive"), "python.md", "exec"), {})

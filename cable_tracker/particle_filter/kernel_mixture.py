@@ -13,12 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.compilation import compiled, compiled_fast_loop, compiled_loop
-from cable_tracker.particle_filter.student_t import (
-    peak_density,
-    relative_density,
-    relative_log_density,
-)
+from cable_tracker.compilation import compiled_fast_loop, compiled_loop
+from cable_tracker.particle_filter.student_t import peak_density, relative_density
 
 DIMENSIONS = 4
 
@@ -91,21 +87,6 @@ def kernels_at(point: FloatArray, mixture: KernelMixture, kernels: Image) -> Non
             c, d = third - threes[index], fourth - fours[index]
             squared = a * a + b * b + c * c + d * d
             kernels[index] = relative_density(squared, mixture.degrees_of_freedom, 4)
-
-
-@compiled
-def log_kernels(points: FloatArray, mixture: KernelMixture) -> FloatArray:
-    """Return the log-density of every kernel at points (N, 4 or more), shape (N, M)."""
-    log_peak, tail = math.log(mixture.peak), mixture.degrees_of_freedom
-    logs = np.empty((len(points), len(mixture.places)))
-    for row in range(len(points)):
-        for column in range(len(mixture.places)):
-            squared = 0.0
-            for axis in range(DIMENSIONS):
-                offset = points[row, axis] - mixture.places[column, axis]
-                squared += (offset / mixture.scales[axis]) ** 2
-            logs[row, column] = log_peak + relative_log_density(squared, tail, DIMENSIONS)
-    return logs
 
 
 @compiled_fast_loop

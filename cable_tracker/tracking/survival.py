@@ -11,13 +11,18 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from cable_tracker.compilation import compiled_inside
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
 
 SEARCH_SHARE = 1.0 / 3.0
 """Share of the births without knowledge of the last place right after the loss."""
 
 LEAST_FADING = 1e-3
 """Births about the last place never quite end: that costs the search without knowledge nothing."""
+
+LARGEST_EXPONENT = 700.0
+"""Larger ones overflow."""
 
 
 class SurvivalRates(NamedTuple):
@@ -38,15 +43,15 @@ class SurvivalRates(NamedTuple):
     margin: float
 
 
-@compiled_inside
-def survival_probability(inside: float, rates: SurvivalRates, dt: float) -> float:
-    """Return the probability of still being in view `dt` seconds later.
+def survival_probability(inside: FloatArray, rates: SurvivalRates, dt: float) -> FloatArray:
+    """Return the probabilities of still being in view `dt` seconds later.
 
-    `inside` is the distance to the edge of the image [px], negative beyond it.
+    `inside` are the distances to the edge of the image [px], negative beyond it; any shape.
     """
-    beyond = -inside / rates.margin
-    at_edge = 1.0 / (1.0 + math.exp(min(max(-beyond, -700.0), 700.0)))
-    return math.exp(-(rates.vanishing + rates.leaving * at_edge) * dt)
+    margins = np.clip(inside / rates.margin, -LARGEST_EXPONENT, LARGEST_EXPONENT)
+    at_edge = 1.0 / (1.0 + np.exp(margins))
+    survival: FloatArray = np.exp(-(rates.vanishing + rates.leaving * at_edge) * dt)
+    return survival
 
 
 def share_about_last_place(seconds: float, memory_time: float) -> float:

@@ -22,6 +22,7 @@ def test_frames_after_the_warm_up_are_watched_and_all_are_told_of(shown):
     assert use.start > 10.0
 
 
+@pytest.mark.slow
 def test_a_fresh_process_does_the_same():
     use = measure_memory_apart("thesis", 3, 50)
     assert (use.name, use.frames) == ("thesis", 40)

@@ -28,7 +28,7 @@ def test_every_step_of_both_presets_can_be_called_again_and_again(shown):
 
 
 def test_the_steps_of_a_frame_are_named_in_their_order(shown):
-    for name, last in (("thesis", "evidence"), ("default", "clusters")):
+    for name, last in (("thesis", "evidence"), ("default", "measure")):
         names = list(FilterSteps(preset(name), shown).steps())
         assert names[0] == "working image"
         assert names.index("predict") < names.index("measure")

@@ -18,7 +18,6 @@ class Square:
 
     number: int
     parameter: str = "usual"
-    wait: float = 0.0
 
     @property
     def name(self) -> str:
@@ -28,9 +27,20 @@ class Square:
         return f"{self.number} {self.parameter}"
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:
-        time.sleep(self.wait)
         (folder / "square.txt").write_text(str(self.number**2))
         advance(1)
+
+
+@dataclass(frozen=True)
+class Waiting(Square):
+    """Waits for a file, and leaves nothing."""
+
+    until: str = ""
+
+    def run(self, folder: Path, advance: Callable[[int], None]) -> None:
+        while not Path(self.until).exists():
+            time.sleep(0.05)
+        raise RecordingError(f"{self.name}: waited in vain")
 
 
 @dataclass(frozen=True)

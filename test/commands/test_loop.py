@@ -52,6 +52,7 @@ def test_there_are_not_more_runs_at_once_than_domains(tmp_path):
         run("loop", "--seeds", "2", "--workers", "99", "--output", str(tmp_path / "loop"))
 
 
+@pytest.mark.slow
 def test_several_runs_make_one_table(tmp_path):
     run(
         "loop", "--length", "1.5", "--size", "160x120", "--method", "hough", "--method", "lsd",

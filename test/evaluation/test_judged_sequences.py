@@ -19,11 +19,16 @@ from cable_tracker.simulation.worlds.catalogue import worlds_of
 from cable_tracker.simulation.worlds.split import Split
 
 
+@pytest.fixture(scope="module")
+def frames():
+    return tuple(simulate(SimulationSettings(frame_count=5, image_size=(64, 48))))
+
+
 @pytest.fixture
-def recording(tmp_path):
+def recording(tmp_path, frames):
     """Five labelled pictures with their sequence file."""
     folder = tmp_path / "dive"
-    write_sequence(folder, simulate(SimulationSettings(frame_count=5)))
+    write_sequence(folder, frames)
     return folder
 
 

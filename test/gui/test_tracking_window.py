@@ -381,6 +381,7 @@ def test_a_port_that_is_taken_is_said():
     assert "choose another with --port" in ended.stderr
 
 
+@pytest.mark.slow
 def test_a_missing_recording_is_said(tmp_path):
     ended = run_to_its_end(tmp_path / "no.bag", "--port", 0)
     assert ended.returncode == 2

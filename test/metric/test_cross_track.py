@@ -157,7 +157,11 @@ def test_without_attitude_a_rolled_vehicle_errs_by_as_much_as_it_rolls(
 
 class TestCovariance:
     @pytest.mark.parametrize(
-        "sigmas", [(2.0, 0.5 * DEGREE, 2.0, 0.5 * DEGREE), (12.0, 6 * DEGREE, 8.0, DEGREE)]
+        "sigmas",
+        [
+            pytest.param((2.0, 0.5 * DEGREE, 2.0, 0.5 * DEGREE), marks=pytest.mark.slow),
+            (12.0, 6 * DEGREE, 8.0, DEGREE),
+        ],
     )
     def test_it_agrees_with_monte_carlo(
         self, calibration, make_flight, make_estimate, camera_of, sigmas

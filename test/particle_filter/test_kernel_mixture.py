@@ -11,7 +11,6 @@ from cable_tracker.particle_filter.kernel_mixture import (
     choose_kernel,
     kernel_mixture,
     kernels_at,
-    log_kernels,
     weighted_sums,
 )
 from cable_tracker.particle_filter.student_t import peak_density, relative_density
@@ -72,12 +71,3 @@ def test_a_kernel_is_chosen_by_its_share_of_the_sum(rng):
     ]
     assert chosen == [0, 1, 1, 2]
     assert choose_kernel(kernels, mixture, 0.7, 1.1 * total) == -1
-
-
-@given(st.integers(0, 2**32 - 1), st.sampled_from([1.0, 4.0, 50.0]))
-def test_logs_of_all_kernels_are_those_of_the_definition(seed, tail):
-    rng = np.random.default_rng(seed)
-    mixture = kernel_mixture(rng.normal(size=(5, 4)), SCALES, tail, np.full(5, 0.2))
-    points = rng.normal(size=(3, 6))
-    literal = [np.log(literal_kernels(mixture, point[:4])) for point in points]
-    np.testing.assert_allclose(log_kernels(points, mixture), literal)

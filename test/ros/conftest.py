@@ -7,6 +7,7 @@ import os
 import time
 import warnings
 from collections.abc import Callable, Iterator
+from functools import cache
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,8 @@ from cable_tracker.sequences.convert import ImageFormat, write_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.survey_bag import write_survey_bag
+from cable_tracker.simulation.survey_dive import SurveySettings
 
 HAS_ROS = importlib.util.find_spec("rclpy") is not None
 MISSING_ROS = (
@@ -38,6 +41,9 @@ FIRST = 1_700_000_000_000_000_000
 STEP = 40_000_000
 TRUTH = CableState(12.0, 0.12, 40.0)
 NEAR = "9.0,0.08,36.0,0.0"
+USUAL_FRAMES = 15
+"""Few tests want a longer dive."""
+
 PATIENCE = 20.0
 """What should come at once gets this long on a busy machine [s]."""
 
@@ -353,8 +359,23 @@ def diagnostics(world: World) -> Callable[..., list[Any]]:
     return of
 
 
+@cache
+def whole_dive(frames: int, size: tuple[int, int]) -> tuple[Frame, ...]:
+    settings = SimulationSettings(frame_count=frames, image_size=size, clutter=0.0, seed=3)
+    return tuple(simulate(settings))
+
+
 def dive(frames: int, size: tuple[int, int] = (160, 120)) -> Iterator[Frame]:
-    return simulate(SimulationSettings(frame_count=frames, image_size=size, clutter=0.0, seed=3))
+    """The first frames of a dive that is worked out once, for most tests want it."""
+    return iter(whole_dive(max(frames, USUAL_FRAMES), size)[:frames])
+
+
+@pytest.fixture(scope="session")
+def vehicle_bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short simulated dive with all instruments, to be read only."""
+    path = tmp_path_factory.mktemp("dives") / "vehicle"
+    write_survey_bag(path, SurveySettings(length=1.0, rate=5.0, image_size=(64, 48)))
+    return path
 
 
 @pytest.fixture(scope="session")

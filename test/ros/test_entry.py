@@ -40,7 +40,12 @@ def test_another_missing_module_is_not_taken_for_ros(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code"), [(["--help"], 0), (["-p", "particle_count:=9"], 2), (["thesis"], 2)]
+    ("arguments", "code"),
+    [
+        (["--help"], 0),
+        (["-p", "particle_count:=9"], 2),
+        pytest.param(["thesis"], 2, marks=pytest.mark.slow),
+    ],
 )
 def test_what_does_not_stand_behind_ros_args_is_not_passed_over(
     arguments: list[str], code: int

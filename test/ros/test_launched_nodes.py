@@ -71,6 +71,7 @@ def test_a_tracker_takes_arguments_and_file_and_the_file_prevails(
     assert simulated.bool_value is False
 
 
+@pytest.mark.slow
 def test_the_nodes_of_the_loop_read_their_parts_of_one_file(
     world: Any, launch: Any, namespace: str, tmp_path: Path, stack: ExitStack
 ) -> None:

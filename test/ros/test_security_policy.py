@@ -10,8 +10,6 @@ from xml.etree import ElementTree
 import pytest
 
 from cable_tracker.resources import SECURITY_POLICY, resource
-from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveySettings
 
 
 def rules(node: str, kind: str, right: str) -> set[str]:
@@ -67,12 +65,10 @@ def test_it_is_what_the_tracker_does(world: Any) -> None:
 
 @pytest.mark.parametrize("clock", [True, False])
 def test_it_is_what_the_replay_does(
-    world: Any, make_dive: Callable[..., Path], tmp_path: Path, clock: bool
+    world: Any, make_dive: Callable[..., Path], vehicle_bag: Path, clock: bool
 ) -> None:
     seen = []
-    vehicle = tmp_path / "vehicle"
-    write_survey_bag(vehicle, SurveySettings(length=1.0, rate=2.0, image_size=(64, 48)))
-    for path in (make_dive(2, jpeg=True), vehicle):
+    for path in (make_dive(2, jpeg=True), vehicle_bag):
         node = world.replay(
             source=str(path), paused=True, publish_clock=clock, use_sim_time=not clock
         )

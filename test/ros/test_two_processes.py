@@ -131,6 +131,7 @@ def test_a_simulated_dive_gives_the_same_table_and_the_same_messages(
     assert messages_of(ros.bag, "/diagnostics")
 
 
+@pytest.mark.slow
 def test_from_random_the_estimates_are_the_same_too(
     make_dive: Callable[..., Path], track: Callable[..., Outcome]
 ) -> None:
@@ -138,6 +139,7 @@ def test_from_random_the_estimates_are_the_same_too(
     assert_same(track(path, True), track(path, False), 15)
 
 
+@pytest.mark.slow
 def test_a_recording_of_jpegs_gives_the_same_table(
     make_dive: Callable[..., Path], track: Callable[..., Outcome]
 ) -> None:
@@ -152,6 +154,7 @@ def test_large_frames_in_colour_arrive_whole(
     assert_same(track(path, True), track(path, False), 4)
 
 
+@pytest.mark.slow
 def test_real_footage_gives_the_same_table(tmp_path: Path, track: Callable[..., Outcome]) -> None:
     video, labels = FOOTAGE / "strip.mp4", FOOTAGE / "strip.txt"
     if not (video.exists() and labels.exists()):
@@ -166,6 +169,7 @@ def test_real_footage_gives_the_same_table(tmp_path: Path, track: Callable[..., 
     assert any(row.state is not None for row in core.rows)
 
 
+@pytest.mark.slow
 def test_frames_before_the_damage_are_tracked(
     make_dive: Callable[..., Path], track: Callable[..., Outcome]
 ) -> None:
@@ -181,6 +185,7 @@ def test_frames_before_the_damage_are_tracked(
     assert ros.damage is not None and str(ros.damage) == str(core.damage)
 
 
+@pytest.mark.slow
 def test_a_recording_whose_times_jump_back_is_tracked_to_its_end(
     tmp_path: Path,
     dive_frames: Callable[..., Iterator[Frame]],

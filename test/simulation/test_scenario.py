@@ -36,7 +36,10 @@ def test_other_noise_leaves_the_motion_alone():
     assert [f.truth for f in simulate(quiet)] == [f.truth for f in simulate(SMALL)]
 
 
-@pytest.mark.parametrize("size", [(320, 240), (161, 97), (97, 161), (640, 480), (32, 32)])
+@pytest.mark.parametrize(
+    "size",
+    [(320, 240), (161, 97), (97, 161), (32, 32), pytest.param((640, 480), marks=pytest.mark.slow)],
+)
 def test_frames_are_complete(size):
     settings = SimulationSettings(frame_count=2, image_size=size)
     for index, frame in enumerate(simulate(settings)):

@@ -6,7 +6,7 @@ import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.scenario import scenario_states, simulate_scenario
-from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
+from cable_tracker.simulation.scenarios import SCENARIOS, Crossing, find_scenario
 
 THESIS_LENGTHS = {"S1": 248, "S2": 499, "S3": 409, "S4": 172, "S5": 171, "S6": 129}
 SMALL = (64, 48)
@@ -55,7 +55,9 @@ def test_the_truth_of_frames_is_that_of_the_geometry():
         np.testing.assert_array_equal(each.frame.truth.to_array(), states[each.frame.index])
 
 
-@pytest.mark.parametrize("name", ["S1", "S2", "S4", "S5", "S6"])
+@pytest.mark.parametrize(
+    "name", ["S5", *(pytest.param(f"S{n}", marks=pytest.mark.slow) for n in (1, 2, 4, 6))]
+)
 def test_hard_sequences_hide_much_of_the_borders_but_rarely_nearly_all(name):
     frames = (each for seed in range(100, 104) for each in _some(name, 0, 121, seed=seed, step=20))
     shares = np.array([each.visibility for each in frames])
@@ -63,6 +65,7 @@ def test_hard_sequences_hide_much_of_the_borders_but_rarely_nearly_all(name):
     assert np.mean(shares > 0.35) > 0.8
 
 
+@pytest.mark.slow
 def test_the_calm_sequence_is_clearer_than_the_hard_ones():
     calm = np.mean([each.visibility for each in _some("S3", 0, 170, seed=100, step=10)])
     hard = np.mean([each.visibility for each in _some("S5", 0, 170, seed=100, step=10)])
@@ -110,7 +113,7 @@ def test_frames_without_the_cable_have_no_truth():
         assert each.visibility == 0.0
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_the_cable_is_buried_for_three_seconds(seed):
     frames = _some("buried", 0, None, seed=seed, size=(48, 36))
     hidden = np.array([each.visibility == 0.0 for each in frames])
@@ -131,8 +134,9 @@ def test_without_a_cable_there_is_neither_truth_nor_visibility():
 
 
 def test_the_crossing_hides_part_of_the_cable():
-    alone = dataclasses.replace(SCENARIOS["crossing"], crossing=None)
-    one, both = (_some(each, 120, 121)[0].visibility for each in (alone, "crossing"))
+    early = dataclasses.replace(SCENARIOS["crossing"], crossing=Crossing(frame=12))
+    alone = dataclasses.replace(early, crossing=None)
+    one, both = (_some(each, 12, 13)[0].visibility for each in (alone, early))
     assert one - both > 0.05
 
 
@@ -154,8 +158,9 @@ def test_another_size_scales_lengths_only():
 
 
 def test_a_distorted_camera_bends_the_picture_but_not_its_truth():
-    bent = next(simulate_scenario("S3", 1, distortion=(-0.15, 0.02, 0.0, 0.0, 0.0)))
-    straight = next(simulate_scenario("S3", 1))
+    size = (160, 120)
+    bent = next(simulate_scenario("S3", 1, size, distortion=(-0.15, 0.02, 0.0, 0.0, 0.0)))
+    straight = next(simulate_scenario("S3", 1, size))
     assert bytes(bent.frame.image.data) != bytes(straight.frame.image.data)
     assert bent.frame.truth.distance == pytest.approx(straight.frame.truth.distance, abs=0.3)
 

@@ -47,8 +47,6 @@ class Conclusion(NamedTuple):
     ----------
     states, log_weights : FloatArray
         The particles, angles in (-pi/2, pi/2], shapes (N, 8) and (N,).
-    log_evidence : float
-        Logarithm of the likelihood ratio, a cable against none.
     clusters : Clusters
         Of the particles.
     covariance : FloatArray
@@ -62,15 +60,12 @@ class Conclusion(NamedTuple):
         strips of the bottom, like it or not, shape (K,).
     scores : FloatArray
         The same above the mean of strips of any kind, in their spreads, shape (K,).
-    scores : FloatArray
-        The same above the mean of strips of any kind, in their spreads, shape (K,).
     p_bright : float
         Share of the weight that speaks for a cable brighter than the bottom.
     """
 
     states: FloatArray
     log_weights: FloatArray
-    log_evidence: float
     clusters: Clusters
     covariance: FloatArray
     effective_size: float
@@ -166,7 +161,6 @@ def conclude(
     return Conclusion(
         states,
         normalised,
-        log_evidence,
         clusters,
         leading_covariance(states, weights, clusters),
         effective_sample_size(normalised),
@@ -255,7 +249,6 @@ def _nothing(states: FloatArray, log_shares: FloatArray) -> Conclusion:
     return Conclusion(
         states,
         log_shares,
-        -math.inf,
         clusters,
         covariance,
         0.0,

@@ -29,7 +29,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.filter import CableFilter, Finding, ParticleBelief, equal_states
-from cable_tracker.cable.hypotheses.ancestors import plan_draw, surviving_ancestors
+from cable_tracker.cable.hypotheses.ancestors import draw_ancestors, surviving_ancestors
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
 from cable_tracker.cable.hypotheses.border_jump import RATE, jump_from
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, draw_and_conclude
@@ -61,7 +61,7 @@ from cable_tracker.cable.measure.border_responses import MINIMUM_POINTS
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
-from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, wrap_state, wrap_states
+from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, wrap_state
 from cable_tracker.cable.model.initialisation import search_box
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.movement import CableMovement, state_limits
@@ -234,7 +234,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         memory = belief.memory.aged(dt) if belief.memory is not None else None
         width_prior = belief.width_prior.aged(dt) if belief.width_prior is not None else None
         births = birth_density_of(self._box, memory, self._parameters.memory_time, self._image_size)
-        prior, existence = self._predict(belief, dt, motion, births, width_prior)
+        expected = self._expected(belief, dt, motion)
+        prior, existence = self._predict(belief, expected[0], dt, motion, births, width_prior)
         counts = self._sample_counts(existence, births, len(detections))
         noise = draw_frame_noise(
             self._rng,
@@ -252,26 +253,24 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             ancestors=self._resample(self._even(prior), counts.survivors, self._rng),
             detected=detections,
         )
-        anchors = self._anchor(belief, dt, motion)
+        anchors = expected[:1] if belief.presence >= 0.5 else NO_ANCHOR
         found = draw_and_conclude(self._sample, inputs, counts, self._config, anchors, self._rules)
         before = replace(belief, memory=memory, width_prior=width_prior)
         if not len(found.clusters.masses):
             return self._spread(before, births)
-        log_odds = self._log_odds(belief, existence, found, dt, motion)
+        log_odds = self._log_odds(belief, expected, existence, found, dt)
         return self._concluded(belief, before, found, log_odds, dt)
 
     def _log_odds(
         self,
         belief: Belief,
+        expected: FloatArray,
         existence: PredictedExistence,
         found: Conclusion,
         dt: float,
-        motion: MotionAid | None,
     ) -> FloatArray:
         """Return the log-odds (K,) that the clusters are cables."""
         parameters, width = self._parameters, float(self._image_size[0])
-        expected: FloatArray = belief.clusters.means.copy()
-        expected[:, :POSE_SIZE] = self._movement.expected(expected, dt, motion)[:, :POSE_SIZE]
         inherited = inherited_odds(expected, belief.log_odds, found.clusters.means, width)
         survival = existence.survived / max(belief.presence, MINIMUM_DENSITY)
         appearance = -math.expm1(-parameters.appearance_rate * dt)
@@ -306,31 +305,24 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     def _predict(
         self,
         belief: Belief,
+        leader: FloatArray,
         dt: float,
         motion: MotionAid | None,
         births: BirthDensity,
         width_prior: WidthPrior | None,
     ) -> tuple[Prior, PredictedExistence]:
         parameters = self._parameters
-        particles = belief.particles
-        draw = plan_draw(
-            particles.log_weights,
+        drawn = draw_ancestors(
+            belief.particles,
             belief.clusters,
-            min(parameters.ancestor_count, particles.count),
-            parameters.resampling,
+            min(parameters.ancestor_count, belief.particles.count),
+            self._resample,
             self._rng,
         )
-        ancestors, target, survival = surviving_ancestors(
-            particles.states,
-            particles.log_weights,
-            belief.clusters.labels,
-            draw,
-            belief.reference_angle,
-            self._frame_size,
-            self._rates,
-            dt,
+        ancestors, survival = surviving_ancestors(
+            drawn, belief.reference_angle, self._image_size, self._rates, dt
         )
-        drifted = self._movement.centres(ancestors, dt, self._rng, motion)
+        drifted = self._movement.centres(ancestors.states, dt, self._rng, motion)
         scale = self._frame_size[0] / REFERENCE_WIDTH
         # Without movement the kernel would be a point: the first frame after a given prior.
         sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
@@ -341,7 +333,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
                 np.ascontiguousarray(drifted[:, :POSE_SIZE]),
                 np.maximum(sigmas[:POSE_SIZE], self._smallest_kernel),
                 self._movement.degrees_of_freedom,
-                target,
+                ancestors.weights,
             ),
             rates=np.ascontiguousarray(drifted[:, POSE_SIZE:]),
             rate_sigmas=np.ascontiguousarray(sigmas[POSE_SIZE:]),
@@ -352,7 +344,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             births=births,
             jumped=max(existence.survived * -math.expm1(-RATE * dt), MINIMUM_DENSITY),
             jump=jump_from(
-                self._expected_leader(belief, dt, motion),
+                leader,
                 parameters.width_minimum * scale,
                 parameters.width_maximum * scale,
                 self._frame_size[0],
@@ -389,18 +381,11 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             refined=self._refined,
         )
 
-    def _anchor(self, belief: Belief, dt: float, motion: MotionAid | None) -> FloatArray:
-        """Return where the cluster that leads is expected, shape (1, 8); (0, 8) if none leads."""
-        if belief.presence < 0.5:
-            return NO_ANCHOR
-        return self._expected_leader(belief, dt, motion)[None, :]
-
-    def _expected_leader(self, belief: Belief, dt: float, motion: MotionAid | None) -> FloatArray:
-        """Return where the cluster that leads is expected, shape (8,)."""
-        leader: FloatArray = belief.clusters.means[:1].copy()
-        leader[:, :POSE_SIZE] = self._movement.expected(leader, dt, motion)[:, :POSE_SIZE]
-        first: FloatArray = leader[0]
-        return first
+    def _expected(self, belief: Belief, dt: float, motion: MotionAid | None) -> FloatArray:
+        """Return where the clusters are expected, the one that leads first, shape (K, 8)."""
+        expected: FloatArray = belief.clusters.means.copy()
+        expected[:, :POSE_SIZE] = self._movement.expected(expected, dt, motion)[:, :POSE_SIZE]
+        return expected
 
     def _concluded(
         self,
@@ -485,10 +470,10 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
 
 def _hypotheses(belief: Belief) -> tuple[Hypothesis, ...]:
-    states = wrap_states(belief.clusters.means)
+    masses, means = belief.clusters.masses.tolist(), belief.clusters.means
     return tuple(
-        Hypothesis(mass, CableState.from_array(states[index]))
-        for index, mass in enumerate(belief.clusters.masses.tolist())
+        Hypothesis(mass, CableState.from_array(wrap_state(mean)))
+        for index, (mass, mean) in enumerate(zip(masses, means, strict=True))
         if index == 0 or mass >= SMALLEST_HYPOTHESIS
     )
 

@@ -14,10 +14,10 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import unwrap_state
-from cable_tracker.cable.model.state import STATE_SIZE
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.compilation import compiled_inside
 
 EMPTY_MODE, EMPTY_SCALE = 4.3, 1.33
 """Of the Gumbel law of the best hypothesis' score on frames without a cable [spreads]."""
@@ -83,7 +83,6 @@ def thin_factor(width: float, thin_width: float) -> float:
     return min(max(math.sqrt(max(width, 0.0) / thin_width), THINNEST_FACTOR), 1.0)
 
 
-@compiled
 def inherited_odds(
     expected: FloatArray, log_odds: FloatArray, means: FloatArray, image_width: float
 ) -> FloatArray:
@@ -99,19 +98,14 @@ def inherited_odds(
         Width of the frame [px].
     """
     scale = image_width / REFERENCE_WIDTH
-    chart, inherited = np.empty(STATE_SIZE), np.full(len(means), np.nan)
-    for index in range(len(means)):
-        nearest = 1.0
-        for other in range(len(expected)):
-            unwrap_state(means[index], expected[other, 1], chart)
-            distance = 0.0
-            for column in range(4):
-                unit = scale if column % 2 == 0 else 1.0
-                apart = abs(chart[column] - expected[other, column])
-                distance = max(distance, apart / (NEAR[column] * unit))
-            if distance < nearest:
-                nearest, inherited[index] = distance, log_odds[other]
-    return inherited
+    near = NEAR * np.array([scale, 1.0, scale, 1.0])
+    before, now = len(expected), len(means)
+    angles = np.repeat(expected[:, StateColumn.ANGLE], now)
+    chart = unwrap_states(np.tile(means, (before, 1)), angles)[:, :POSE_SIZE]
+    apart = np.abs(chart.reshape(before, now, POSE_SIZE) - expected[:, None, :POSE_SIZE])
+    distances = (apart / near).max(axis=2)
+    inherited = log_odds[distances.argmin(axis=0)]
+    return np.where(distances.min(axis=0) < 1.0, inherited, np.nan)
 
 
 def updated_odds(

@@ -8,7 +8,7 @@ from functools import cached_property
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.dead_margins import without_dead_margins
 from cable_tracker.cable.measure.scanned_gradients import ScannedFrame, scan_frame, scan_kernels
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
@@ -101,13 +101,6 @@ class WorkingImage:
             max(1, round(CONTRAST_LAG * self.scale)),
         )
         return scan_frame(self._reduced(self.frame), self.line_spacing, kernels)
-
-    def to_working(self, points: FloatArray) -> FloatArray:
-        """Turn points (..., 2) of the frame's image frame into that of the working picture.
-
-        Both have their origin at the image centre, so only the scale differs.
-        """
-        return points * self.reduction
 
 
 def check_frame(image: Image) -> None:

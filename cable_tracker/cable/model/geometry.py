@@ -104,7 +104,7 @@ def unwrap_state(state: FloatArray, reference_angle: float, result: FloatArray) 
     result[7] = sign * state[7]
 
 
-def unwrap_states(states: FloatArray, reference_angle: float) -> FloatArray:
+def unwrap_states(states: FloatArray, reference_angle: float | FloatArray) -> FloatArray:
     """Write each cable with its normal angle within pi/2 of a reference angle.
 
     In this chart the cables around the reference can be averaged like vectors, also those that lie
@@ -114,8 +114,8 @@ def unwrap_states(states: FloatArray, reference_angle: float) -> FloatArray:
     ----------
     states : FloatArray
         Shape (N, 8).
-    reference_angle : float
-        Centre of the chart [rad].
+    reference_angle : float or FloatArray
+        Centre of the chart, or of a chart for each, shape (N,) [rad].
 
     Returns
     -------

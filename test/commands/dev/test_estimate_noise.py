@@ -10,9 +10,14 @@ def run(*arguments):
     return CliRunner().invoke(app, ["dev", "estimate-noise", *map(str, arguments)])
 
 
+@pytest.fixture(scope="module")
+def frames():
+    return tuple(simulate(SimulationSettings(frame_count=6, image_size=(64, 48))))
+
+
 @pytest.fixture
-def labels(tmp_path):
-    write_sequence(tmp_path / "dive", simulate(SimulationSettings(frame_count=6)))
+def labels(tmp_path, frames):
+    write_sequence(tmp_path / "dive", frames)
     (path,) = (tmp_path / "dive").glob("*.txt")
     return path
 

@@ -15,7 +15,7 @@ def folder(tmp_path):
     return path
 
 
-@pytest.mark.parametrize("start", ["box", "detect"])
+@pytest.mark.parametrize("start", ["box", pytest.param("detect", marks=pytest.mark.slow)])
 def test_over_dds_the_table_is_the_same(folder, tmp_path, start):
     box = next(simulate_target("near_surface", 2, 1)).box
     init = ",".join(str(side) for side in box) if start == "box" else start

@@ -44,8 +44,6 @@ from cable_tracker.sequences.messages import (
 )
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
-from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveySettings
 
 Dive = Callable[..., Path]
 MILLISECOND = 1_000_000
@@ -550,10 +548,8 @@ def test_a_lockstep_replay_ends_with_the_last_answer(world: Any, make_dive: Dive
 
 class TestInstruments:
     @pytest.fixture
-    def bag(self, tmp_path: Path) -> Path:
-        path = tmp_path / "vehicle"
-        write_survey_bag(path, SurveySettings(length=1.0, rate=5.0, image_size=(64, 48)))
-        return path
+    def bag(self, vehicle_bag: Path) -> Path:
+        return vehicle_bag
 
     def test_all_of_them_are_sent_as_they_were_recorded(self, world: Any, bag: Path) -> None:
         kinds = {

@@ -18,6 +18,9 @@ from cable_tracker.ros.process.process_node import ProcessNode, run_node
 from cable_tracker.ros.process.stop_request import StopRequest
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
+ONE_IN_QUICK = [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
+"""Both are handled by the same function; where that is held elsewhere, one will do."""
+
 LONGEST_END = 20.0
 
 
@@ -81,7 +84,7 @@ def start(tmp_path: Path, namespace: str) -> Iterator[Callable[..., Run]]:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 class TestSignals:
-    @pytest.mark.parametrize("signal_number", SIGNALS)
+    @pytest.mark.parametrize("signal_number", ONE_IN_QUICK)
     @pytest.mark.parametrize("delay", [0.0, 0.1, 0.3])
     def test_a_signal_while_it_starts_ends_it(
         self, start: Callable[..., Run], signal_number: int, delay: float
@@ -105,7 +108,7 @@ class TestSignals:
         assert (code, unexpected) == (0, [])
         assert seconds < LONGEST_END
 
-    @pytest.mark.parametrize("signal_number", SIGNALS)
+    @pytest.mark.parametrize("signal_number", ONE_IN_QUICK)
     def test_a_signal_ends_a_tracker_in_the_middle_of_its_frames(
         self,
         start: Callable[..., Run],
@@ -131,7 +134,7 @@ class TestSignals:
         assert seconds < LONGEST_END
         assert "Traceback" not in replay.errors()
 
-    @pytest.mark.parametrize("signal_number", SIGNALS)
+    @pytest.mark.parametrize("signal_number", ONE_IN_QUICK)
     def test_a_signal_ends_a_replay_that_waits(
         self,
         start: Callable[..., Run],
@@ -176,8 +179,8 @@ class TestExitCodes:
         ("parameter", "name"),
         [
             ("particle_count:=many", "particle_count"),
-            ("particle_count:=[]", "particle_count"),
-            ("response_table:=nowhere.json", "response_table"),
+            pytest.param("particle_count:=[]", "particle_count", marks=pytest.mark.slow),
+            pytest.param("response_table:=nowhere.json", "response_table", marks=pytest.mark.slow),
             ("use_sim_time:=3", "use_sim_time"),
         ],
     )

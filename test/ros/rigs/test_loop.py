@@ -45,12 +45,14 @@ def test_in_lockstep_the_same_seed_writes_the_same_files(tmp_path):
     assert float(rows[-1]["x"]) > float(rows[0]["x"]) + 1.5
 
 
+@pytest.mark.slow
 def test_in_real_time_the_vehicle_arrives_as_well(tmp_path):
     summary = run_loop(request(realtime=True), tmp_path / "live")
     assert summary.reached_end
     assert all((tmp_path / "live" / name).stat().st_size > 0 for name in FILES)
 
 
+@pytest.mark.slow
 def test_a_baseline_takes_the_tracker_s_place(tmp_path):
     wanted = replace(request(method="hough", with_video=False), tracker={"seed": 5})
     summary = run_loop(wanted, tmp_path / "hough")

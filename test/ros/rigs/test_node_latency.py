@@ -20,6 +20,7 @@ def shown() -> Iterator[Footage]:
     yield footage(4, (320, 240))
 
 
+@pytest.mark.slow
 def test_a_few_frames_through_both_nodes_and_through_none(shown: Footage) -> None:
     told: list[int] = []
     parameters = preset("thesis").replaced({"particle_count": 50})
@@ -35,6 +36,7 @@ def test_a_few_frames_through_both_nodes_and_through_none(shown: Footage) -> Non
     assert sum(told) == 3 * (FRAMES + node_latency.WARM_UP)
 
 
+@pytest.mark.slow
 def test_a_node_that_dies_ends_it_with_what_it_said(
     shown: Footage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
