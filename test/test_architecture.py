@@ -41,8 +41,8 @@ MAY_IMPORT = {
         "node_parameter_tables", "cable", "target", "tracking", "particle_filter",
     },
     "benchmark": {
-        "evaluation", "trackers", "detection", "visualisation", "sequences", "cable", "tracking",
-        "particle_filter",
+        "contour", "evaluation", "trackers", "detection", "visualisation", "sequences", "cable",
+        "tracking", "particle_filter",
     },
     "example_controller": set(),
     "ros": {

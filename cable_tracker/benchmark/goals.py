@@ -63,6 +63,7 @@ def goals_of(result: BenchmarkResult) -> list[Goal]:
         *_node_goals(result),
         *_memory_goals(result),
         *_start_goals(result),
+        *_contour_goals(result),
     ]
 
 
@@ -183,4 +184,14 @@ def _start_goals(result: BenchmarkResult) -> list[Goal]:
         if each.name == "default":
             goals.append(Goal("`default`, first start", 20.0, False, each.cold, "s"))
             goals.append(Goal("`default`, later starts", 1.0, False, each.warm, "s"))
+    return goals
+
+
+def _contour_goals(result: BenchmarkResult) -> list[Goal]:
+    goals = []
+    for each in result.contours:
+        goals.append(Goal("a contour on 320x240 from a wrong start", 0.5, False, each.ms, "ms"))
+        is_fair = each.rival_overlap is not None and each.rival_overlap >= 0.98 * each.overlap
+        ratio = each.ratio if is_fair else None
+        goals.append(Goal("faster than scikit-image's morphological_chan_vese", 200.0, True, ratio))
     return goals

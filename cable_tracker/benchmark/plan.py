@@ -10,6 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 import cv2
 
 from cable_tracker.benchmark.accuracy import Accuracy, measure_accuracy
+from cable_tracker.benchmark.contours import ContourTiming, measure_contour
 from cable_tracker.benchmark.footage import RENDERED_SIZE, Footage, footage
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, is_installed
 from cable_tracker.benchmark.memory import MemoryUse, measure_memory_apart
@@ -63,6 +64,8 @@ class Plan:
         Frames over which memory is watched, for each preset; 0 leaves it out.
     starts : bool
         Whether each preset is started in fresh processes, cold and warm.
+    contours : bool
+        Whether contours are compared with scikit-image's.
     """
 
     frames: int = 60
@@ -72,6 +75,7 @@ class Plan:
     profiled: int = 200
     memory: int = 2000
     starts: bool = True
+    contours: bool = True
 
 
 FULL = Plan()
@@ -83,6 +87,7 @@ QUICK = Plan(
     profiled=50,
     memory=0,
     starts=False,
+    contours=False,
 )
 
 
@@ -95,6 +100,7 @@ class Measured:
     profile: tuple[ProfileRow, ...]
     memory: tuple[MemoryUse, ...]
     starts: tuple[StartTime, ...]
+    contours: tuple[ContourTiming, ...]
 
 
 class Benchmark:
@@ -153,8 +159,9 @@ class Benchmark:
                 memory.append(measure_memory_apart(name, plan.frames, plan.memory))
                 advance(plan.memory)
             starts = tuple(measure_start(name) for name in TIMED_PRESETS) if plan.starts else ()
+            contours = (measure_contour(),) if plan.contours else ()
         return Measured(
-            tuple(measurements), tuple(accuracies), tuple(profile), tuple(memory), starts
+            tuple(measurements), tuple(accuracies), tuple(profile), tuple(memory), starts, contours
         )
 
 

@@ -37,6 +37,7 @@ def tables_of(result: BenchmarkResult) -> list[ResultTable]:
         _profile_table(result),
         _memory_table(result),
         _start_table(result),
+        _contour_table(result),
     ]
     return [table for table in tables if table.rows]
 
@@ -219,6 +220,20 @@ def _start_table(result: BenchmarkResult) -> ResultTable:
     rows = tuple((each.name, f"{each.cold:.1f}", f"{each.warm:.2f}") for each in result.starts)
     headings = ("preset", "nothing compiled [s]", "everything kept [s]")
     return ResultTable(headings, rows, "Until a tracker is ready, time of the processor")
+
+
+def _contour_table(result: BenchmarkResult) -> ResultTable:
+    rows: list[tuple[str, ...]] = []
+    for each in result.contours:
+        own = (_number(each.ms), f"{each.overlap:.3f}", str(each.iterations), "1x")
+        rows.append(("point switching (Ha 2008), compiled", *own))
+        if each.rival_ms is not None and each.rival_overlap is not None:
+            rival = (_number(each.rival_ms), f"{each.rival_overlap:.3f}")
+            ratio = f"{_number(each.ratio)}x"
+            name = "scikit-image, morphological_chan_vese"
+            rows.append((name, *rival, str(each.rival_iterations), ratio))
+    headings = ("contour", "time of the processor [ms]", "overlap", "iterations", "ratio")
+    return ResultTable(headings, tuple(rows), "A contour on 320x240 from a wrong start")
 
 
 def circumstances_text(circumstances: Circumstances) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cable_tracker.benchmark.accuracy import Accuracy
+from cable_tracker.benchmark.contours import ContourTiming
 from cable_tracker.benchmark.growth import Growth
 from cable_tracker.benchmark.memory import MemoryUse
 from cable_tracker.benchmark.node_timing import NodeTiming
@@ -63,6 +64,8 @@ class BenchmarkResult:
         Node to node; empty if that was not asked for.
     starts : tuple of StartTime
         How long each preset takes to be ready; empty if that was not asked for.
+    contours : tuple of ContourTiming
+        What a contour takes; empty if that was not asked for.
     """
 
     circumstances: Circumstances
@@ -73,6 +76,7 @@ class BenchmarkResult:
     memory: tuple[MemoryUse, ...]
     nodes: tuple[NodeTiming, ...] = ()
     starts: tuple[StartTime, ...] = ()
+    contours: tuple[ContourTiming, ...] = ()
 
     def of(self, section: str) -> list[Measurement]:
         """Return the measurements of a section."""

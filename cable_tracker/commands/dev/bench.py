@@ -118,6 +118,7 @@ def _run(plan: Plan, dds_frames: int) -> BenchmarkResult:
         memory=measured.memory,
         nodes=nodes,
         starts=measured.starts,
+        contours=measured.contours,
     )
 
 

@@ -12,12 +12,15 @@ import typer
 from rich.table import Table
 
 from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.options import ForceOption, PresetName
+from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.terminal import console, progress_bar
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.folder import output_file
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.targets.sequence import simulate_target
 
 if TYPE_CHECKING:
     from cable_tracker.ros.rigs.soak_record import SoakRecord
@@ -39,9 +42,12 @@ def soak(  # noqa: PLR0917
     frames: Annotated[
         int, typer.Option(help="End when so many frames have been answered; 0: never.", min=0)
     ] = 0,
+    target: Annotated[
+        bool, typer.Option("--target", help="Soak the tracker of targets, in colour.")
+    ] = False,
     preset_name: Annotated[
-        PresetName, typer.Option("--preset", help="Preset of the tracker.")
-    ] = PresetName.default,  # type: ignore[attr-defined]
+        str, typer.Option("--preset", help="Preset of the tracker.")
+    ] = "default",
     particles: Annotated[int, typer.Option(help="Particles of the tracker.", min=10)] = 500,
     size: Annotated[str, typer.Option(help="Width and height of the frames in px.")] = "320x240",
     output: Annotated[Path, typer.Option(help="Report to write, a JSON file.")] = Path("soak.json"),
@@ -60,15 +66,13 @@ def soak(  # noqa: PLR0917
         seed=seed,
         fault_share=faults,
         frames=frames,
-        preset=preset_name.value,
+        preset=preset_name,
         particles=particles,
+        node="target_tracker" if target else "tracker",
     )
     module.check_settings(settings)
     with output_file(output, _is_report, overwrite=force) as file:
-        dive = simulate(
-            SimulationSettings(frame_count=FRAMES, image_size=parse_size(size), seed=seed)
-        )
-        pictures = list(islice(dive, FRAMES))
+        pictures = _pictures(parse_size(size), seed, target=target)
         with progress_bar("soaking", PROGRESS_STEPS) as progress:
             record = module.run_soak(
                 pictures,
@@ -83,6 +87,17 @@ def soak(  # noqa: PLR0917
     console.print(f"  {output}", soft_wrap=True)
     if record.breaches:
         raise typer.Exit(EXIT_BROKEN_PROMISE)
+
+
+def _pictures(size: tuple[int, int], seed: int, *, target: bool) -> list[Frame]:
+    """Return what the tracker is shown: a cable in grey, or a target in colour."""
+    if not target:
+        settings = SimulationSettings(frame_count=FRAMES, image_size=size, seed=seed)
+        return list(islice(simulate(settings), FRAMES))
+    return [
+        Frame(index, each.stamp, raw_from_array(each.image, "bgr8"))
+        for index, each in enumerate(simulate_target("leaving", seed, FRAMES, size=size))
+    ]
 
 
 def _is_report(path: Path) -> bool:

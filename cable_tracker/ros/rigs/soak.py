@@ -14,15 +14,12 @@ from typing import Any
 
 import numpy as np
 import rclpy
-from geometry_msgs.msg import PoseWithCovarianceStamped
 from rcl_interfaces.srv import SetParameters
 from rclpy.context import Context
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import SetBool, Trigger
 
-from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, ParameterSpec, ParameterValue
-from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError, RosError
 from cable_tracker.ros.health.diagnostics import STALE_INPUT
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
@@ -37,6 +34,7 @@ from cable_tracker.ros.rigs.soak_faults import (
     draw_fault,
 )
 from cable_tracker.ros.rigs.soak_record import MemorySample, SoakRecord, read_memory
+from cable_tracker.ros.rigs.soaked_node import SOAKED
 from cable_tracker.sequences.convert import ImageFormat, in_format, write_bag
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.messages import (
@@ -46,6 +44,7 @@ from cable_tracker.sequences.messages import (
     make_image,
 )
 from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
 FIRST_STAMP = 1_700_000_000 * NANOSECONDS
 STEP = 40_000_000
@@ -109,6 +108,8 @@ class SoakSettings:
         Of the tracker.
     particles : int
         Of the tracker.
+    node : str
+        Which tracker: a key of `SOAKED`.
     """
 
     minutes: float
@@ -117,6 +118,7 @@ class SoakSettings:
     frames: int = 0
     preset: str = "default"
     particles: int = 500
+    node: str = "tracker"
 
 
 class _TrackerProcess(NodeProcess):
@@ -145,7 +147,7 @@ def run_soak(
     Parameters
     ----------
     frames : sequence of Frame
-        8-bit grey, all of one size.
+        8-bit grey or colour, all of one size.
     settings : SoakSettings
         How long, and the seed. The same seed draws the same faults; when they hit depends on the
         machine.
@@ -174,13 +176,14 @@ class _Soak:
 
     def __init__(self, frames: Sequence[Frame], settings: SoakSettings, context: Context) -> None:
         self._settings = settings
+        self._soaked = SOAKED[settings.node]
         self._rng = np.random.default_rng(settings.seed)
         self._factory = RclpyMessages()
         self._frames = frames
         self._jpegs = [in_format(frame, ImageFormat.JPEG) for frame in frames]
         self._namespace = f"/soak_{os.getpid()}"
         self.record = SoakRecord()
-        self._camera = SoakCamera(context, self._namespace, self.record)
+        self._camera = SoakCamera(context, self._namespace, self.record, self._soaked)
         self._folder = tempfile.TemporaryDirectory(prefix="cable_tracker_soak_")
         self._tracker: _TrackerProcess | None = None
         self._compressed = False
@@ -314,10 +317,11 @@ class _Soak:
             "input_timeout": "0.5",
             "preset": self._settings.preset,
             "particle_count": str(self._settings.particles),
+            **self._soaked.start,
         }
         given = [word for name, value in arguments.items() for word in ("-p", f"{name}:={value}")]
         remapped = ("-r", f"__ns:={self._namespace}", "-r", "/diagnostics:=diagnostics")
-        process = _TrackerProcess("tracker", [*remapped, *given], local_environment())
+        process = _TrackerProcess(self._soaked.name, [*remapped, *given], local_environment())
         process.__enter__()
         self._tracker = process
         self._processes += 1
@@ -366,13 +370,14 @@ class _Soak:
         if not self._exchange(self._bad_message(fault)):
             self._revive(f"not answered: {fault.value}")
         elif fault in REFUSED and self._camera.last_claims:
-            self.record.broken(f"a cable was claimed in a frame that is no picture: {fault.value}")
+            what = f"a {self._soaked.what} was claimed in a frame that is no picture"
+            self.record.broken(f"{what}: {fault.value}")
 
     def _frame_at(self, stamp: int, *, refused: bool = False) -> None:
         if not self._exchange(self._message(stamp)):
             self._revive(f"not answered: a frame with the stamp {stamp}")
         elif refused and self._camera.last_claims:
-            self.record.broken(f"a cable was claimed for the stamp {stamp}")
+            self.record.broken(f"a {self._soaked.what} was claimed for the stamp {stamp}")
 
     def _no_stamp(self) -> None:
         self._frame_at(0)
@@ -404,25 +409,30 @@ class _Soak:
         self._settle()
 
     def _parameter_storm(self) -> None:
+        table = self._soaked.table
         for _ in range(STORM):
-            names = self._rng.choice(len(PARAMETER_TABLE), 3, replace=False)
+            names = self._rng.choice(len(table), 3, replace=False)
             values = {
                 spec.name: _random_value(spec, self._rng)
-                for spec in (PARAMETER_TABLE[int(index)] for index in names)
+                for spec in (table[int(index)] for index in names)
             }
             self._set_parameters(values)
             if not self._exchange(self._next_message()):
                 self._revive(f"not answered: a frame after {values}")
-        usual = preset(self._settings.preset).replaced({"particle_count": self._settings.particles})
+        usual = self._soaked.preset(self._settings.preset).replaced(
+            {"particle_count": self._settings.particles}
+        )
         # One by one some would contradict each other on the way; in one request none does.
-        self._set_parameters(dict(usual.as_mapping()), atomically=True)
+        known = {spec.name for spec in table}
+        own = {name: value for name, value in self._soaked.start.items() if name in known}
+        self._set_parameters({**usual.as_mapping(), **own}, atomically=True)
 
     def _set_parameters(self, values: dict[str, Any], *, atomically: bool = False) -> None:
         parameters = [Parameter(name, value=value) for name, value in values.items()]
         request: Message = SetParameters.Request(
             parameters=[parameter.to_parameter_msg() for parameter in parameters]
         )
-        service, kind = "tracker/set_parameters", SetParameters
+        service, kind = f"{self._soaked.name}/set_parameters", SetParameters
         if atomically:
             from rcl_interfaces.srv import SetParametersAtomically  # noqa: PLC0415
 
@@ -436,12 +446,8 @@ class _Soak:
             self.record.broken(f"good parameters were refused: {response.result.reason}")
 
     def _bad_prior(self) -> None:
-        prior = PoseWithCovarianceStamped()
-        prior.header = make_header(self._factory, self._stamp, "camera")
-        prior.pose.pose.position.x = float(self._rng.choice([np.nan, np.inf, 1e308, 0.0]))
-        numbers = self._rng.choice([np.nan, -1.0, 0.0, 1e300], 36)
-        prior.pose.covariance = numbers.astype(np.float64)
-        self._camera.prior.publish(prior)
+        header = make_header(self._factory, self._stamp, "camera")
+        self._camera.mark.publish(self._soaked.bad_mark(header, self._rng))
 
     def _reset(self) -> None:
         for kind, name, request in (
@@ -449,7 +455,7 @@ class _Soak:
             (SetBool, "enable", SetBool.Request(data=False)),
             (SetBool, "enable", SetBool.Request(data=True)),
         ):
-            if self._camera.call(kind, f"tracker/{name}", request, PATIENCE) is None:
+            if self._camera.call(kind, f"{self._soaked.name}/{name}", request, PATIENCE) is None:
                 self.record.broken(f"the service {name} did not answer")
 
     def _viewer(self) -> None:
@@ -558,9 +564,10 @@ def check_settings(settings: SoakSettings) -> None:
     Raises
     ------
     ParameterError
-        A number is out of range.
+        A number is out of range, or there is no such preset.
     """
     if not 0.0 < settings.minutes <= 1e6:
         raise ParameterError(f"minutes is {settings.minutes:g}: give more than 0")
     if not 0.0 <= settings.fault_share <= 1.0:
         raise ParameterError(f"faults is {settings.fault_share:g}: give 0 to 1")
+    SOAKED[settings.node].preset(settings.preset)

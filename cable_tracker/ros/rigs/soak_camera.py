@@ -2,73 +2,34 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
-import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+from sensor_msgs.msg import CompressedImage, Image, JointState
 from visualization_msgs.msg import MarkerArray
 
 from cable_tracker.ros import qos
+from cable_tracker.ros.rigs.soak_checks import (
+    markers_are_finite,
+    picture_is_whole,
+    report_is_finite,
+    state_is_finite,
+)
 from cable_tracker.ros.rigs.soak_record import SoakRecord
-from cable_tracker.sequences.messages import Message, read_cloud, stamp_of
+from cable_tracker.ros.rigs.soaked_node import CABLE_NODE, SoakedNode
+from cable_tracker.sequences.messages import Message, stamp_of
 
 BEST_EFFORT = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT
 )
 TURN = 0.02
 """Longest time that the executor sleeps [s]."""
-
-
-def _finite(values: Iterable[float]) -> bool:
-    return all(math.isfinite(value) for value in values)
-
-
-def _finite_text(text: str) -> bool:
-    """Tell whether no word of a text is a number that is not finite."""
-    return not {"nan", "inf", "-inf"} & set(text.lower().split())
-
-
-def state_is_finite(message: Message) -> bool:
-    """Look at the numbers of a `state`."""
-    return _finite((*message.position, *message.velocity, *message.effort))
-
-
-def centreline_is_finite(message: Message) -> bool:
-    """Look at the numbers of a `centreline`."""
-    pose = message.pose.pose
-    place, turn = pose.position, pose.orientation
-    numbers = (place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w)
-    return _finite(numbers) and bool(np.isfinite(message.pose.covariance).all())
-
-
-def cloud_is_finite(message: Message) -> bool:
-    """Look at the numbers of `particles`."""
-    return bool(np.isfinite(read_cloud(message)).all())
-
-
-def markers_are_finite(message: Message) -> bool:
-    """Look at the numbers of `markers`."""
-    points = (point for marker in message.markers for point in marker.points)
-    return all(_finite((point.x, point.y, point.z)) for point in points)
-
-
-def report_is_finite(message: Message) -> bool:
-    """Look at the values of `/diagnostics` or of a frame's report."""
-    return all(_finite_text(pair.value) for status in message.status for pair in status.values)
-
-
-def picture_is_whole(message: Message) -> bool:
-    """See that an overlay holds something."""
-    return len(message.data) > 0
 
 
 class SoakCamera(Node):  # type: ignore[misc]
@@ -82,6 +43,8 @@ class SoakCamera(Node):  # type: ignore[misc]
         That of the tracker.
     record : SoakRecord
         Where to note what is seen.
+    soaked : SoakedNode
+        The tracker.
 
     Attributes
     ----------
@@ -90,13 +53,20 @@ class SoakCamera(Node):  # type: ignore[misc]
     last_stamp : int or None
         Stamp of the last of them [ns].
     last_claims : bool
-        Whether it held a cable.
+        Whether it held a cable, or a target.
     status : str
         The latest on /diagnostics.
     """
 
-    def __init__(self, context: Context, namespace: str, record: SoakRecord) -> None:
+    def __init__(
+        self,
+        context: Context,
+        namespace: str,
+        record: SoakRecord,
+        soaked: SoakedNode = CABLE_NODE,
+    ) -> None:
         super().__init__("soak", context=context, namespace=namespace)
+        self._soaked = soaked
         self._record = record
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self)
@@ -106,12 +76,12 @@ class SoakCamera(Node):  # type: ignore[misc]
         self.status = ""
         self._raw = self.create_publisher(Image, "image", qos.PICTURES)
         self._compressed = self.create_publisher(CompressedImage, "image/compressed", qos.PICTURES)
-        self.prior = self.create_publisher(PoseWithCovarianceStamped, "initial_state", qos.RESULTS)
+        self.mark = self.create_publisher(soaked.mark_type, soaked.mark_topic, qos.RESULTS)
         self._viewers: list[Any] = []
         self.create_subscription(JointState, "state", self._on_state, qos.RESULTS)
-        self._listen(PoseWithCovarianceStamped, "centreline", centreline_is_finite)
-        self._listen(PointCloud2, "particles", cloud_is_finite)
-        self._listen(DiagnosticArray, "tracker/frame_report", report_is_finite)
+        for kind, topic, check in soaked.heard:
+            self._listen(kind, topic, check)
+        self._listen(DiagnosticArray, f"{soaked.name}/frame_report", report_is_finite)
         self.create_subscription(DiagnosticArray, "diagnostics", self._on_diagnostics, qos.RESULTS)
 
     def _listen(self, kind: type, topic: str, check: Callable[[Message], bool]) -> Any:  # noqa: ANN401
@@ -138,10 +108,11 @@ class SoakCamera(Node):  # type: ignore[misc]
 
     def watch_pictures(self) -> None:
         """Subscribe to everything that is built for viewers only."""
+        node = self._soaked.name
         self._viewers = [
             self._listen(MarkerArray, "markers", markers_are_finite),
-            self._listen(Image, "tracker/overlay", picture_is_whole),
-            self._listen(CompressedImage, "tracker/overlay/compressed", picture_is_whole),
+            self._listen(Image, f"{node}/overlay", picture_is_whole),
+            self._listen(CompressedImage, f"{node}/overlay/compressed", picture_is_whole),
         ]
 
     def leave_pictures(self) -> None:

@@ -76,7 +76,7 @@ REFUSED = frozenset(
         Fault.SAME_STAMP,
     )
 )
-"""Frames that must be answered, and without a cable."""
+"""Frames that must be answered, and without a claim."""
 
 
 def draw_fault(rng: np.random.Generator, possible: Collection[Fault]) -> Fault:
@@ -126,8 +126,9 @@ def _resize(message: Message, rng: np.random.Generator) -> None:
     """Cut the frame to a random size, from its beginning."""
     width, height = (int(size) for size in rng.integers(16, (message.width, message.height)))
     rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
-    message.width, message.height, message.step = width, height, width
-    _fill(message, rows[:height, :width].tobytes())
+    step = width * (message.step // message.width)
+    message.width, message.height, message.step = width, height, step
+    _fill(message, rows[:height, :step].tobytes())
 
 
 def _fill(message: Message, data: bytes) -> None:
@@ -150,7 +151,7 @@ CHANGES: Mapping[Fault, Callable[[Message, np.random.Generator], None]] = Mappin
         Fault.OTHER_SIZE: _resize,
     }
 )
-"""How an 8-bit grey sensor_msgs/Image is spoilt, in place."""
+"""How an 8-bit sensor_msgs/Image, grey or in colour, is spoilt, in place."""
 
 
 def _cut_off(message: Message, rng: np.random.Generator) -> None:

@@ -40,7 +40,7 @@ def test_numbers_tables_and_page(run, tmp_path):
     content = json.loads((tmp_path / "out.json").read_text())
     assert list(content) == [
         "format", "circumstances", "measurements", "accuracies", "growths", "profile", "memory",
-        "nodes", "starts",
+        "nodes", "starts", "contours",
     ]  # fmt: skip
     assert {each["label"]["section"] for each in content["measurements"]} == set(SECTIONS)
     for each in content["measurements"]:

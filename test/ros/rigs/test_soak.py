@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from array import array
+from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,14 +16,19 @@ from sensor_msgs.msg import Image, JointState
 from visualization_msgs.msg import Marker, MarkerArray
 
 from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
-from cable_tracker.errors import ParameterError
+from cable_tracker.errors import FrameError, ParameterError
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.ros.rigs import soak, soak_camera
+from cable_tracker.ros.rigs import soak, soak_checks
 from cable_tracker.ros.rigs.soak import SoakSettings, check_settings, run_soak
 from cable_tracker.ros.rigs.soak_camera import SoakCamera
 from cable_tracker.ros.rigs.soak_faults import Fault
 from cable_tracker.ros.rigs.soak_record import SoakRecord
+from cable_tracker.ros.rigs.soaked_node import TARGET_NODE
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages import make_header, make_particles
+from cable_tracker.sequences.target_messages import read_start
+from cable_tracker.simulation.targets.sequence import simulate_target
 
 pytestmark = pytest.mark.slow
 
@@ -47,6 +54,32 @@ def test_a_tracker_keeps_its_promises(frames):
     assert record.messages["tracker/frame_report"] > 0
     assert record.memory
     assert all(0.0 <= share < 1.0 for share in shares)
+
+
+def test_a_target_tracker_keeps_its_promises():
+    frames = [
+        Frame(index, each.stamp, raw_from_array(each.image, "bgr8"))
+        for index, each in enumerate(simulate_target("leaving", 1, 12, size=(80, 60)))
+    ]
+    settings = replace(SETTINGS, node="target_tracker", preset="default", frames=200)
+    record = run_soak(frames, settings)
+    assert record.breaches == []
+    assert record.recoveries == record.faults
+    assert record.faults.total() > 5
+    assert record.messages["target_tracker/frame_report"] > 0
+
+
+def test_marks_that_are_spoilt_are_no_marks():
+    factory, rng = RclpyMessages(), np.random.default_rng(1)
+    header = make_header(factory, 1, "camera")
+    refused = 0
+    for _ in range(40):
+        mark = TARGET_NODE.bad_mark(header, rng)
+        with suppress(FrameError):
+            read_start(mark).check((80, 60))
+            continue
+        refused += 1
+    assert refused > 20
 
 
 RARE = [
@@ -104,11 +137,11 @@ def marker(value: float) -> Any:
 
 
 CHECKS = [
-    (lambda value: JointState(effort=array("d", [0.0, value])), soak_camera.state_is_finite),
-    (pose, soak_camera.centreline_is_finite),
-    (cloud, soak_camera.cloud_is_finite),
-    (marker, soak_camera.markers_are_finite),
-    (diagnostic, soak_camera.report_is_finite),
+    (lambda value: JointState(effort=array("d", [0.0, value])), soak_checks.state_is_finite),
+    (pose, soak_checks.centreline_is_finite),
+    (cloud, soak_checks.cloud_is_finite),
+    (marker, soak_checks.markers_are_finite),
+    (diagnostic, soak_checks.report_is_finite),
 ]
 
 
@@ -120,8 +153,8 @@ def test_a_number_that_is_none_is_seen(make, check):
 
 
 def test_an_empty_picture_is_seen():
-    assert not soak_camera.picture_is_whole(Image())
-    assert soak_camera.picture_is_whole(Image(data=array("B", [1])))
+    assert not soak_checks.picture_is_whole(Image())
+    assert soak_checks.picture_is_whole(Image(data=array("B", [1])))
 
 
 def test_a_tracker_that_says_nan_breaks_a_promise(camera):

@@ -1,0 +1,113 @@
+"""What a soak test has to know of the node that it soaks: the tracker of cables or of targets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PolygonStamped, PoseWithCovarianceStamped
+from sensor_msgs.msg import PointCloud2
+
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.rigs.soak_checks import (
+    Check,
+    centreline_is_finite,
+    cloud_is_finite,
+    points_are_finite,
+    polygon_is_finite,
+)
+from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.target_messages import make_polygon
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.parameters.presets import target_preset
+from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, parameter_table
+
+
+@dataclass(frozen=True, slots=True)
+class SoakedNode:
+    """A node that is soaked.
+
+    Attributes
+    ----------
+    name : str
+        Of the node.
+    what : str
+        It claims.
+    table : tuple of ParameterSpec
+        Parameters for storms.
+    preset : callable
+        Returns a preset by its name.
+    start : mapping
+        Parameters that it is started with, beside the usual ones.
+    mark_type, mark_topic
+        With which somebody says where to start.
+    bad_mark : callable
+        Returns a spoilt mark of a header.
+    heard : tuple of (type, str, Check)
+        Topics of results, and how their numbers are looked at.
+    """
+
+    name: str
+    what: str
+    table: tuple[ParameterSpec, ...]
+    preset: Callable[[str], ParameterSet]
+    start: Mapping[str, str]
+    mark_type: type[Any]
+    mark_topic: str
+    bad_mark: Callable[[Message, np.random.Generator], Message]
+    heard: tuple[tuple[type[Any], str, Check], ...]
+
+
+def _bad_prior(header: Message, rng: np.random.Generator) -> Message:
+    prior = PoseWithCovarianceStamped()
+    prior.header = header
+    prior.pose.pose.position.x = float(rng.choice([np.nan, np.inf, 1e308, 0.0]))
+    prior.pose.covariance = rng.choice([np.nan, -1.0, 0.0, 1e300], 36).astype(np.float64)
+    return prior
+
+
+def _bad_outline(header: Message, rng: np.random.Generator) -> Message:
+    """Mark what no picture can hold, or what nothing stands out of."""
+    count = int(rng.integers(0, 6))
+    corners = rng.choice([np.nan, np.inf, -1e30, 0.0, 5.0, 40.0, 1e6], (count, 2))
+    return make_polygon(RclpyMessages(), header, corners)
+
+
+CABLE_NODE = SoakedNode(
+    name="tracker",
+    what="cable",
+    table=PARAMETER_TABLE,
+    preset=preset,
+    start={},
+    mark_type=PoseWithCovarianceStamped,
+    mark_topic="initial_state",
+    bad_mark=_bad_prior,
+    heard=(
+        (PoseWithCovarianceStamped, "centreline", centreline_is_finite),
+        (PointCloud2, "particles", cloud_is_finite),
+    ),
+)
+
+TARGET_NODE = SoakedNode(
+    name="target_tracker",
+    what="target",
+    table=parameter_table(TargetParameters),
+    preset=target_preset,
+    start={"initial_target": "detect", "detector": "contours"},
+    mark_type=PolygonStamped,
+    mark_topic="initial_target",
+    bad_mark=_bad_outline,
+    heard=(
+        (PoseWithCovarianceStamped, "target", centreline_is_finite),
+        (PolygonStamped, "contour", polygon_is_finite),
+        (PolygonStamped, "box", polygon_is_finite),
+        (PointCloud2, "particles", points_are_finite),
+    ),
+)
+
+SOAKED: Mapping[str, SoakedNode] = {each.name: each for each in (CABLE_NODE, TARGET_NODE)}
+"""By name."""
