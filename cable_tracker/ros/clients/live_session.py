@@ -222,12 +222,14 @@ class LiveSession:
             The node is gone.
         """
         self._need_node()
-        if self._prior is None:
+        # Another thread, which looks for the node's topics, may replace it.
+        publisher = self._prior
+        if publisher is None:
             raise RosError(f"{self.name} takes no initial state yet; wait until it has warmed up")
         latest = self._latest
         header = make_header(self._factory, latest.stamp if latest is not None else 0, "")
         width = latest.grey.shape[1] if latest is not None else 320
-        self._prior.publish(
+        publisher.publish(
             make_centreline(self._factory, header, prior.state, _covariance(prior, width))
         )
 
