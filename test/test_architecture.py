@@ -38,7 +38,7 @@ MAY_IMPORT = {
     },
     "gui": {
         "trackers", "evaluation", "detection", "visualisation", "sequences",
-        "node_parameter_tables", "cable", "tracking", "particle_filter",
+        "node_parameter_tables", "cable", "target", "tracking", "particle_filter",
     },
     "benchmark": {
         "evaluation", "trackers", "detection", "visualisation", "sequences", "cable", "tracking",

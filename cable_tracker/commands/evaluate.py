@@ -26,6 +26,13 @@ from cable_tracker.commands.options import (
     TopicOption,
     TruthOption,
 )
+from cable_tracker.commands.target_campaign import (
+    TargetCampaign,
+    chosen_methods,
+    evaluate_targets,
+    simulated_targets,
+    tuned_targets,
+)
 from cable_tracker.commands.terminal import advance, console, messages, progress_bar
 from cable_tracker.commands.tuning import ValueOption, chosen_parameters, given_values
 from cable_tracker.errors import ParameterError
@@ -46,6 +53,7 @@ from cable_tracker.evaluation.report import (
 )
 from cable_tracker.evaluation.runs import Start
 from cable_tracker.evaluation.tables import CSV_FILES
+from cable_tracker.evaluation.targets.target_sequences import RecordedTarget
 
 TITLE = "How well the cable is followed"
 
@@ -102,7 +110,8 @@ def evaluate(  # noqa: PLR0917
     method: Annotated[
         list[str] | None,
         typer.Option(
-            help=f"{' | '.join(METHODS)}; may be given several times."
+            help=f"{' | '.join(METHODS)}; may be given several times. With --targets: a preset, a"
+            " tracker of OpenCV, or `grey` and one of these."
             "  [default: all; with parameters of your own: default]"
         ),
     ] = None,
@@ -125,6 +134,13 @@ def evaluate(  # noqa: PLR0917
             " times.  [default: all scenarios]"
         ),
     ] = None,
+    targets: Annotated[
+        bool,
+        typer.Option(
+            "--targets",
+            help="Judge trackers of targets instead, from the first box, beside those of OpenCV.",
+        ),
+    ] = False,
     source: Annotated[
         Path | None, typer.Option(help="A labelled recording instead of the scenarios.")
     ] = None,
@@ -133,7 +149,8 @@ def evaluate(  # noqa: PLR0917
         bool,
         typer.Option(
             "--unlabelled-is-empty",
-            help="Frames of the recording without a label show no cable; else they do not count.",
+            help="Frames of the recording without a label show no cable, with --targets no target;"
+            " else they do not count.",
         ),
     ] = False,
     first_seed: FirstSeedOption = 0,
@@ -159,15 +176,31 @@ def evaluate(  # noqa: PLR0917
     """Judge methods against ground truth and write a report.
 
     The folder holds report.html, which needs nothing else, and all numbers as CSV. The same command
-    gives the same numbers, except for the times.
+    gives the same numbers, except for the times. With --targets it holds table.md and figures.csv.
     """
     sequences: Sequence[JudgedSequence]
+    if source is not None and (scenario or frames):
+        raise ParameterError("--source takes the place of --scenario and --frames; leave those out")
+    cluster = chosen_cluster(workers, scheduler, memory, dashboard)
+    if targets:
+        if param or table or init is not Start.TRUTH:
+            raise ParameterError("--targets goes without --param, --table and --init")
+        recorded = source and RecordedTarget(
+            source, topic, rate, truth, skip_bad_frames, allow_outside, unlabelled_is_empty
+        )
+        tuned = tuned_targets(params)
+        followed = TargetCampaign(
+            (recorded,) if recorded else simulated_targets(scenario or (), frames),
+            seeds_from(seeds, first_seed),
+            chosen_methods(method, tuned),
+            tuned,
+        )
+        evaluate_targets(followed, output, cluster, force=force, resume=resume)
+        return
     if source is None:
         if truth is not None:
             raise ParameterError("--truth labels a recording; give it with --source")
         sequences = simulated_sequences(scenario or (), frames)
-    elif scenario or frames:
-        raise ParameterError("--source takes the place of --scenario and --frames; leave those out")
     else:
         recording = RecordingSequence(
             source, topic, rate, truth, skip_bad_frames, unlabelled_is_empty, allow_outside
@@ -184,7 +217,6 @@ def evaluate(  # noqa: PLR0917
     )
     header = ReportHeader(TITLE, typed_command(), machine(), date.today().isoformat())
     total = campaign.frame_count()
-    cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     with (
         output_folder(output, REPORT, overwrite=force or resume) as folder,
         stored_beside(output, cluster, resume=resume) as crew,

@@ -8,11 +8,10 @@ from typing import Annotated
 import typer
 
 from cable_tracker.cable.model.initial_state_text import RANDOM
+from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.options import (
-    InitOption,
     OutsideOption,
     ParamsOption,
-    PresetOption,
     RateOption,
     SeedOption,
     SkipOption,
@@ -27,10 +26,14 @@ from cable_tracker.commands.serving import (
     announce,
     need_gui,
 )
+from cable_tracker.commands.target import chosen_target
 from cable_tracker.commands.terminal import messages
 from cable_tracker.commands.tuning import chosen_parameters, chosen_start
 from cable_tracker.errors import GuiError
+from cable_tracker.target.model.start_text import WAIT
+from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.tracking.parameter_files import read_parameter_file
+from cable_tracker.tracking.parameter_table import ParameterSet
 
 
 def gui(  # noqa: PLR0917
@@ -47,8 +50,25 @@ def gui(  # noqa: PLR0917
             "--ros", metavar="NAMESPACE", help="Watch the live node in this namespace instead."
         ),
     ] = None,
-    init: InitOption = None,
-    preset_name: PresetOption = None,
+    target: Annotated[
+        bool,
+        typer.Option("--target", help="Follow a target with an outline instead of a cable."),
+    ] = False,
+    init: Annotated[
+        str | None,
+        typer.Option(
+            help="Where to start: as of `track`; with --target `wait` for a box that is drawn,"
+            " `detect`, or `x0,y0,x1,y1` in px.  [default: random, or wait]"
+        ),
+    ] = None,
+    preset_name: Annotated[
+        str | None,
+        typer.Option(
+            "--preset",
+            help=f"Values to start from: {', '.join(PRESETS)}; with --target"
+            f" {', '.join(TARGET_PRESETS)}.  [default: default]",
+        ),
+    ] = None,
     params: ParamsOption = None,
     seed: SeedOption = None,
     topic: TopicOption = None,
@@ -61,16 +81,27 @@ def gui(  # noqa: PLR0917
 ) -> None:
     """Watch and tune the filter in a browser.
 
-    It shows a recording, or with --live what a running node does.
+    It shows a recording, or with --ros what a running node does: `tracker`, or with --target
+    `target_tracker`.
     """
     window = need_gui("tracking_window")
     desks = need_gui("tracking_desk")
     server = need_gui("server")
     requests = need_gui("recording_request")
+    subjects = need_gui("subject")
     if ros is not None and source is not None:
         raise GuiError("give a recording or --ros NAMESPACE, not both")
-    values = read_parameter_file(params) if params is not None else {}
-    parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
+    subject = subjects.TARGET if target else subjects.CABLE
+    values = read_parameter_file(params, subject.node) if params is not None else {}
+    parameters: ParameterSet
+    if target:
+        parameters = chosen_target(preset_name, values, seed)
+        start = init or WAIT
+    else:
+        if preset_name is not None:
+            subject.preset(preset_name)
+        parameters = chosen_parameters(preset_name, values, seed)
+        start = chosen_start(init, values) if source is not None else init or RANDOM
     request = requests.RecordingRequest(
         path=source if source is not None else Path(),
         topic=topic,
@@ -78,12 +109,13 @@ def gui(  # noqa: PLR0917
         truth=truth,
         skip_bad_frames=skip_bad_frames,
         allow_outside=allow_outside,
-        init=chosen_start(init, values) if source is not None else init or RANDOM,
+        init=start,
     )
     listening = server.listen_on(host, port)
     desk = desks.TrackingDesk(None, request, parameters)
     if ros is not None:
-        desk.watch(need_ros("clients.live_session").LiveSession(ros))
+        live = need_ros("clients.live_session")
+        desk.watch(live.LiveTargetSession(ros) if target else live.LiveSession(ros))
     elif source is not None:
         desk.open(request)
         if desk.session.note:

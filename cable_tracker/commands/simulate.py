@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -15,12 +16,19 @@ from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, counted, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.sequences.target_labels import (
+    LabelledFrame,
+    write_target_bag,
+    write_target_pictures,
+)
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.instrumented_bag import write_instrumented_bag
 from cable_tracker.simulation.scenario import (
     SimulationSettings,
+    check_size,
     scenario_dive,
     simulate,
     simulate_scenario,
@@ -29,6 +37,8 @@ from cable_tracker.simulation.scenario import (
 from cable_tracker.simulation.scenarios import SCENARIO_RATE, SCENARIOS, find_scenario
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveySettings, usual_survey
+from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
+from cable_tracker.simulation.targets.sequence import find_target_scenario, simulate_target
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 
 
@@ -39,7 +49,7 @@ class SimulationFormat(str, Enum):
     SEQUENCE = "sequence"
 
 
-def simulate_command(  # noqa: PLR0917
+def simulate_command(  # noqa: PLR0912, PLR0917
     output: Annotated[
         Path | None, typer.Argument(help="Folder to write; none with --live.")
     ] = None,
@@ -59,6 +69,13 @@ def simulate_command(  # noqa: PLR0917
         typer.Option(
             help=f"A scenario of the evaluation instead ({', '.join(SCENARIOS)}), or a world"
             " (tune_* or report_*, see docs/simulation.md); it has its own length and clutter."
+        ),
+    ] = None,
+    target: Annotated[
+        str | None,
+        typer.Option(
+            help="A target with an outline instead of a cable, with a box in every frame:"
+            f" {', '.join(TARGET_SCENARIOS)}."
         ),
     ] = None,
     photographs: Annotated[
@@ -84,13 +101,19 @@ def simulate_command(  # noqa: PLR0917
         ),
     ] = False,
 ) -> None:
-    """Simulate a dive over a cable, with exact ground truth."""
+    """Simulate a cable or a target, with exact ground truth."""
     image_size = parse_size(size)
     if live:
         _run_live(output, seed, image_size, rate)
         return
     if output is None:
         raise ParameterError("output: name a folder to write, or give --live")
+    if target is not None:
+        if (scenario, survey, photographs) != (None, None, None):
+            raise ParameterError("--target goes without --scenario, --survey and --photographs")
+        seen = TargetRequest(target, frames, rate, image_size, seed)
+        _simulate_target(output, seen, output_format, storage, force)
+        return
     if survey is not None:
         settings_of_survey = replace(
             usual_survey(survey, seed, cable_seed), rate=rate, image_size=image_size
@@ -127,6 +150,43 @@ def simulate_command(  # noqa: PLR0917
             count = write_bag(output, dive, storage=storage.value, overwrite=force).count
         else:
             count = write_sequence(output, dive, overwrite=force)
+    console.print(f"{count} frames: {output}", soft_wrap=True)
+
+
+@dataclass(frozen=True, slots=True)
+class TargetRequest:
+    """What to simulate of a target; see `simulate_target`."""
+
+    scenario: str
+    frames: int
+    rate: float
+    size: tuple[int, int]
+    seed: int
+
+    def labelled(self, advance: Callable[[], None]) -> Iterator[LabelledFrame]:
+        """Yield frames and boxes; `advance` is called after each."""
+        simulated = simulate_target(
+            self.scenario, self.seed, self.frames, rate=self.rate, size=self.size
+        )
+        for index, each in enumerate(simulated):
+            yield Frame(index, each.stamp, raw_from_array(each.image, "bgr8")), each.box
+            advance()
+
+
+def _simulate_target(
+    output: Path, request: TargetRequest, kind: SimulationFormat, storage: Storage, force: bool
+) -> None:
+    """Write the frames of a target's scenario, with its boxes."""
+    find_target_scenario(request.scenario)
+    check_size(request.size)
+    if request.frames < 1 or not (math.isfinite(request.rate) and request.rate > 0.0):
+        raise ParameterError("frames and rate must be positive")
+    with progress_bar("simulating", request.frames) as progress:
+        labelled = request.labelled(lambda: advance(progress))
+        if kind is SimulationFormat.BAG:
+            count = write_target_bag(output, labelled, storage=storage.value, overwrite=force)
+        else:
+            count = write_target_pictures(output, labelled, overwrite=force)
     console.print(f"{count} frames: {output}", soft_wrap=True)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import ExitStack
 from enum import Enum
 from pathlib import Path
@@ -10,7 +11,10 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import (
+    CameraInfoOption,
     ForceOption,
+    ImuOption,
+    OdometryOption,
     OutsideOption,
     ParamsOption,
     RateOption,
@@ -18,6 +22,9 @@ from cable_tracker.commands.options import (
     SkipOption,
     SourceArgument,
     TopicOption,
+    VehicleOption,
+    chosen_instruments,
+    find_vehicle,
     open_recording,
 )
 from cable_tracker.commands.ros_part import need_ros
@@ -29,6 +36,8 @@ from cable_tracker.evaluation.targets.track_target import (
     parse_start,
     track_target,
 )
+from cable_tracker.metric.recorded_target import RecordedSight, node_values
+from cable_tracker.sequences.instruments import NO_TOPIC
 from cable_tracker.target.model.start_text import DETECT
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import TARGET_PRESETS, target_preset
@@ -65,6 +74,18 @@ def target(  # noqa: PLR0917
     rate: RateOption = 25.0,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
+    target_size: Annotated[
+        float,
+        typer.Option(
+            min=0.0,
+            max=1000.0,
+            help="Root of the area that the target shows [m], for the range; 0: not known.",
+        ),
+    ] = 0.0,
+    vehicle: VehicleOption = None,
+    camera_info_topic: CameraInfoOption = None,
+    imu_topic: ImuOption = None,
+    odometry_topic: OdometryOption = None,
     ros: Annotated[
         bool, typer.Option("--ros", help="Run the nodes and talk over DDS; needs ROS 2 Jazzy.")
     ] = False,
@@ -78,10 +99,13 @@ def target(  # noqa: PLR0917
 ) -> None:
     """Follow a target with an outline: a buoy, a vehicle, a diver.
 
-    Writes a table, a sheet of pictures, a video and a bag into one folder. The same recording,
+    Writes a table, a sheet of pictures, a video and a bag into one folder. Where a bag holds a
+    calibration, and odometry or an imu, turns of the camera are taken out, and metres.csv says in
+    which direction and how far the target is (with --ros the bag alone does). The same recording,
     parameters and seed give the same estimates, with --ros and without.
     """
-    parameters = _parameters(preset_name.value if preset_name else None, params, seed)
+    values = read_parameter_file(params, NODE) if params is not None else {}
+    parameters = chosen_target(preset_name.value if preset_name else None, values, seed)
     parameters = parameters.replaced(_detector(init, parameters))
     try:
         start = parse_start(init)
@@ -96,6 +120,10 @@ def target(  # noqa: PLR0917
             TargetFolder(folder, overwrite=force, timing=timing, with_bag=bag)
         )
         progress = stack.enter_context(progress_bar("following", recording.frame_count))
+        chosen = chosen_instruments(
+            camera_info_topic, NO_TOPIC, imu_topic, odometry_topic, NO_TOPIC
+        )
+        described = find_vehicle(recording, chosen, vehicle)
         if ros:
             ros_module = need_ros("clients.track_target")
             request = ros_module.TargetRequest(
@@ -105,9 +133,13 @@ def target(  # noqa: PLR0917
                     "frame_rate": rate,
                     "skip_bad_frames": skip_bad_frames,
                     "allow_outside": allow_outside,
+                    "instruments": described.has_instruments,
+                    "vehicle": str(vehicle.resolve()) if vehicle else "",
+                    **{f"{each.value}_topic": name for each, name in chosen.topics.items()},
                 },
                 parameters=parameters,
                 initial_target=init,
+                sight=node_values(described, target_size),
             )
             damage = ros_module.track_target_over_ros(
                 recording, request, results, lambda: advance(progress)
@@ -116,18 +148,28 @@ def target(  # noqa: PLR0917
             tracker = TargetTracker(parameters)
             if start is not None:
                 tracker.initialise(start)
-            damage = track_target(recording, tracker, results, lambda: advance(progress))
+            sight = None
+            if described.has_instruments:
+                sight = stack.enter_context(RecordedSight(described, target_size))
+            damage = track_target(recording, tracker, results, lambda: advance(progress), sight)
         need_usable_frames(recording, results.rows, damage)
     _print(results)
     if damage is not None:
         raise damage
 
 
-def _parameters(preset_name: str | None, params: Path | None, seed: int | None) -> TargetParameters:
-    values = read_parameter_file(params, NODE) if params is not None else {}
+def chosen_target(
+    preset_name: str | None, values: Mapping[str, object], seed: int | None
+) -> TargetParameters:
+    """Return the parameters that options and the values of a file ask for.
+
+    Raises
+    ------
+    ParameterError
+        There is no such preset, or a value is not acceptable.
+    """
     base = target_preset(preset_name or str(values.get("preset", "default")))
-    values.pop("preset", None)
-    parameters = base.replaced(values)
+    parameters = base.replaced({name: each for name, each in values.items() if name != "preset"})
     return parameters if seed is None else parameters.replaced({"seed": seed})
 
 

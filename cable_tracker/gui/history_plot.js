@@ -1,4 +1,4 @@
-// The last half minute: d and alpha with their bands, status and presence, N_eff, time per frame.
+// The last half minute: two components of the state with their bands, status and presence, N_eff, time per frame.
 import { Axis, fit, keepPainted, ticks } from "cable-tracker-browser";
 
 const INTERVAL = 150;
@@ -9,18 +9,19 @@ const LEFT = 60;
 const BOTTOM = 15;
 const MOST = 0.98;
 const COLUMN = {
-  time: 0, d: 1, alpha: 2, dSigma: 3, alphaSigma: 4, presence: 5, status: 6, nEff: 7, ms: 8, trueD: 9, trueAlpha: 10,
+  time: 0, first: 1, second: 2, firstSigma: 3, secondSigma: 4, presence: 5, status: 6, nEff: 7, ms: 8, trueFirst: 9, trueSecond: 10,
 };
 
 export default {
   template: `
   <section class="ct-panel ct-history" aria-label="History of the last 30 seconds">
-    <canvas ref="canvas" role="img" aria-label="d, alpha, presence, N_eff and time per frame over the last 30 seconds"></canvas>
+    <canvas ref="canvas" role="img" :aria-label="lanes[0][0] + ', ' + lanes[1][0] + ', presence, N_eff and time per frame over the last 30 seconds'"></canvas>
   </section>`,
-  props: { channel: String, colours: Object, statuses: Array },
+  props: { channel: String, colours: Object, statuses: Array, lanes: Array },
   mounted() {
     this.rows = [];
-    this.axes = { d: new Axis(20), alpha: new Axis(4), nEff: new Axis(10, { zero: true }), ms: new Axis(1, { zero: true }) };
+    const [first, second] = this.lanes.map(([, span]) => new Axis(span));
+    this.axes = { first, second, nEff: new Axis(10, { zero: true }), ms: new Axis(1, { zero: true }) };
     const take = (description) => this.merge(description);
     this.end = keepPainted(this.$refs.canvas, this.channel, { take, paint: () => this.paint(), interval: INTERVAL });
   },
@@ -52,8 +53,8 @@ export default {
       this.paintSeconds(context, height);
       this.paintStatus(context, 2, strip - 4);
       let top = strip + 2;
-      this.paintLane(context, "d px", "d", top, lane, this.colours.estimate, "dSigma", "trueD");
-      this.paintLane(context, "α deg", "alpha", (top += lane), lane, this.colours.estimate, "alphaSigma", "trueAlpha");
+      this.paintLane(context, this.lanes[0][0], "first", top, lane, this.colours.estimate, "firstSigma", "trueFirst");
+      this.paintLane(context, this.lanes[1][0], "second", (top += lane), lane, this.colours.estimate, "secondSigma", "trueSecond");
       this.paintLane(context, "N_eff", "nEff", (top += lane), lane, this.colours.particles);
       this.paintLane(context, "ms", "ms", (top += lane), lane, this.colours.initialising);
     },

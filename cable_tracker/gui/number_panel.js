@@ -28,7 +28,7 @@ export default {
       <div v-for="item in items" :key="item[0]"><dt>{{ item[0] }}</dt><dd :data-test="item[2]">{{ item[1] }}</dd></div>
     </dl>
   </section>`,
-  props: { channel: String, names: Array, units: Array, count: Number },
+  props: { channel: String, names: Array, units: Array, truths: Number, count: Number },
   data: () => ({ rows: [], items: [] }),
   mounted() {
     this.drawn = [];
@@ -50,18 +50,17 @@ export default {
       this.rows = this.names.map((_, index) => [
         digits(state?.[index], 2, true),
         digits(sigma?.[index], 2),
-        index < 4 ? digits(truth?.[index], 2, true) : "–",
+        index < this.truths ? digits(truth?.[index], 2, true) : "–",
       ]);
       const of = this.count ? ` / ${this.count - 1}` : "";
       this.items = [
         ["frame", description.frame === null ? "live" : `${description.frame}${of}`, "frame"],
         ["time", `${digits(description.time % 100000, 2)} s`, "time"],
         ["presence", description.presence === null ? "–" : `${digits(100 * description.presence, 1)} %`, "presence"],
-        ["evidence", digits(description.evidence, 2, true), "evidence"],
+        ...description.facts.map(([words, value, places, name]) => [words, digits(value, places, places === 2), name]),
         ["N_eff", digits(description.n_eff, 0), "n-eff"],
         ["particles N", String(description.particle_count), "particles"],
         ["per frame", `${digits(description.ms, 1)} ms`, "ms"],
-        ["hypotheses", String(description.hypotheses), "hypotheses"],
         ["tracked", `${digits(description.fps, 1)} fps`, "tracked-fps"],
         ["drawn", `${digits(this.rate(), 1)} fps`, "drawn-fps"],
       ];

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 from cable_tracker.cable.parameters.parameters import ParameterSpec
 
-GROUPS: tuple[tuple[str, tuple[str, ...]], ...] = (
+Groups = tuple[tuple[str, tuple[str, ...]], ...]
+"""Titles, and names of parameters."""
+
+CABLE_GROUPS: Groups = (
     (
         "Filter",
         (
@@ -64,6 +67,50 @@ GROUPS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ),
 )  # fmt: skip
 
+TARGET_GROUPS: Groups = (
+    (
+        "Filter",
+        (
+            "particle_count", "seed", "filter", "detector", "working_width", "ancestor_count",
+            "place_share", "search_share", "refinement_share", "place_count",
+        ),
+    ),
+    (
+        "Movement",
+        (
+            "position_variance", "scale_sigma", "angle_sigma", "jump_share", "rate_gain",
+            "rate_damping", "diffusion_degrees_of_freedom", "size_spread", "size_time",
+        ),
+    ),
+    (
+        "Appearance",
+        (
+            "template_points", "ratio_limit", "hue_weight", "grey_hue_weight", "sharpness",
+            "appearance_rate_of_target", "appearance_rate_around", "first_look_share",
+            "least_separation",
+        ),
+    ),
+    ("Contour", ("contour_regulariser", "contour_iterations", "prior_softness", "shape_rate")),
+    (
+        "Presence",
+        (
+            "clutter_places", "clutter_share", "grey_clutter_share", "score_spread",
+            "evidence_limit", "likeness_limit", "likeness_spread", "grey_likeness_spread",
+            "appearance_rate", "disappearance_rate", "leaving_rate", "leaving_margin",
+            "memory_time",
+        ),
+    ),
+    (
+        "Claiming a target",
+        (
+            "presence_to_track", "presence_to_lose", "confirmation_time", "loss_time",
+            "converged_position", "maximum_gap",
+        ),
+    ),
+    ("Blobs (preset thesis)", ("blob_weights", "blob_model", "blob_iterations", "blob_contrast",
+        "blob_shape_limit")),
+)  # fmt: skip
+
 OTHERS = "Node"
 """Title of the group of those that only a node has."""
 
@@ -84,12 +131,14 @@ class ParameterGroup:
     rows: tuple[ParameterSpec, ...]
 
 
-def grouped(table: Sequence[ParameterSpec]) -> tuple[ParameterGroup, ...]:
+def grouped(
+    table: Sequence[ParameterSpec], titles: Groups = CABLE_GROUPS
+) -> tuple[ParameterGroup, ...]:
     """Put the parameters of a table into groups; each is in one of them."""
     by_name = {spec.name: spec for spec in table}
     groups = [
         ParameterGroup(title, tuple(by_name.pop(name) for name in names if name in by_name))
-        for title, names in GROUPS
+        for title, names in titles
     ]
     groups.append(ParameterGroup(OTHERS, tuple(by_name.values())))
     return tuple(group for group in groups if group.rows)

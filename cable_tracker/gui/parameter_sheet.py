@@ -6,25 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from cable_tracker.cable.parameters.parameters import (
-    PARAMETER_TABLE,
-    PARAMETERS_BY_NAME,
-    ParameterSpec,
-    ParameterValue,
-    TrackerParameters,
-)
-from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.errors import GuiError, OutputError, ParameterError
-from cable_tracker.gui.parameter_groups import grouped
-from cable_tracker.node_parameter_tables import (
-    TRACKER_NODE_PARAMETERS,
-    TRACKER_RUNTIME_PARAMETERS,
-)
+from cable_tracker.gui.parameter_groups import CABLE_GROUPS, Groups, grouped
+from cable_tracker.gui.subject import CABLE, Subject
 from cable_tracker.tracking.parameter_files import (
     filter_parameters,
     format_values,
     parse_parameters,
 )
+from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
 WORDS_FOR_TRUTH = {"true": True, "false": False}
 
@@ -53,7 +43,9 @@ def values_for_page(values: Mapping[str, ParameterValue]) -> dict[str, Parameter
     }
 
 
-def groups_for_page(table: Sequence[ParameterSpec]) -> list[dict[str, object]]:
+def groups_for_page(
+    table: Sequence[ParameterSpec], titles: Groups = CABLE_GROUPS
+) -> list[dict[str, object]]:
     """Return the groups as the browser's half of the panel wants them."""
     return [
         {
@@ -70,25 +62,22 @@ def groups_for_page(table: Sequence[ParameterSpec]) -> list[dict[str, object]]:
                 for spec in group.rows
             ],
         }
-        for group in grouped(table)
+        for group in grouped(table, titles)
     ]
 
 
-def filter_values(values: Mapping[str, ParameterValue]) -> TrackerParameters:
-    """Return the parameters of the filter among the values of a session."""
-    known = {name: value for name, value in values.items() if name in PARAMETERS_BY_NAME}
-    return TrackerParameters().replaced(known)
-
-
-def parameter_text(values: Mapping[str, ParameterValue], source: str) -> str:
+def parameter_text(
+    values: Mapping[str, ParameterValue], source: str, subject: Subject = CABLE
+) -> str:
     """Return the file that the node reads, with all that it can change while it runs."""
-    table = (*PARAMETER_TABLE, *TRACKER_RUNTIME_PARAMETERS)
-    known = [spec for spec in table if spec.name in values]
+    known = [spec for spec in subject.session_table(is_live=True) if spec.name in values]
     return format_values(known, values, f"Tuned on {source}.")
 
 
-def values_from_text(text: str | None, name: str) -> dict[str, ParameterValue]:
-    """Read a file as `cable-tracker track --params` does.
+def values_from_text(
+    text: str | None, name: str, subject: Subject = CABLE
+) -> dict[str, ParameterValue]:
+    """Read a file as `cable-tracker track --params` and `target --params` do.
 
     Parameters
     ----------
@@ -96,6 +85,8 @@ def values_from_text(text: str | None, name: str) -> dict[str, ParameterValue]:
         What is in the file; None if it is too large for one with parameters.
     name : str
         What the user calls it.
+    subject : Subject
+        What is followed.
 
     Returns
     -------
@@ -109,10 +100,10 @@ def values_from_text(text: str | None, name: str) -> dict[str, ParameterValue]:
     """
     if text is None:
         raise ParameterError(f"{name}: is too large for a file with parameters")
-    values = parse_parameters(text, name)
-    of_node = {spec.name: spec for spec in TRACKER_NODE_PARAMETERS}
-    base = preset(str(values.get("preset", "default")))
+    values = parse_parameters(text, name, subject.node)
+    of_node = {spec.name: spec for spec in subject.of_node}
     try:
+        base = subject.preset(str(values.get("preset", "default")))
         parameters = filter_parameters(base, values, set(of_node))
         named = values.keys() & of_node.keys()
         return parameters.as_mapping() | {
@@ -139,8 +130,3 @@ def write_parameter_file(path: Path, text: str, *, overwrite: bool) -> None:
         raise GuiError(f"{path}: exists already; save once more to replace it") from error
     except OSError as error:
         raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
-
-
-def references() -> dict[str, dict[str, ParameterValue]]:
-    """Return what values can be compared with: the presets, by name."""
-    return {name: parameters.as_mapping() for name, parameters in PRESETS.items()}

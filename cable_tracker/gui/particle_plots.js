@@ -4,7 +4,6 @@ import { Axis, fit, keepPainted, ticks } from "cable-tracker-browser";
 // No eye follows plots any faster, and the picture needs the time.
 const INTERVAL = 75;
 const COLUMNS = 2;
-const LEAST_SPANS = [20, 4, 20, 4, 40, 10, 40, 10];
 const SIGMAS = 2;
 
 export default {
@@ -15,9 +14,9 @@ export default {
       <i class="ct-tick ct-dashed" :style="{ color: colours.truth }"></i>truth</span></h2>
     <canvas ref="canvas" role="img" aria-label="Distribution of the particles over each component of the state"></canvas>
   </section>`,
-  props: { channel: String, names: Array, units: Array, colours: Object },
+  props: { channel: String, names: Array, units: Array, spans: Array, truths: Number, colours: Object },
   mounted() {
-    this.axes = LEAST_SPANS.map((least) => new Axis(least));
+    this.axes = this.spans.map((least) => new Axis(least));
     const take = (description) => (this.description = description);
     this.end = keepPainted(this.$refs.canvas, this.channel, { take, paint: () => this.paint(), interval: INTERVAL });
   },
@@ -50,7 +49,7 @@ export default {
       const { description, colours } = this;
       const axis = this.axes[column];
       const picked = this.values(column);
-      const marks = [description.state?.[column], column < 4 ? description.truth?.[column] : null];
+      const marks = [description.state?.[column], column < this.truths ? description.truth?.[column] : null];
       this.makeRoom(axis, picked, marks);
       const [base, upper] = [top + height - 15, top + 17];
       const at = (value) => left + axis.at(value) * width;

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from cable_tracker.gui.frame_channel import FrameChannel
 from cable_tracker.gui.picture_packet import make_packet
-from cable_tracker.gui.session import Session, Snapshot
+from cable_tracker.gui.session import AnySnapshot, Session
 from cable_tracker.gui.tracking_history import TrackingHistory
 
 WHOLE_EVERY = 50
@@ -37,7 +37,7 @@ class PictureFeed:
     def __init__(self) -> None:
         self.channel = FrameChannel(self._is_wanted)
         self._condition = threading.Condition()
-        self._snapshot: Snapshot | None = None
+        self._snapshot: AnySnapshot | None = None
         self._history = TrackingHistory()
         self._arrivals: deque[float] = deque(maxlen=256)
         self._is_fresh = False
@@ -70,7 +70,7 @@ class PictureFeed:
             self._condition.notify_all()
         self._thread.join()
 
-    def _take(self, snapshot: Snapshot) -> None:
+    def _take(self, snapshot: AnySnapshot) -> None:
         with self._condition:
             self._snapshot = snapshot
             self._history.add(snapshot)

@@ -11,8 +11,9 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import project_borders, segment_inside
 from cable_tracker.cable.model.state import CableState, StateColumn
-from cable_tracker.gui.session import Snapshot
-from cable_tracker.visualisation.palette import HYPOTHESES, TRUTH, Colour, status_colour
+from cable_tracker.gui.session import Snapshot, TargetSnapshot
+from cable_tracker.sequences.target_messages import box_corners
+from cable_tracker.visualisation.palette import AMBER, HYPOTHESES, TRUTH, Colour, status_colour
 
 Layer: TypeAlias = dict[str, object]
 """See browser/frame_view.js."""
@@ -27,6 +28,11 @@ LEAST_PROBABILITY = 0.05
 """Hypotheses below this are not drawn."""
 
 BAND_POINTS = 21
+
+ELLIPSE_POINTS = 33
+
+CROSS_SHARE = 0.004
+"""Length of an arm of the cross that stands for a particle, as a share of the picture's width."""
 
 LARGEST_SIGMA = 1e6
 """What stands for unknown; wider bands fill the picture anyway [px, rad]."""
@@ -58,7 +64,7 @@ def layers_of(snapshot: Snapshot) -> list[Layer]:
 
 
 def heaviest(cloud: FloatArray) -> FloatArray:
-    """Return the particles that are sent, (M, 9), lightest first, weights over the largest."""
+    """Return the particles that are sent, lightest first; weights, last, over the largest."""
     usable = np.isfinite(cloud).all(axis=1) & (cloud[:, -1] > 0.0)
     chosen = cloud[usable]
     chosen = chosen[np.argsort(chosen[:, -1], kind="stable")][-LARGEST_CLOUD:]
@@ -144,3 +150,60 @@ def _band(state: CableState, sigma: FloatArray, colour: str, size: tuple[int, in
     rim = np.concatenate((centre - half[:, None] * normal, (centre + half[:, None] * normal)[::-1]))
     points = _to_page(rim, size)
     return {"kind": "area", "name": "band", "colour": colour, "opacity": 0.22, "points": points}
+
+
+def target_layers(snapshot: TargetSnapshot) -> list[Layer]:
+    """Return the spread of a target's centre, its contour, box and true box; each has a name."""
+    size = (snapshot.image.shape[1], snapshot.image.shape[0])
+    layers: list[Layer] = []
+    colour = css(status_colour(snapshot.status))
+    if snapshot.state is not None and snapshot.sigma is not None:
+        layers.append(_ellipse(snapshot.state[:2], snapshot.sigma[:2], colour, size))
+    if len(snapshot.outline):
+        layers.append(_closed("contour", snapshot.outline, css(AMBER), 1.5, size))
+    if snapshot.box is not None:
+        layers.append(_closed("box", box_corners(snapshot.box), colour, 2.5, size))
+    if snapshot.truth is not None:
+        corners = box_corners(snapshot.truth)
+        layers.append(_closed("truth", corners, css(TRUTH), 2.0, size) | {"dash": [8, 6]})
+    return layers
+
+
+def target_particles(cloud: FloatArray, size: tuple[int, int]) -> FloatArray:
+    """Return particles of a target as small crosses: x1, y1, x2, y2, opacity; shape (2 M, 5).
+
+    Parameters
+    ----------
+    cloud : FloatArray
+        Particles as `heaviest` returns them, x and y first.
+    size : (int, int)
+        Width and height of the frame [px].
+    """
+    width, height = size
+    arm = CROSS_SHARE * width
+    x, y = width / 2 + cloud[:, 0], height / 2 - cloud[:, 1]
+    inside = (x > -arm) & (x < width + arm) & (y > -arm) & (y < height + arm)
+    x, y, opacity = x[inside], y[inside], MOST_OPAQUE * np.sqrt(cloud[inside, -1])
+    across = np.column_stack((x - arm, y, x + arm, y, opacity))
+    upright = np.column_stack((x, y - arm, x, y + arm, opacity))
+    return np.concatenate((across, upright))
+
+
+def _closed(
+    name: str, corners: FloatArray, colour: str, width: float, size: tuple[int, int]
+) -> Layer:
+    """Return the sides of a polygon (K, 2) that counts from the top left corner."""
+    limit = 20.0 * max(size)
+    usable = np.clip(corners[np.isfinite(corners).all(axis=1)], -limit, limit)
+    ends = np.stack((usable, np.roll(usable, -1, axis=0)), axis=1)
+    points = [round(number, 2) for number in ends.ravel().tolist()]
+    return {"kind": "lines", "name": name, "colour": colour, "width": width, "points": points}
+
+
+def _ellipse(centre: FloatArray, sigma: FloatArray, colour: str, size: tuple[int, int]) -> Layer:
+    """Return where a centre lies within two standard deviations."""
+    turns = np.linspace(0.0, 2.0 * np.pi, ELLIPSE_POINTS)
+    spread = 2.0 * np.minimum(np.nan_to_num(sigma, nan=LARGEST_SIGMA), LARGEST_SIGMA)
+    rim = centre + np.column_stack((np.cos(turns), np.sin(turns))) * spread
+    points = _to_page(rim, size)
+    return {"kind": "area", "name": "band", "colour": colour, "opacity": 0.3, "points": points}

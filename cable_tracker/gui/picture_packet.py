@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import cv2
 import numpy as np
@@ -10,8 +12,16 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.gui.packet import Section, float_section, jpeg_section, pack
-from cable_tracker.gui.picture_layers import css, heaviest, layers_of, particle_lines
-from cable_tracker.gui.session import Snapshot
+from cable_tracker.gui.picture_layers import (
+    Layer,
+    css,
+    heaviest,
+    layers_of,
+    particle_lines,
+    target_layers,
+    target_particles,
+)
+from cable_tracker.gui.session import AnySnapshot, Snapshot, TargetSnapshot
 from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.visualisation.palette import PARTICLES, status_colour
@@ -24,15 +34,90 @@ DEGREE = math.degrees(1.0)
 TO_DISPLAY = np.array([1.0, DEGREE] * (STATE_SIZE // 2))
 """Factors from px, rad to px, deg, columns of `StateColumn`."""
 
+TARGET_TO_DISPLAY = np.array([1.0, 1.0, 1.0, DEGREE, 1.0, 1.0])
+"""The same of `TargetSnapshot.state`."""
+
+
+Fact: TypeAlias = tuple[str, float | None, int, str]
+"""Words, value, decimal places, and name of a number of the panel."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PictureView:
+    """What is shown of a snapshot, whatever is followed.
+
+    Attributes
+    ----------
+    picture : Image
+        uint8, grey (H, W) or blue-green-red (H, W, 3).
+    layers : list of Layer
+        What is drawn on it.
+    lines : FloatArray
+        What stands for the particles; see browser/frame_view.js.
+    cloud : FloatArray
+        The particles in units of the page, weights last, shape (M, K).
+    state, sigma, truth : list or None
+        Components of the state in units of the page; None where they are not known.
+    facts : list of Fact
+        Further numbers.
+    """
+
+    picture: Image
+    layers: list[Layer]
+    lines: FloatArray
+    cloud: FloatArray
+    state: list[float | None] | None
+    sigma: list[float | None] | None
+    truth: list[float | None] | None
+    facts: list[Fact]
+
+
+def _view_of_cable(snapshot: Snapshot) -> PictureView:
+    height, width = snapshot.grey.shape
+    cloud = heaviest(snapshot.cloud) if snapshot.cloud is not None else np.empty((0, 9))
+    count = snapshot.hypothesis_count or len(snapshot.hypotheses)
+    return PictureView(
+        picture=snapshot.grey,
+        layers=layers_of(snapshot),
+        lines=particle_lines(cloud, (width, height)),
+        cloud=cloud * np.append(TO_DISPLAY, 1.0),
+        state=_display(_array_of(snapshot.state), TO_DISPLAY),
+        sigma=_display(snapshot.sigma, TO_DISPLAY),
+        truth=_display(_array_of(snapshot.truth), TO_DISPLAY),
+        facts=[
+            ("evidence", finite(snapshot.evidence), 2, "evidence"),
+            ("hypotheses", count, 0, "hypotheses"),
+        ],
+    )
+
+
+def _view_of_target(snapshot: TargetSnapshot) -> PictureView:
+    height, width = snapshot.image.shape[:2]
+    cloud = heaviest(snapshot.cloud) if snapshot.cloud is not None else np.empty((0, 7))
+    size = None if snapshot.area is None else math.sqrt(max(snapshot.area, 0.0))
+    return PictureView(
+        picture=snapshot.image,
+        layers=target_layers(snapshot),
+        lines=target_particles(cloud, (width, height)),
+        cloud=cloud * np.append(TARGET_TO_DISPLAY, 1.0),
+        state=_display(snapshot.state, TARGET_TO_DISPLAY),
+        sigma=_display(snapshot.sigma, TARGET_TO_DISPLAY),
+        truth=None,
+        facts=[
+            ("size px", finite(size), 1, "size"),
+            ("score", finite(snapshot.score), 2, "score"),
+        ],
+    )
+
 
 def make_packet(
-    snapshot: Snapshot, history: FloatArray, *, is_whole: bool, fps: float | None
+    snapshot: AnySnapshot, history: FloatArray, *, is_whole: bool, fps: float | None
 ) -> bytes:
     """Pack what the window shows of a frame.
 
     Parameters
     ----------
-    snapshot : Snapshot
+    snapshot : Snapshot or TargetSnapshot
         What the filter made of it.
     history : FloatArray
         See `TrackingHistory.table`.
@@ -41,8 +126,11 @@ def make_packet(
     fps : float or None
         Frames per second that are tracked; None while none are.
     """
-    height, width = snapshot.grey.shape
-    cloud = heaviest(snapshot.cloud) if snapshot.cloud is not None else np.empty((0, 9))
+    if isinstance(snapshot, TargetSnapshot):
+        view = _view_of_target(snapshot)
+    else:
+        view = _view_of_cable(snapshot)
+    height, width = view.picture.shape[:2]
     description: dict[str, object] = {
         "number": snapshot.number,
         "size": [width, height],
@@ -52,24 +140,22 @@ def make_packet(
         "status_colour": css(status_colour(snapshot.status)),
         "particle_colour": css(PARTICLES),
         "reason": snapshot.reason,
-        "layers": layers_of(snapshot),
+        "layers": view.layers,
         "particle_count": 0 if snapshot.cloud is None else len(snapshot.cloud),
-        "state": _display(_array_of(snapshot.state)),
-        "sigma": _display(snapshot.sigma),
-        "truth": _display(_array_of(snapshot.truth)),
+        "state": view.state,
+        "sigma": view.sigma,
+        "truth": view.truth,
         "presence": finite(snapshot.presence),
-        "evidence": finite(snapshot.evidence),
+        "facts": view.facts,
         "n_eff": finite(snapshot.n_eff),
         "ms": finite(snapshot.ms),
         "fps": finite(fps),
-        "hypotheses": snapshot.hypothesis_count or len(snapshot.hypotheses),
         "history_is_whole": is_whole,
     }
-    shown = cloud * np.append(TO_DISPLAY, 1.0)
     sections: list[Section] = [
-        jpeg_section(encode_jpeg(_reduced(snapshot.grey)).data),
-        float_section("particles", particle_lines(cloud, (width, height))),
-        float_section("cloud", shown),
+        jpeg_section(encode_jpeg(_reduced(view.picture)).data),
+        float_section("particles", view.lines),
+        float_section("cloud", view.cloud),
         float_section("history", history),
     ]
     return pack(description, sections)
@@ -84,16 +170,16 @@ def _array_of(state: CableState | None) -> FloatArray | None:
     return state.to_array() if state is not None else None
 
 
-def _display(values: FloatArray | None) -> list[float | None] | None:
-    """Return columns of `StateColumn` in px and deg."""
+def _display(values: FloatArray | None, factors: FloatArray) -> list[float | None] | None:
+    """Return components of a state in units of the page."""
     if values is None:
         return None
-    return [finite(value) for value in (values * TO_DISPLAY[: len(values)]).tolist()]
+    return [finite(value) for value in (values * factors[: len(values)]).tolist()]
 
 
-def _reduced(grey: Image) -> Image:
-    height, width = grey.shape
+def _reduced(picture: Image) -> Image:
+    height, width = picture.shape[:2]
     if width <= LARGEST_WIDTH:
-        return grey
+        return picture
     size = (LARGEST_WIDTH, max(1, round(height * LARGEST_WIDTH / width)))
-    return cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
+    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA)

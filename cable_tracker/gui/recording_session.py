@@ -2,37 +2,22 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 
-import numpy as np
-
-from cable_tracker.arrays import Image, eight_bits
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.model.initialisation import StatePrior
-from cable_tracker.cable.parameters.parameters import (
-    PARAMETER_TABLE,
-    ParameterSpec,
-    ParameterValue,
-    TrackerParameters,
-)
-from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import CableTrackerError, FrameError, RecordingError
-from cable_tracker.evaluation.tracking.track_recording import initial_state_for, start_from
+from cable_tracker.gui.followers import Follower, make_follower, open_for
 from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.gui.session import Listener, Snapshot
+from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener
 from cable_tracker.gui.task_thread import TaskThread
 from cable_tracker.gui.tracker_memory import TrackerMemory
-from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_access import FrameAccess
-from cable_tracker.sequences.messages import cloud_of
 from cable_tracker.sequences.stamps import NANOSECONDS
-from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
 
 WARMING_UP = "WARMING UP"
 DISABLED = "DISABLED"
@@ -45,9 +30,6 @@ LONGEST_RUN = 25
 
 LARGEST_DELAY = 0.1
 """Who is behind by more does not hurry to make up for it [s]."""
-
-BLANK = np.zeros((240, 320), np.uint8)
-"""Shown where no frame could be decoded yet."""
 
 
 class RecordingSession:
@@ -62,8 +44,8 @@ class RecordingSession:
     ----------
     request : RecordingRequest
         The recording.
-    parameters : TrackerParameters
-        Those to begin with.
+    parameters : TrackerParameters or TargetParameters
+        Those to begin with; they say what is followed.
 
     Raises
     ------
@@ -73,28 +55,26 @@ class RecordingSession:
         There is no start as the request wants it, or the response table cannot be read.
     """
 
-    def __init__(self, request: RecordingRequest, parameters: TrackerParameters) -> None:
+    def __init__(self, request: RecordingRequest, parameters: ParameterSet) -> None:
         self.name = str(request.path)
-        self.table: Sequence[ParameterSpec] = PARAMETER_TABLE
         self.request = request
         self._resources = ExitStack()
         with ExitStack() as stack:
-            source = stack.enter_context(request.open())
+            source = stack.enter_context(open_for(request, parameters))
             self._frames = FrameAccess(source)
-            self._start = initial_state_for(source, request.init, pair_limits(parameters))
-            self._tracker = make_tracker(parameters)
+            self._follower = make_follower(source, request, parameters)
             try:
                 self._frames.frame(0)
             except IndexError as error:
                 raise RecordingError(f"{source.path}: holds no frames; record it again") from error
             self.note = source.note
             self._resources = stack.pop_all()
-        self._parameters = parameters
-        self._memory = TrackerMemory()
+        self.subject = self._follower.subject
+        self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=False)
+        self._memory: TrackerMemory[Follower] = TrackerMemory()
         self._position = -1
-        self._grey: Image = BLANK
         self._number = 0
-        self._latest: Snapshot | None = None
+        self._latest: AnySnapshot | None = None
         self._trouble = ""
         self._is_enabled = True
         self._is_playing = False
@@ -111,7 +91,7 @@ class RecordingSession:
     # What can be asked at any time
 
     @property
-    def latest(self) -> Snapshot | None:
+    def latest(self) -> AnySnapshot | None:
         """The newest snapshot."""
         return self._latest
 
@@ -142,7 +122,7 @@ class RecordingSession:
 
     def parameters(self) -> Mapping[str, ParameterValue]:
         """Return the values in force, by name."""
-        return self._parameters.as_mapping()
+        return self._follower.parameters()
 
     def listen(self, listener: Listener) -> Callable[[], None]:
         """Tell a listener of every snapshot from now on; returns the function that ends it."""
@@ -203,15 +183,15 @@ class RecordingSession:
         """
         self._thread.call(lambda: self._change(values))
 
-    def initialise(self, prior: StatePrior) -> None:
-        """Start from a belief that the user gives: the next frame, or this one if it stands still.
+    def initialise(self, start: AnyStart) -> None:
+        """Start from what the user says: the next frame, or this one if it stands still.
 
         Raises
         ------
         FrameError
-            The state is not finite, or a sigma is negative.
+            It is not finite, or lies outside the picture.
         """
-        self._thread.call(lambda: self._initialise(prior))
+        self._thread.call(lambda: self._initialise(start))
 
     def reset(self) -> None:
         """Forget everything, from the next frame on, or from this one if it stands still."""
@@ -236,9 +216,9 @@ class RecordingSession:
         """Show the first frame at once: the first time on a machine, compiling takes a while."""
         frame = self._frames.frame(0)
         with suppress(FrameError):
-            self._grey = eight_bits(decode_grey(frame.image))
+            self._follower.look(frame)
         self._publish(self._snapshot(frame, WARMING_UP))
-        warm_up(self._parameters)
+        self._follower.warm_up()
         self._go_to(0)
 
     def _next_time(self) -> float | None:
@@ -316,70 +296,38 @@ class RecordingSession:
             return target
         remembered = self._memory.recall(target)
         if remembered is not None:
-            self._tracker, first = remembered
+            self._follower, first = remembered
             return first
         if 0 <= self._position < target <= self._position + LONGEST_RUN:
             return self._position + 1
         self._memory.interrupt()
-        self._tracker.reset()
+        self._follower.reset()
         if target == 0:
-            start_from(self._tracker, self._start)
+            self._follower.begin()
         return target
 
     def _track(self, frame: Frame, *, is_shown: bool = True) -> None:
         self._position = frame.index
         try:
-            grey = decode_grey(frame.image)
-            self._grey = eight_bits(grey)
+            self._follower.look(frame)
             if not self._is_enabled:
                 self._publish(self._snapshot(frame, DISABLED))
                 return
-            self._memory.note(frame.index, self._tracker)
-            begin = time.perf_counter()
-            estimate = self._tracker.process(grey, frame.stamp)
-            ms = (time.perf_counter() - begin) * 1e3
+            self._memory.note(frame.index, self._follower)
+            snapshot = self._follower.follow(frame, self._number + 1)
         except FrameError as error:
             if is_shown:
                 self._publish(self._snapshot(frame, REFUSED, str(error)))
             return
         if is_shown:
-            self._publish(self._tracked(frame, estimate, ms))
+            self._number += 1
+            self._publish(snapshot)
 
-    def _snapshot(self, frame: Frame, status: str, reason: str = "") -> Snapshot:
+    def _snapshot(self, frame: Frame, status: str, reason: str = "") -> AnySnapshot:
         self._number += 1
-        return Snapshot(
-            number=self._number,
-            frame=frame.index,
-            stamp=frame.stamp,
-            grey=self._grey,
-            status=status,
-            reason=reason,
-            truth=frame.truth,
-        )
+        return self._follower.show(frame, self._number, status, reason)
 
-    def _tracked(self, frame: Frame, estimate: CableEstimate, ms: float) -> Snapshot:
-        self._number += 1
-        is_claimed = estimate.status is TrackingStatus.TRACKING
-        particles = self._tracker.particles
-        return Snapshot(
-            number=self._number,
-            frame=frame.index,
-            stamp=frame.stamp,
-            grey=self._grey,
-            status=estimate.status.value,
-            reason=estimate.event,
-            state=estimate.state if is_claimed else None,
-            sigma=estimate.standard_deviations() if is_claimed else None,
-            cloud=cloud_of(particles) if particles is not None else None,
-            hypotheses=estimate.hypotheses,
-            presence=estimate.presence,
-            evidence=estimate.evidence if math.isfinite(estimate.evidence) else None,
-            n_eff=estimate.effective_sample_size,
-            ms=ms,
-            truth=frame.truth,
-        )
-
-    def _publish(self, snapshot: Snapshot) -> None:
+    def _publish(self, snapshot: AnySnapshot) -> None:
         self._latest = snapshot
         with self._lock:
             listeners = tuple(self._listeners)
@@ -387,26 +335,22 @@ class RecordingSession:
             listener(snapshot)
 
     def _change(self, values: Mapping[str, object]) -> None:
-        parameters = self._parameters.replaced(values)
-        if parameters == self._parameters:
-            return
-        self._tracker.configure(parameters, make_proposer(parameters))
-        self._parameters = parameters
-        self._memory.forget()
+        if self._follower.configure(values):
+            self._memory.forget()
 
-    def _initialise(self, prior: StatePrior) -> None:
+    def _initialise(self, start: AnyStart) -> None:
         if self._is_playing or not self._is_enabled:
-            self._tracker.initialise(prior)
+            self._follower.initialise(start)
             self._memory.forget_from(self._position + 1)
             return
         # Refused here if at all, before anything is forgotten.
-        self._tracker.initialise(prior)
-        self._tracker.reset()
-        self._tracker.initialise(prior)
+        self._follower.initialise(start)
+        self._follower.reset()
+        self._follower.initialise(start)
         self._track_again()
 
     def _reset(self) -> None:
-        self._tracker.reset()
+        self._follower.reset()
         if self._is_playing or not self._is_enabled:
             self._memory.forget_from(self._position + 1)
         else:
@@ -414,7 +358,7 @@ class RecordingSession:
 
     def _enable(self, wanted: bool) -> None:
         if wanted and not self._is_enabled:
-            self._tracker.reset()
+            self._follower.reset()
         self._is_enabled = wanted
         self._memory.forget_from(self._position + 1)
         if not self._is_playing:

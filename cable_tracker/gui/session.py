@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias, runtime_checkable
+
+import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.cable.parameters.parameters import ParameterSpec, ParameterValue
+from cable_tracker.gui.subject import Subject
+from cable_tracker.target.model.estimate import Box
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +74,60 @@ class Snapshot:
     truth: CableState | None = None
 
 
-Listener: TypeAlias = Callable[[Snapshot], None]
+@dataclass(frozen=True, slots=True, eq=False)
+class TargetSnapshot:
+    """What the filter of a target made of one frame.
+
+    Attributes
+    ----------
+    number, frame, stamp, status, reason, presence, n_eff, ms
+        As of a `Snapshot`.
+    image : Image
+        The frame, uint8, blue-green-red (H, W, 3) or grey (H, W).
+    state : FloatArray or None
+        x, y, scale, angle, v_x, v_y, shape (6,), from the image centre, y up [px, rad, per second];
+        None while no target is claimed.
+    sigma : FloatArray or None
+        Standard deviations of the first four, shape (4,); None while no target is claimed.
+    box : Box or None
+        Around the contour; None while no target is claimed.
+    outline : FloatArray
+        Corners of the contour, from the top left corner [px], shape (K, 2).
+    area : float or None
+        Of the contour [px²].
+    cloud : FloatArray or None
+        Particles, columns of `state`, and their weights, shape (N, 7); None if there are none.
+    score : float or None
+        How well the estimated region fits.
+    truth : Box or None
+        Where the target really is, if the frame is labelled.
+    """
+
+    number: int
+    frame: int | None
+    stamp: int
+    image: Image
+    status: str
+    reason: str = ""
+    state: FloatArray | None = None
+    sigma: FloatArray | None = None
+    box: Box | None = None
+    outline: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
+    area: float | None = None
+    cloud: FloatArray | None = None
+    score: float | None = None
+    presence: float | None = None
+    n_eff: float | None = None
+    ms: float | None = None
+    truth: Box | None = None
+
+
+AnySnapshot: TypeAlias = Snapshot | TargetSnapshot
+
+AnyStart: TypeAlias = StatePrior | TargetStart
+"""What a user says about where a cable or a target is."""
+
+Listener: TypeAlias = Callable[[AnySnapshot], None]
 """Told of every new snapshot, in the session's own thread: it must not take long."""
 
 
@@ -80,15 +138,18 @@ class Session(Protocol):
     ----------
     name : str
         What is being watched, for the title of the page.
+    subject : Subject
+        What is followed.
     table : sequence of ParameterSpec
         The parameters that can be changed while it runs, in the order of docs/parameters.md.
     """
 
     name: str
+    subject: Subject
     table: Sequence[ParameterSpec]
 
     @property
-    def latest(self) -> Snapshot | None:
+    def latest(self) -> AnySnapshot | None:
         """The newest snapshot."""
         ...
 
@@ -128,8 +189,8 @@ class Session(Protocol):
         """
         ...
 
-    def initialise(self, prior: StatePrior) -> None:
-        """Start the next frame from a belief that the user gives."""
+    def initialise(self, start: AnyStart) -> None:
+        """Start the next frame from what the user says."""
         ...
 
     def reset(self) -> None:

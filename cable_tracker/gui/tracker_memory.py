@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Generic, Protocol, Self, TypeVar
 
-from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.particle_filter.particles import Particles
 
 FIRST_INTERVAL = 25
 """Frames between two remembered trackers, to begin with."""
@@ -18,13 +19,29 @@ LARGEST_PARTICLE_COUNT = 200_000
 LEAST_COUNT = 8
 
 
+class Remembered(Protocol):
+    """What can be remembered: a tracker, or what holds one."""
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief."""
+        ...
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        ...
+
+
+Tracker = TypeVar("Tracker", bound=Remembered)
+
+
 @dataclass(slots=True, eq=False)
-class _Stretch:
+class _Stretch(Generic[Tracker]):
     """Frames that were tracked one after the other, and the tracker before the first of them.
 
     Attributes
     ----------
-    tracker : CableTracker
+    tracker : Tracker
         Never used itself, only its copies.
     first, last : int
         Numbers of the frames.
@@ -32,13 +49,13 @@ class _Stretch:
         The one that this goes on from, if nothing but frames has come between.
     """
 
-    tracker: CableTracker
+    tracker: Tracker
     first: int
     last: int
-    before: _Stretch | None = None
+    before: _Stretch[Tracker] | None = None
 
 
-class TrackerMemory:
+class TrackerMemory(Generic[Tracker]):
     """Remembers copies of a tracker, every 25 frames to begin with.
 
     With many of them every other one is dropped and the interval is doubled: any frame that was
@@ -46,8 +63,8 @@ class TrackerMemory:
     """
 
     def __init__(self) -> None:
-        self._stretches: list[_Stretch] = []
-        self._current: _Stretch | None = None
+        self._stretches: list[_Stretch[Tracker]] = []
+        self._current: _Stretch[Tracker] | None = None
         self._interval = FIRST_INTERVAL
 
     def __len__(self) -> int:
@@ -70,7 +87,7 @@ class TrackerMemory:
         """Note that the next frame does not follow from those before."""
         self._current = None
 
-    def note(self, frame: int, tracker: CableTracker) -> None:
+    def note(self, frame: int, tracker: Tracker) -> None:
         """Remember that a frame is about to be tracked, and the tracker if it is time.
 
         Parameters
@@ -78,7 +95,7 @@ class TrackerMemory:
         frame : int
             Its number: one more than that of the last call, unless `interrupt`, `forget_from` or
             `recall` have come between.
-        tracker : CableTracker
+        tracker : Tracker
             The tracker as it is before that frame.
         """
         current = self._current
@@ -96,12 +113,12 @@ class TrackerMemory:
         self._stretches.append(self._current)
         self._bound(len(tracker.particles.weights) if tracker.particles is not None else 1)
 
-    def recall(self, frame: int) -> tuple[CableTracker, int] | None:
+    def recall(self, frame: int) -> tuple[Tracker, int] | None:
         """Return the tracker from before a frame, as it was.
 
         Returns
         -------
-        (CableTracker, int) or None
+        (Tracker, int) or None
             The tracker and the frame that it must be given next, which is the one asked for or one
             before it; None if the frame was never tracked.
         """

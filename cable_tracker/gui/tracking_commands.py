@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cable_tracker.gui.session import Player
 
@@ -71,18 +71,30 @@ COMMANDS = (
 DIALOGS = ("start", "save", "open", "help")
 """Commands that open a dialog."""
 
-POINTER_HELP = (
-    ("click on the picture", "put the cable there, along the present direction"),
-    ("drag on the picture", "draw the centreline; the wheel changes the width, Esc cancels"),
+ZOOM_HELP = (
     ("wheel on the picture", "zoom"),
     ("Shift and drag", "move the zoomed picture"),
     ("Enter in a field", "set the parameter; Esc takes back what was typed"),
 )
 
+POINTER_HELP = {
+    "line": (
+        ("click on the picture", "put the cable there, along the present direction"),
+        ("drag on the picture", "draw the centreline; the wheel changes the width, Esc cancels"),
+        *ZOOM_HELP,
+    ),
+    "box": (("drag on the picture", "draw a box around the target; Esc cancels"), *ZOOM_HELP),
+}
+"""By what the user draws."""
 
-def commands_for(*, is_player: bool) -> tuple[Command, ...]:
-    """Return those that make sense."""
-    return tuple(command for command in COMMANDS if is_player or not command.needs_player)
+
+def commands_for(*, is_player: bool, noun: str = "cable") -> tuple[Command, ...]:
+    """Return those that make sense, in words of what is followed."""
+    return tuple(
+        replace(command, words=command.words.replace("cable", noun))
+        for command in COMMANDS
+        if is_player or not command.needs_player
+    )
 
 
 def speed_words(speed: float) -> str:

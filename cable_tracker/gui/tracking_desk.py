@@ -11,13 +11,17 @@ import numpy as np
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
-from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import GuiError
-from cable_tracker.gui.parameter_sheet import filter_values, references
 from cable_tracker.gui.picture_feed import PictureFeed
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.recording_session import RecordingSession
-from cable_tracker.gui.session import Player, Session
+from cable_tracker.gui.session import Player, Session, Snapshot, TargetSnapshot
+from cable_tracker.gui.subject import CABLE, TARGET
+from cable_tracker.target.model.estimate import Box
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
 
 Point = tuple[float, float]
 
@@ -31,13 +35,15 @@ class TrackingDesk:
         What is watched to begin with.
     request : RecordingRequest
         How recordings are opened from the page; its path is replaced.
-    parameters : TrackerParameters
-        For the first recording that is opened from the page.
+    parameters : TrackerParameters, TargetParameters or None
+        For the first recording that is opened from the page; they say what is followed there.
 
     Attributes
     ----------
     feed : PictureFeed
         Pictures for all browsers.
+    subject : Subject
+        What is followed; the same in every session of a desk.
     references : dict
         Presets and files that were read, values by name.
     version : int
@@ -48,15 +54,17 @@ class TrackingDesk:
         self,
         session: Session | None,
         request: RecordingRequest | None = None,
-        parameters: TrackerParameters | None = None,
+        parameters: ParameterSet | None = None,
     ) -> None:
         self.session = session
         self.request = request if request is not None else RecordingRequest(Path())
-        self.references: dict[str, Mapping[str, ParameterValue]] = dict(references())
+        self._parameters = parameters if parameters is not None else TrackerParameters()
+        self.subject = TARGET if isinstance(self._parameters, TargetParameters) else CABLE
+        self.references: dict[str, Mapping[str, ParameterValue]] = {}
+        self.references |= self.subject.references()
         self.version = 0
         self.feed = PictureFeed()
         self.feed.watch(session)
-        self._parameters = parameters if parameters is not None else TrackerParameters()
         self._lock = threading.Lock()
 
     @property
@@ -67,7 +75,12 @@ class TrackingDesk:
     def present_state(self) -> CableState | None:
         """Return the newest estimate; None while no cable is claimed."""
         latest = self.session.latest if self.session is not None else None
-        return latest.state if latest is not None else None
+        return latest.state if isinstance(latest, Snapshot) else None
+
+    def present_box(self) -> Box | None:
+        """Return the newest box; None while no target is claimed."""
+        latest = self.session.latest if self.session is not None else None
+        return latest.box if isinstance(latest, TargetSnapshot) else None
 
     def need_session(self) -> Session:
         """Return the session.
@@ -99,7 +112,7 @@ class TrackingDesk:
         """
         with self._lock:
             if self.session is not None:
-                self._parameters = filter_values(self.session.parameters())
+                self._parameters = self.subject.own_parameters(self.session.parameters())
             self.watch(RecordingSession(request, self._parameters))
             self.request = request
 
@@ -139,3 +152,22 @@ def start_at(session: Session, state: CableState) -> None:
         The state is not finite.
     """
     session.initialise(StatePrior.around(state))
+
+
+def start_with_box(session: Session, first: Point, second: Point) -> None:
+    """Follow what is in a box.
+
+    Parameters
+    ----------
+    session : Session
+        On a target.
+    first, second : (float, float)
+        Opposite corners, from the upper left corner of the picture, y down [px].
+
+    Raises
+    ------
+    FrameError
+        The box has no area, or lies outside the picture.
+    """
+    (left, right), (top, bottom) = (sorted(pair) for pair in zip(first, second, strict=True))
+    session.initialise(TargetStart.from_box(left, top, right, bottom))

@@ -9,14 +9,17 @@ from pathlib import Path
 
 from nicegui import run, ui
 
-from cable_tracker.cable.model.initial_state_text import RANDOM
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import CableTrackerError
 from cable_tracker.gui.parameter_sheet import write_parameter_file
 from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.gui.tracking_commands import POINTER_HELP, Command
+from cable_tracker.gui.tracking_commands import Command
+from cable_tracker.gui.tracking_desk import Point
+from cable_tracker.target.model.estimate import Box
 
-FILE_NAME = "tracker.yaml"
+CABLE_START = "start: random, truth, a detector, or d,alpha,w,beta (px, rad)"
+TARGET_START = "start: wait, detect, or x0,y0,x1,y1 (px from the top left)"
+"""Words on the field that says where to start."""
 
 
 class FormDialog:
@@ -86,13 +89,17 @@ class OpenDialog(FormDialog):
         Returns the last request, whose other options stay.
     opening : callable
         Opens a request.
+    start_words : str
+        Where one can start.
     """
 
     def __init__(
         self,
         template: Callable[[], RecordingRequest],
         opening: Callable[[RecordingRequest], Awaitable[None]],
+        start_words: str = CABLE_START,
     ) -> None:
+        self._start_words = start_words
         self._template = template
         self._opening = opening
         super().__init__("Open a recording", "open")
@@ -101,9 +108,7 @@ class OpenDialog(FormDialog):
         """Put the fields into it."""
         self._path = _field("path on the server: bag, video, folder or sequence file", "open-path")
         self._path.on("keydown.enter", self.submit)
-        self._init = _field(
-            "start: random, truth, a detector, or d,alpha,w,beta (px, rad)", "open-init"
-        )
+        self._init = _field(self._start_words, "open-init")
         self._topic = _field("image topic of a bag that has several", "open-topic")
         self._truth = _field("sequence file with labels", "open-truth")
 
@@ -121,7 +126,7 @@ class OpenDialog(FormDialog):
         request = replace(
             self._template(),
             path=Path(self._path.value.strip()).expanduser(),
-            init=self._init.value.strip() or RANDOM,
+            init=self._init.value.strip() or self._template().init,
             topic=self._topic.value.strip() or None,
             truth=Path(self._truth.value.strip()) if self._truth.value.strip() else None,
         )
@@ -135,17 +140,20 @@ class SaveDialog(FormDialog):
     ----------
     text : callable
         Returns what is to be saved.
+    file_name : str
+        To begin with.
     """
 
-    def __init__(self, text: Callable[[], str]) -> None:
+    def __init__(self, text: Callable[[], str], file_name: str) -> None:
         self._text = text
+        self._file_name = file_name
         self._warned_of = ""
         super().__init__("Save the parameters as YAML for the node", "save on the server")
 
     def build(self) -> None:
         """Put the field into it."""
         self._path = _field("path on the server", "save-path")
-        self._path.value = FILE_NAME
+        self._path.value = self._file_name
         self._path.on("keydown.enter", self.submit)
 
     def build_buttons(self) -> None:
@@ -166,7 +174,7 @@ class SaveDialog(FormDialog):
         ui.notify(f"saved: {path.resolve()}")
 
     def _download(self) -> None:
-        ui.download.content(self._text(), FILE_NAME, "application/yaml")
+        ui.download.content(self._text(), self._file_name, "application/yaml")
         self.dialog.close()
 
 
@@ -221,6 +229,46 @@ class StartDialog(FormDialog):
         await self._start(CableState(d, math.radians(alpha), w, math.radians(beta)))
 
 
+class BoxDialog(FormDialog):
+    """Asks in numbers where the target is.
+
+    Parameters
+    ----------
+    start : callable
+        Starts with two opposite corners.
+    present : callable
+        Returns the present box, to begin with; None while no target is claimed.
+    """
+
+    LABELS = ("left px", "top px", "right px", "bottom px")
+
+    def __init__(
+        self,
+        start: Callable[[Point, Point], Awaitable[None]],
+        present: Callable[[], Box | None],
+    ) -> None:
+        self._start = start
+        self._present = present
+        super().__init__("Start where the target is", "start")
+
+    def build(self) -> None:
+        """Put the fields into it."""
+        self._numbers = [
+            ui.number(label, value=0.0).classes("w-full").props("dense") for label in self.LABELS
+        ]
+
+    def open(self) -> None:
+        """Show it with the present box."""
+        for number, value in zip(self._numbers, self._present() or (), strict=False):
+            number.value = round(value, 1)
+        super().open()
+
+    async def do(self) -> None:
+        """Start there."""
+        left, top, right, bottom = (number.value or 0.0 for number in self._numbers)
+        await self._start((left, top), (right, bottom))
+
+
 class HelpDialog:
     """Lists the keys.
 
@@ -228,16 +276,18 @@ class HelpDialog:
     ----------
     commands : sequence of Command
         Those that work.
+    pointer : sequence of (str, str)
+        What can be done with a mouse, and what it does.
     """
 
-    def __init__(self, commands: Sequence[Command]) -> None:
+    def __init__(self, commands: Sequence[Command], pointer: Sequence[tuple[str, str]]) -> None:
         self.dialog = ui.dialog().props('aria-label="Keys"')
         with self.dialog, ui.card().style("max-width: 640px"):
             ui.label("Keys").classes("text-lg")
             lines = [(command.shown, command.words) for command in commands]
             rows = "".join(
                 f"<tr><td><kbd>{keys}</kbd></td><td>{words}</td></tr>"
-                for keys, words in (*lines, *POINTER_HELP)
+                for keys, words in (*lines, *pointer)
             )
             ui.html(f'<table class="ct-keys">{rows}</table>', sanitize=False)
             ui.button("close", on_click=self.dialog.close).props("flat")

@@ -7,29 +7,13 @@ from typing import Any
 
 from nicegui.element import Element
 
-from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.gui.frame_channel import FrameChannel
 from cable_tracker.gui.picture_layers import css
+from cable_tracker.gui.subject import CABLE, Subject
 from cable_tracker.gui.tracking_history import STATUSES
 from cable_tracker.visualisation import palette
 
 BROWSER = {"cable-tracker-browser": "browser"}
-
-NAMES = ("d", "α", "w", "β", "v_d", "v_α", "v_w", "v_β")
-UNITS = ("px", "deg", "px", "deg", "px/s", "deg/s", "px/s", "deg/s")
-
-assert len(NAMES) == len(UNITS) == len(StateColumn)
-
-LAYERS = (
-    ("particles", "particles", palette.PARTICLES, 1.0),
-    ("estimate", "borders", palette.ESTIMATE, 1.0),
-    ("centreline", "centreline", palette.ESTIMATE, 0.7),
-    ("band", "2σ band", palette.ESTIMATE, 0.35),
-    ("hypotheses", "others", palette.HYPOTHESES, 1.0),
-    ("truth", "truth", palette.TRUTH, 1.0),
-    ("picture", "picture", palette.GREY, 1.0),
-)
-"""Name, words and colour of what is drawn on the picture."""
 
 COLOURS = {
     "particles": css(palette.PARTICLES),
@@ -92,37 +76,43 @@ class PlainButton(Element):
             self.update()
 
 
-class TrackingPicture(_ChannelElement, _Changing, component="tracking_picture.js", esm=BROWSER):
-    """The picture, and where the user draws a cable: event `draw`."""
+def _components(subject: Subject) -> dict[str, object]:
+    return {"names": subject.names, "units": subject.units, "truths": subject.truths}
 
-    def __init__(self, channel: FrameChannel) -> None:
+
+class TrackingPicture(_ChannelElement, _Changing, component="tracking_picture.js", esm=BROWSER):
+    """The picture, and where the user draws what is followed: event `draw`."""
+
+    def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
         layers = [
             {"name": name, "title": title, "colour": css(colour), "opacity": opacity}
-            for name, title, colour, opacity in LAYERS
+            for name, title, colour, opacity in subject.layers
         ]
-        super().__init__(channel, {"layers": layers, "stale": False})
+        super().__init__(channel, {"layers": layers, "shape": subject.shape, "stale": False})
 
 
 class ParticlePlots(_ChannelElement, component="particle_plots.js", esm=BROWSER):
     """One small plot for each component of the state."""
 
-    def __init__(self, channel: FrameChannel) -> None:
-        super().__init__(channel, {"names": NAMES, "units": UNITS, "colours": COLOURS})
+    def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
+        props = _components(subject) | {"spans": subject.least_spans, "colours": COLOURS}
+        super().__init__(channel, props)
 
 
 class NumberPanel(_ChannelElement, _Changing, component="number_panel.js", esm=BROWSER):
     """Estimate and filter in numbers."""
 
-    def __init__(self, channel: FrameChannel) -> None:
-        super().__init__(channel, {"names": NAMES, "units": UNITS, "count": 0})
+    def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
+        super().__init__(channel, _components(subject) | {"count": 0})
 
 
 class HistoryPlot(_ChannelElement, component="history_plot.js", esm=BROWSER):
     """The last half minute."""
 
-    def __init__(self, channel: FrameChannel) -> None:
+    def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
         statuses = [css(palette.status_colour(status)) for status in STATUSES]
-        super().__init__(channel, {"colours": COLOURS, "statuses": statuses})
+        lanes = [list(lane) for lane in subject.lanes]
+        super().__init__(channel, {"colours": COLOURS, "statuses": statuses, "lanes": lanes})
 
 
 class TransportBar(_ChannelElement, _Changing, component="transport_bar.js", esm=BROWSER):

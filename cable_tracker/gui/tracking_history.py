@@ -10,7 +10,8 @@ from itertools import islice
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.gui.session import Snapshot
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.gui.session import AnySnapshot, TargetSnapshot
 from cable_tracker.sequences.stamps import NANOSECONDS
 
 HISTORY_TIME = 30.0
@@ -26,19 +27,22 @@ STATUSES = ("TRACKING", "LOST", "INITIALISING", "REFUSED", "DISABLED")
 
 
 class HistoryColumn(IntEnum):
-    """Columns of the table that the browser gets; the same as in browser/history_plot.js."""
+    """Columns of the table that the browser gets; the same as in history_plot.js.
+
+    First and second are the components of the state that `Subject.lanes` names.
+    """
 
     TIME = 0
-    DISTANCE = 1
-    ANGLE = 2
-    DISTANCE_SIGMA = 3
-    ANGLE_SIGMA = 4
+    FIRST = 1
+    SECOND = 2
+    FIRST_SIGMA = 3
+    SECOND_SIGMA = 4
     PRESENCE = 5
     STATUS = 6
     N_EFF = 7
     MS = 8
-    TRUE_DISTANCE = 9
-    TRUE_ANGLE = 10
+    TRUE_FIRST = 9
+    TRUE_SECOND = 10
 
 
 class TrackingHistory:
@@ -47,7 +51,7 @@ class TrackingHistory:
     def __init__(self) -> None:
         self._rows: deque[tuple[int, tuple[float, ...]]] = deque(maxlen=LARGEST_LENGTH)
 
-    def add(self, snapshot: Snapshot) -> None:
+    def add(self, snapshot: AnySnapshot) -> None:
         """Add a frame."""
         while self._rows and self._rows[-1][0] >= snapshot.stamp:
             self._rows.pop()
@@ -76,18 +80,43 @@ class TrackingHistory:
         return np.array(rows[::-1], dtype=np.float64).reshape(-1, len(HistoryColumn))
 
 
-def _row_of(snapshot: Snapshot) -> tuple[float, ...]:
-    state, sigma, truth = snapshot.state, snapshot.sigma, snapshot.truth
+def _row_of(snapshot: AnySnapshot) -> tuple[float, ...]:
+    values, sigmas, truths = _lanes(snapshot)
     status = STATUSES.index(snapshot.status) if snapshot.status in STATUSES else len(STATUSES)
     return (
-        state.distance if state is not None else math.nan,
-        math.degrees(state.angle) if state is not None else math.nan,
-        float(sigma[0]) if sigma is not None else math.nan,
-        math.degrees(sigma[1]) if sigma is not None else math.nan,
+        *values,
+        *sigmas,
         snapshot.presence if snapshot.presence is not None else math.nan,
         float(status),
         snapshot.n_eff if snapshot.n_eff is not None else math.nan,
         snapshot.ms if snapshot.ms is not None else math.nan,
-        truth.distance if truth is not None else math.nan,
-        math.degrees(truth.angle) if truth is not None else math.nan,
+        *truths,
     )
+
+
+Pair = tuple[float, float]
+
+UNKNOWN: Pair = (math.nan, math.nan)
+
+
+def _lanes(snapshot: AnySnapshot) -> tuple[Pair, Pair, Pair]:
+    """Return the two components that are shown, their sigmas and their truths; NaN if unknown."""
+    if isinstance(snapshot, TargetSnapshot):
+        return _pair(snapshot.state), _pair(snapshot.sigma), UNKNOWN
+    return (
+        _of_cable(snapshot.state),
+        UNKNOWN if snapshot.sigma is None else _in_degrees(snapshot.sigma),
+        _of_cable(snapshot.truth),
+    )
+
+
+def _pair(values: FloatArray | None) -> Pair:
+    return UNKNOWN if values is None else (float(values[0]), float(values[1]))
+
+
+def _in_degrees(values: FloatArray) -> Pair:
+    return float(values[0]), math.degrees(values[1])
+
+
+def _of_cable(state: CableState | None) -> Pair:
+    return UNKNOWN if state is None else (state.distance, math.degrees(state.angle))

@@ -1,4 +1,4 @@
-// The picture with what the filter believes, what of it is shown, and where the user draws a cable.
+// The picture with what the filter believes, what of it is shown, and where the user draws a cable, or a box.
 import { FrameView, publish } from "cable-tracker-browser";
 
 const STORE = "cable-tracker-hidden-layers";
@@ -26,7 +26,8 @@ export default {
           @change="toggle(layer.name)" />
         <i :style="{ background: layer.colour, opacity: layer.opacity ?? 1 }"></i>{{ layer.title }}
       </label>
-      <label class="ct-right" title="Width of a cable that you draw. Empty: that of the estimate. The wheel changes it while you draw.">
+      <span v-if="shape === 'box'" class="ct-right"></span>
+      <label v-else class="ct-right" title="Width of a cable that you draw. Empty: that of the estimate. The wheel changes it while you draw.">
         start width
         <input type="text" inputmode="decimal" class="ct-short" v-model="startWidth" placeholder="auto"
           aria-label="Width of a cable that is drawn, px" data-test="start-width" /> px
@@ -35,7 +36,7 @@ export default {
     </div>
   </section>`,
   emits: ["draw"],
-  props: { channel: String, layers: Array, stale: Boolean },
+  props: { channel: String, layers: Array, shape: String, stale: Boolean },
   data: () => ({
     connected: true, status: "", statusColour: "#aaa", presence: null, reason: "", words: "No picture yet", age: 0,
     hidden: [], startWidth: "", hint: "",
@@ -69,6 +70,11 @@ export default {
     window.removeEventListener("keydown", this.onKey);
     clearInterval(this.clock);
     this.view.close();
+  },
+  computed: {
+    isBox() {
+      return this.shape === "box";
+    },
   },
   methods: {
     received(description) {
@@ -106,7 +112,7 @@ export default {
         start: point, end: point, width: this.widthToStart(),
         screen: [event.clientX, event.clientY], number: this.view.description.number,
       };
-      this.hint = "Draw along the cable; the wheel changes its width, Esc cancels";
+      this.hint = this.isBox ? "Draw a box around the target; Esc cancels" : "Draw along the cable; the wheel changes its width, Esc cancels";
     },
     move(event) {
       if (this.grasped) {
@@ -124,6 +130,7 @@ export default {
       if (!drawn || drawn.isDone) return;
       this.hint = "";
       const way = Math.hypot(event.clientX - drawn.screen[0], event.clientY - drawn.screen[1]);
+      if (this.isBox && way < CLICK) return this.cancel();
       // A click moves the present line there; without one the cable is taken to run upwards.
       if (way < CLICK) drawn.end = this.acrossClick(drawn.start);
       drawn.isDone = true;
@@ -145,7 +152,7 @@ export default {
     turn(event) {
       event.preventDefault();
       const isUp = event.deltaY < 0;
-      if (this.drawn && !this.drawn.isDone) {
+      if (this.drawn && !this.drawn.isDone && !this.isBox) {
         this.drawn.width = Math.max(LEAST_WIDTH, this.drawn.width * (isUp ? WIDTH_STEP : 1 / WIDTH_STEP));
         this.view.redraw();
       } else if (this.view.description) {
@@ -161,7 +168,9 @@ export default {
       context.lineWidth = 2 * view.pixel;
       context.setLineDash([6 * view.pixel, 4 * view.pixel]);
       context.beginPath();
-      if (length > 1) {
+      if (this.isBox) {
+        context.rect(...drawn.start, dx, dy);
+      } else if (length > 1) {
         const reach = 2 * Math.hypot(...view.description.size);
         const [ux, uy] = [dx / length, dy / length];
         for (const side of [-0.5, 0, 0.5]) {

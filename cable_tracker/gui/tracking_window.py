@@ -10,7 +10,6 @@ from nicegui import run, ui
 from nicegui.events import GenericEventArguments
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.cable.parameters.parameters import ParameterValue
 from cable_tracker.errors import CableTrackerError
 from cable_tracker.gui.parameter_sheet import (
     groups_for_page,
@@ -22,15 +21,26 @@ from cable_tracker.gui.parameter_sheet import (
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.server import Channels, Listening, serve
 from cable_tracker.gui.session import Session
+from cable_tracker.gui.subject import TARGET
 from cable_tracker.gui.tracking_commands import (
     DIALOGS,
+    POINTER_HELP,
     SPEEDS,
     command_player,
     commands_for,
     speed_words,
 )
-from cable_tracker.gui.tracking_desk import TrackingDesk, drawn_state, start_at
+from cable_tracker.gui.tracking_desk import (
+    Point,
+    TrackingDesk,
+    drawn_state,
+    start_at,
+    start_with_box,
+)
 from cable_tracker.gui.tracking_dialogs import (
+    CABLE_START,
+    TARGET_START,
+    BoxDialog,
     FormDialog,
     HelpDialog,
     OpenDialog,
@@ -47,6 +57,7 @@ from cable_tracker.gui.tracking_elements import (
     TrackingPicture,
     TransportBar,
 )
+from cable_tracker.tracking.parameter_table import ParameterValue
 
 REFRESH = 0.2
 """How often a page looks whether another one has played, paused or opened something [s]."""
@@ -113,11 +124,18 @@ class TrackingPage:
         ui.add_css(STYLE)
         desk = self._desk
         is_live = desk.session is not None and desk.player is None
-        commands = commands_for(is_player=not is_live)
-        self._open_dialog = OpenDialog(lambda: desk.request, self._open)
-        self._save_dialog = SaveDialog(self._text_to_save)
-        self._start_dialog = StartDialog(self._start_at, desk.present_state)
-        self._help_dialog = HelpDialog(commands)
+        commands = commands_for(is_player=not is_live, noun=desk.subject.noun)
+        is_target = desk.subject is TARGET
+        self._open_dialog = OpenDialog(
+            lambda: desk.request, self._open, TARGET_START if is_target else CABLE_START
+        )
+        self._save_dialog = SaveDialog(self._text_to_save, f"{desk.subject.node}.yaml")
+        self._start_dialog: FormDialog = (
+            BoxDialog(self._start_with, desk.present_box)
+            if is_target
+            else StartDialog(self._start_at, desk.present_state)
+        )
+        self._help_dialog = HelpDialog(commands, POINTER_HELP[desk.subject.shape])
         self._build_head(is_live)
         self._panels = ui.element("main").classes("ct-desk" + (" ct-live" if is_live else ""))
         with self._panels:
@@ -140,7 +158,8 @@ class TrackingPage:
             self._trouble = ui.label().classes("ct-trouble")
             self._trouble.props('role="status" data-test="trouble"')
             if session is not None:
-                PlainButton("start at …", lambda: self._do("start"), "Type where the cable is (i)")
+                words = f"Type where the {self._desk.subject.noun} is (i)"
+                PlainButton("start at …", lambda: self._do("start"), words)
                 PlainButton("reset", lambda: self._do("reset"), "Forget everything (r)")
                 self._enable = PlainButton("", lambda: self._do("enable"), "Tracker off or on (e)")
             if not is_live:
@@ -148,17 +167,17 @@ class TrackingPage:
             PlainButton("keys ?", lambda: self._do("help"), "Show the keys (?)")
 
     def _build_panels(self, session: Session) -> None:
-        channel = self._desk.feed.channel
-        self._picture = TrackingPicture(channel)
+        channel, subject = self._desk.feed.channel, self._desk.subject
+        self._picture = TrackingPicture(channel, subject)
         self._picture.on("draw", self._draw)
         if self._desk.player is not None:
             self._transport = TransportBar(channel, list(SPEEDS))
             self._transport.on("command", self._command)
-        HistoryPlot(channel)
-        self._numbers = NumberPanel(channel)
-        ParticlePlots(channel)
+        HistoryPlot(channel, subject)
+        self._numbers = NumberPanel(channel, subject)
+        ParticlePlots(channel, subject)
         self._parameters = ParameterPanel()
-        self._parameters.show(groups=groups_for_page(session.table))
+        self._parameters.show(groups=groups_for_page(session.table, subject.groups))
         for event, handler in (
             ("change", self._change),
             ("refer", self._refer),
@@ -256,17 +275,23 @@ class TrackingPage:
         return True
 
     async def _draw(self, event: GenericEventArguments) -> None:
-        drawn = event.args
-        state = drawn_state(
-            tuple(drawn["start"]), tuple(drawn["end"]), drawn["width"], tuple(drawn["size"])
-        )
-        session = self._desk.session
-        is_done = session is not None and await self._try(start_at, session, state)
+        drawn, session = event.args, self._desk.session
+        ends = tuple(drawn["start"]), tuple(drawn["end"])
+        if session is None:
+            return
+        if self._desk.subject is TARGET:
+            is_done = await self._try(start_with_box, session, *ends)
+        else:
+            state = drawn_state(*ends, drawn["width"], tuple(drawn["size"]))
+            is_done = await self._try(start_at, session, state)
         if not is_done and self._picture is not None:
             self._picture.run_method("cancel")
 
     async def _start_at(self, state: CableState) -> None:
         await run.io_bound(start_at, self._desk.need_session(), state)
+
+    async def _start_with(self, first: Point, second: Point) -> None:
+        await run.io_bound(start_with_box, self._desk.need_session(), first, second)
 
     async def _open(self, request: RecordingRequest) -> None:
         await run.io_bound(self._desk.open, request)
@@ -307,7 +332,7 @@ class TrackingPage:
     async def _load(self, event: GenericEventArguments) -> None:
         name, text = Path(str(event.args["name"])).name, event.args["text"]
         try:
-            values = values_from_text(text, name)
+            values = values_from_text(text, name, self._desk.subject)
         except CableTrackerError as error:
             self._show_parameters(fileTrouble=f"{error} Nothing has changed.")
             return
@@ -316,4 +341,5 @@ class TrackingPage:
         await self._apply()
 
     def _text_to_save(self) -> str:
-        return parameter_text(self._values, self._desk.need_session().name)
+        desk = self._desk
+        return parameter_text(self._values, desk.need_session().name, desk.subject)

@@ -43,11 +43,14 @@ class Vehicle:
         Of the camera, where no topic gives one.
     notes : tuple of str
         What the user should know.
+    said : frozenset of str
+        Names of those values that the bag's frames or the file say; the others are defaults.
     """
 
     values: dict[str, object] = field(default_factory=default_values)
     calibration: Calibration | None = None
     notes: tuple[str, ...] = ()
+    said: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,13 +134,12 @@ def describe_vehicle(
         What the user says.
     """
     file = file if file is not None else VehicleFile()
-    values = default_values()
+    said: dict[str, object] = {}
     notes: list[str] = []
     if source is not None:
-        found, notes = _from_frames(source, camera_frame)
-        values.update(found)
-    values.update(file.values)
-    return Vehicle(values, file.calibration, tuple(notes))
+        said, notes = _from_frames(source, camera_frame)
+    said |= file.values
+    return Vehicle(default_values() | said, file.calibration, tuple(notes), frozenset(said))
 
 
 def _from_frames(

@@ -34,7 +34,17 @@ def _picture(image: RawImage | CompressedImage) -> Image:
     return decode_bgr(image)
 
 
-def _write_picture(path: Path, picture: Image) -> None:
+def write_picture(path: Path, image: RawImage | CompressedImage) -> None:
+    """Write one frame as an 8-bit PNG; grey encodings become grey, all others blue-green-red.
+
+    Raises
+    ------
+    OutputError
+        It cannot be encoded.
+    FrameError
+        It cannot be decoded.
+    """
+    picture = _picture(image)
     with refusals_as(OutputError, f"{path}: the picture cannot be encoded as PNG"):
         encoded, data = cv2.imencode(".png", picture)
     if not encoded:
@@ -48,7 +58,7 @@ def _write_all(folder: Path, frames: Iterable[Frame]) -> int:
     folder.mkdir()
     for frame in frames:
         name = picture_name(frame.index)
-        _write_picture(folder / name, _picture(frame.image))
+        write_picture(folder / name, frame.image)
         if frame.truth is not None:
             labels.append(Label(frame.truth, name))
         count += 1

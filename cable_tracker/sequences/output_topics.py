@@ -44,6 +44,9 @@ USABLE_FRAME = (PARTICLES, MARKERS, OVERLAY)
 TARGET = OutputTopic("target", "geometry_msgs/msg/PoseWithCovarianceStamped")
 CONTOUR = OutputTopic("contour", "geometry_msgs/msg/PolygonStamped")
 BOX = OutputTopic("box", "geometry_msgs/msg/PolygonStamped")
+TRUE_BOX = OutputTopic("ground_truth/box", "geometry_msgs/msg/PolygonStamped")
+"""Around what can be seen of a simulated target; without corners where it is out of view."""
+
 BEARING = OutputTopic("bearing", "geometry_msgs/msg/Vector3Stamped")
 RELATIVE_POSE = OutputTopic("relative_pose", "geometry_msgs/msg/PoseWithCovarianceStamped")
 TARGET_OVERLAY = OutputTopic("target_tracker/overlay/compressed", "sensor_msgs/msg/CompressedImage")

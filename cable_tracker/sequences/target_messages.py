@@ -187,6 +187,20 @@ def make_target_particles(
     return point_cloud(factory, header, TARGET_CLOUD_COLUMNS, points)
 
 
+def read_target_particles(message: Message) -> FloatArray | None:
+    """Read particles packed by `make_target_particles`.
+
+    Returns
+    -------
+    FloatArray or None
+        Columns x, y [px], scale, angle [rad], v_x, v_y [px/s], weight, shape (N, 7); None if there
+        are none.
+    """
+    points = np.frombuffer(memoryview(message.data).cast("B"), dtype="<f4")
+    table = points.reshape(-1, len(TARGET_CLOUD_COLUMNS)).astype(np.float64)
+    return np.delete(table, TARGET_CLOUD_COLUMNS.index("z"), axis=1) if len(table) else None
+
+
 def make_target_markers(
     factory: MessageFactory,
     header: Message,

@@ -3,7 +3,10 @@
 from typer.testing import CliRunner
 
 from cable_tracker.cli import app
+from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.sequence_file import read_labels
+from cable_tracker.sequences.target_labels import read_boxes
+from cable_tracker.simulation.targets.sequence import simulate_target
 
 
 def command(*words):
@@ -22,3 +25,25 @@ def test_a_world_has_its_own_bottom(tmp_path):
     result = command(tmp_path / "world", "--scenario", "report_clear", "--photographs", tmp_path)
     assert result.exit_code != 0
     assert "has its own bottom" in str(result.exception) + result.output
+
+
+def test_a_target_is_written_with_its_boxes(tmp_path):
+    folder = tmp_path / "dive"
+    options = ("--target", "vanishing", "--frames", 12, "--seed", 3)
+    result = command(folder, *options, "--format", "sequence")
+    assert result.exit_code == 0, result.output
+    boxes = list(read_boxes(folder / "boxes.txt").values())
+    assert boxes == [frame.box for frame in simulate_target("vanishing", 3, 12)]
+    assert None in boxes
+    assert boxes[0] is not None
+
+
+def test_a_target_goes_without_a_cable(tmp_path):
+    result = command(tmp_path / "dive", "--target", "buoy", "--scenario", "S1")
+    assert isinstance(result.exception, ParameterError)
+
+
+def test_an_unknown_target_is_refused(tmp_path):
+    result = command(tmp_path / "dive", "--target", "whale")
+    assert "none of" in str(result.exception)
+    assert not (tmp_path / "dive").exists()

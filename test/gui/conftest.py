@@ -14,8 +14,12 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.sequences.target_labels import write_target_pictures
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.targets.sequence import simulate_target
 
 DIVE_LENGTH = 60
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
@@ -166,3 +170,24 @@ def dive(tmp_path_factory):
     )
     write_sequence(folder, simulate(settings))
     return next(folder.glob("*.txt"))
+
+
+TARGET_LENGTH = 20
+
+
+@pytest.fixture(scope="session")
+def target_frames():
+    """Return twenty frames of a buoy below its mirror, with boxes."""
+    return list(simulate_target("near_surface", 1, TARGET_LENGTH))
+
+
+@pytest.fixture(scope="session")
+def target_dive(tmp_path_factory, target_frames):
+    """Return the folder of the same as pictures with `boxes.txt`."""
+    folder = tmp_path_factory.mktemp("recordings") / "target"
+    frames = (
+        (Frame(index, each.stamp, raw_from_array(each.image, "bgr8")), each.box)
+        for index, each in enumerate(target_frames)
+    )
+    write_target_pictures(folder, frames)
+    return folder

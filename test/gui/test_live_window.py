@@ -2,6 +2,8 @@
 
 import os
 
+import cv2
+import numpy as np
 import pytest
 
 pytest.importorskip("rclpy", reason="ROS 2 IS MISSING: no live node is watched")
@@ -28,10 +30,10 @@ def domain():
 def node(domain):
     """Return a function that starts a node of the boat."""
 
-    def start(name, **parameters):
+    def start(name, namespace=NAMESPACE, **parameters):
         given = [["-p", f"{key}:={value}"] for key, value in parameters.items()]
         arguments = [part for pair in given for part in pair]
-        return NodeProcess(name, ["-r", f"__ns:={NAMESPACE}", *arguments], dict(os.environ))
+        return NodeProcess(name, ["-r", f"__ns:={namespace}", *arguments], dict(os.environ))
 
     return start
 
@@ -80,3 +82,35 @@ def test_a_node_that_is_gone_is_said_and_found_again(visit, url, node):
             page.locator("[data-test=status]").filter(has_text="%").wait_for()
         page.locator("[data-test=trouble]").filter(has_text="no node /boat/tracker").wait_for()
         page.locator("[data-test=status]").filter(has_text="NOT LIVE, last picture").wait_for()
+
+
+@pytest.fixture
+def still_target(tmp_path, target_frames):
+    """Return a folder in which the target stays where it is, so that a mark is never late."""
+    rng = np.random.default_rng(1)
+    picture = target_frames[0].image
+    for index in range(20):
+        noise = rng.integers(0, 4, picture.shape, np.uint8)
+        cv2.imwrite(str(tmp_path / f"{index:02}.png"), cv2.add(picture, noise))
+    return tmp_path
+
+
+def test_a_live_target_is_watched_and_marked(visit, node, still_target, target_frames, run_command):
+    dock = "/dock"
+    url = run_command("gui", "--ros", dock, "--target").url
+    with (
+        node("replay", dock, source=still_target, loop="true", rate="0.2"),
+        node("target_tracker", dock, particle_count=60),
+        visit(url) as page,
+    ):
+        page.wait_for_function(f"{PICTURE}?.status === 'INITIALISING'")
+        page.get_by_role("button", name="start at …").click()
+        sides = ("left px", "top px", "right px", "bottom px")
+        for label, value in zip(sides, target_frames[0].box, strict=True):
+            page.get_by_label(label).fill(str(value))
+        page.locator("[data-test=dialog-ok]:visible").click()
+        drawn = f"new Set({PICTURE}.layers.map((layer) => layer.name))"
+        claimed = " && ".join(f"{drawn}.has('{name}')" for name in ("box", "contour", "band"))
+        page.wait_for_function(f"{PICTURE}.status === 'TRACKING' && {claimed}")
+        page.wait_for_function(f"{PICTURE}.parts.cloud.rows === 60 && {PICTURE}.state.length === 6")
+        assert page.evaluate(f"{PICTURE}.state[2]") == pytest.approx(1.0, abs=0.4)

@@ -13,9 +13,11 @@ from cable_tracker.gui.picture_layers import (
     heaviest,
     layers_of,
     particle_lines,
+    target_layers,
+    target_particles,
 )
 from cable_tracker.gui.picture_packet import LARGEST_WIDTH, make_packet
-from cable_tracker.gui.session import Snapshot
+from cable_tracker.gui.session import Snapshot, TargetSnapshot
 from cable_tracker.gui.tracking_history import HistoryColumn, TrackingHistory
 
 CABLE = CableState(10.0, math.radians(5.0), 20.0, 0.0, 3.0)
@@ -39,6 +41,21 @@ def packed(snapshot, **given):
     return unpack(make_packet(snapshot, given.pop("history"), **given))
 
 
+def followed(**given):
+    """Return a snapshot of a target, on a coloured picture."""
+    rng = np.random.default_rng(1)
+    given = {
+        "state": np.array([4.0, 6.0, 1.5, math.radians(10.0), 30.0, 0.0]),
+        "sigma": np.array([1.0, 2.0, 0.1, 0.2]),
+        "box": (10.0, 5.0, 40.0, 35.0),
+        "outline": np.array([[10.0, 5.0], [40.0, 5.0], [25.0, 35.0]]),
+        "area": 400.0,
+        "cloud": np.column_stack((rng.normal(0.0, 3.0, (30, 6)), rng.random(30))),
+        "image": np.full((48, 64, 3), (90, 80, 200), np.uint8),
+    } | given
+    return TargetSnapshot(number=1, frame=1, stamp=SECOND, status="TRACKING", **given)
+
+
 def layer(layers, name):
     return next(layer for layer in layers if layer["name"] == name)
 
@@ -56,7 +73,7 @@ def test_a_packet_brings_picture_particles_and_numbers_in_degrees():
 def test_what_is_not_known_is_left_empty():
     description, sections = packed(snapshot(status="LOST", evidence=math.nan))
     assert description["state"] is None
-    assert description["evidence"] is None
+    assert ["evidence", None, 2, "evidence"] in description["facts"]
     assert description["particle_count"] == 0
     assert len(sections["particles"]) == 0
 
@@ -140,5 +157,49 @@ def test_where_no_cable_is_claimed_the_history_has_no_number():
     history = TrackingHistory()
     history.add(snapshot(status="WHATEVER"))
     row = history.table(SECOND, is_whole=True)[0]
-    assert math.isnan(row[HistoryColumn.DISTANCE])
+    assert math.isnan(row[HistoryColumn.FIRST])
     assert row[HistoryColumn.STATUS] == 5
+
+
+def test_a_target_is_packed_in_colour_with_its_numbers():
+    description, sections = packed(followed())
+    assert description["state"] == pytest.approx([4.0, 6.0, 1.5, 10.0, 30.0, 0.0])
+    assert description["sigma"] == pytest.approx([1.0, 2.0, 0.1, math.degrees(0.2)])
+    assert ["size px", 20.0, 1, "size"] in description["facts"]
+    assert sections["cloud"].shape == (30, 7)
+    picture = cv2.imdecode(np.frombuffer(sections["picture"], np.uint8), cv2.IMREAD_COLOR)
+    assert np.abs(picture.mean(axis=(0, 1)) - (90, 80, 200)).max() < 4.0
+
+
+def test_box_and_contour_of_a_target_are_closed_lines_in_pixels_of_the_picture():
+    layers = target_layers(followed(truth=(1.0, 2.0, 3.0, 4.0)))
+    sides = np.array(layer(layers, "box")["points"]).reshape(-1, 2, 2)
+    assert sides.tolist() == [
+        [[10, 5], [40, 5]], [[40, 5], [40, 35]], [[40, 35], [10, 35]], [[10, 35], [10, 5]],
+    ]  # fmt: skip
+    assert len(layer(layers, "contour")["points"]) == 12
+    assert layer(layers, "truth")["dash"]
+    band = np.array(layer(layers, "band")["points"]).reshape(-1, 2)
+    assert band.mean(axis=0) == pytest.approx((32 + 4, 24 - 6), abs=0.3)
+
+
+def test_a_target_that_is_not_claimed_leaves_the_picture_bare():
+    nothing = {"state": None, "sigma": None, "box": None, "area": None}
+    lost = followed(**nothing, outline=np.empty((0, 2)))
+    assert target_layers(lost) == []
+    assert packed(lost)[0]["state"] is None
+
+
+def test_particles_of_a_target_are_crosses_about_their_places():
+    cloud = np.array([[10.0, -4.0, 1.0, 0.0, 0.0, 0.0, 1.0]])
+    across, upright = target_particles(cloud, (64, 48))
+    assert (across[:4].reshape(2, 2).mean(axis=0) == (42.0, 28.0)).all()
+    assert (upright[:4].reshape(2, 2).mean(axis=0) == (42.0, 28.0)).all()
+
+
+def test_the_history_of_a_target_is_of_its_centre():
+    history = TrackingHistory()
+    history.add(followed())
+    (row,) = history.table(SECOND, is_whole=True)
+    assert row[[HistoryColumn.FIRST, HistoryColumn.SECOND]].tolist() == [4.0, 6.0]
+    assert row[[HistoryColumn.FIRST_SIGMA, HistoryColumn.SECOND_SIGMA]].tolist() == [1.0, 2.0]

@@ -104,6 +104,23 @@ def border_offset(state: FloatArray, side: float) -> float:
 
 
 @compiled_inside
+def border_normal(
+    state: FloatArray, side: float, reduction: float
+) -> tuple[bool, float, float, float]:
+    """Return how a border lies to the scan lines; `side`: -1 left, 1 right.
+
+    Whether it is measured where it crosses rows (else columns), its normal along and across these
+    lines, and its distance from the image centre [working px].
+    """
+    normal = state[1] + side * state[3]
+    offset = border_offset(state, side) * reduction
+    cos, sin = math.cos(normal), math.sin(normal)
+    if abs(cos) >= abs(sin):
+        return True, cos, sin, offset
+    return False, sin, cos, offset
+
+
+@compiled_inside
 def contrast_depths(state: FloatArray, scan: FrameScan) -> tuple[float, float, float]:
     """Return how far outside, behind the border and in the middle is looked at [working px]."""
     width, scale = abs(2.0 * (0.5 * state[2]) * math.cos(state[3])) * scan.reduction, scan.scale
@@ -268,13 +285,8 @@ def _record_points(
     for border in range(2 * len(states)):
         state, side = states[border // 2], 2.0 * (border % 2) - 1.0
         depths = contrast_depths(state, scan)
-        normal = state[1] + side * state[3]
-        offset = border_offset(state, side) * scan.reduction
-        cos, sin = math.cos(normal), math.sin(normal)
-        if abs(cos) >= abs(sin):
-            lines, along, across = scan.rows, cos, sin
-        else:
-            lines, along, across = scan.columns, sin, cos
+        steep, along, across, offset = border_normal(state, side, scan.reduction)
+        lines = scan.rows if steep else scan.columns
         crossing = border_line(along, across, offset, -side, depths, scan.scale)
         last = float(lines.smooth.shape[1] - 1)
         for number in range(len(lines.places)):

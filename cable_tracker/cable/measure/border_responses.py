@@ -7,14 +7,12 @@ points at equal distances along the border.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.border_points import (
     FrameScan,
-    border_offset,
+    border_normal,
     frame_scan,
     response_at,
 )
@@ -97,13 +95,8 @@ def _sum_responses(
         state = states[cable]
         for border in range(2):
             side = 2.0 * border - 1.0
-            normal = state[1] + side * state[3]
-            offset = border_offset(state, side) * scan.reduction
-            cos, sin = math.cos(normal), math.sin(normal)
-            if abs(cos) >= abs(sin):
-                lines, along, across = scan.rows, cos, sin
-            else:
-                lines, along, across = scan.columns, sin, cos
+            steep, along, across, offset = border_normal(state, side, scan.reduction)
+            lines = scan.rows if steep else scan.columns
             middle = (lines.gradients.shape[1] - 1) / 2
             start, step = offset / along, -across / along
             total, count = np.float32(0.0), 0

@@ -20,7 +20,7 @@ from cable_tracker.cable.measure.border_points import (
     BorderLine,
     FrameScan,
     border_line,
-    border_offset,
+    border_normal,
     contrast_depths,
     frame_scan,
     measure_point,
@@ -165,13 +165,8 @@ def measure_into(
         visible[cable], longest = np.inf, scan.expected
         for border in range(2):
             side = 2.0 * border - 1.0
-            normal = state[1] + side * state[3]
-            offset = border_offset(state, side) * scan.reduction
-            cos, sin = math.cos(normal), math.sin(normal)
-            if abs(cos) >= abs(sin):
-                lines, along, across = scan.rows, cos, sin
-            else:
-                lines, along, across = scan.columns, sin, cos
+            steep, along, across, offset = border_normal(state, side, scan.reduction)
+            lines = scan.rows if steep else scan.columns
             crossing = border_line(along, across, offset, -side, depths, scan.scale)
             length = _sum_border(lines, crossing, model, sums[border])
             # A border that runs through the picture has as many points as the picture is high.

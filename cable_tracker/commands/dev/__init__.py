@@ -14,7 +14,6 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "Measure": {
             "experiment": "dev.experiment:experiment",
             "bench": "dev.bench:bench",
-            "evaluate-targets": "dev.evaluate_targets:evaluate_targets",
             "estimate-noise": "dev.estimate_noise:estimate_noise",
         },
         "Put under stress": {

@@ -1,19 +1,22 @@
-"""Our filters and their peers on the same frames of simulated targets."""
+"""Our filters and their peers on the same frames."""
 
 from __future__ import annotations
 
 import csv
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.targets.metrics import (
     JudgedClaim,
+    centred,
     claimed_in_view,
     claimed_while_absent,
     keeps_its_own,
@@ -21,8 +24,8 @@ from cable_tracker.evaluation.targets.metrics import (
     success,
 )
 from cable_tracker.evaluation.targets.peers import PEERS, BoxTracker
-from cable_tracker.simulation.targets.sequence import TargetFrame, simulate_target
-from cable_tracker.target.model.estimate import Box, TargetEstimate
+from cable_tracker.evaluation.targets.target_sequences import JudgedPicture, TargetSequence
+from cable_tracker.target.model.estimate import Box
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import TARGET_PRESETS
@@ -33,8 +36,8 @@ GREY = "grey"
 """Word before the name of a method: it gets grey pictures."""
 
 FIGURES = (
-    "success", "claimed_in_view", "claimed_while_absent", "returns_found", "own_after_crossing",
-    "ms",
+    "success", "centred", "claimed_in_view", "claimed_while_absent", "returns_found",
+    "own_after_crossing", "ms",
 )  # fmt: skip
 
 
@@ -53,15 +56,16 @@ class OwnTracker:
     def start(self, image: Image, box: Box, stamp: int) -> Box | None:
         """Take what is in the box for the target."""
         self._tracker.initialise(TargetStart.from_box(*box))
-        return _claim(self._tracker.process(image, stamp))
+        return self.update(image, stamp)
 
     def update(self, image: Image, stamp: int) -> Box | None:
         """Return the box in the next frame; None unless the status is TRACKING."""
-        return _claim(self._tracker.process(image, stamp))
-
-
-def _claim(estimate: TargetEstimate) -> Box | None:
-    return estimate.box if estimate.status is TrackingStatus.TRACKING else None
+        try:
+            estimate = self._tracker.process(image, stamp)
+        except FrameError:
+            # A frame that is refused is one without a claim.
+            return None
+        return estimate.box if estimate.status is TrackingStatus.TRACKING else None
 
 
 def method_names() -> list[str]:
@@ -70,10 +74,13 @@ def method_names() -> list[str]:
     return plain + [f"{GREY} {name}" for name in plain]
 
 
-def make_method(name: str, seed: int) -> BoxTracker:
+def make_method(
+    name: str, seed: int, tuned: Mapping[str, TargetParameters] = MappingProxyType({})
+) -> BoxTracker:
     """Return a tracker by its name, without the word for grey pictures."""
-    if name in TARGET_PRESETS:
-        return OwnTracker(TARGET_PRESETS[name].replaced({"seed": seed}))
+    parameters = tuned.get(name, TARGET_PRESETS.get(name))
+    if parameters is not None:
+        return OwnTracker(parameters.replaced({"seed": seed}))
     return PEERS[name]()
 
 
@@ -84,7 +91,7 @@ class RunFigures:
     Attributes
     ----------
     scenario : str
-        Name.
+        Name of the scenario, or of the recording.
     seed : int
         Of the run.
     method : str
@@ -99,71 +106,98 @@ class RunFigures:
     values: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class ScenarioTask:
-    """One run of a scenario, followed by several methods.
+class Follower:
+    """One method, from the first frame that shows the target.
+
+    Parameters
+    ----------
+    method : str
+        Name, see `method_names`.
+    tracker : BoxTracker
+        That follows.
 
     Attributes
     ----------
-    scenario : str
-        Name.
+    claims : list of JudgedClaim
+        Of the frames that count, so far.
+    """
+
+    def __init__(self, method: str, tracker: BoxTracker) -> None:
+        self._is_grey = method.startswith(f"{GREY} ")
+        self._tracker = tracker
+        self._has_begun = False
+        self.claims: list[JudgedClaim] = []
+
+    def see(self, frame: JudgedPicture) -> None:
+        """Take one frame; those before the first that shows the target are passed over."""
+        if not self._has_begun and frame.truth is None:
+            return
+        image = frame.image
+        if self._is_grey:
+            image = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+        begin = time.process_time()
+        if self._has_begun:
+            claim = self._tracker.update(image, frame.stamp)
+        else:
+            assert frame.truth is not None
+            claim = self._tracker.start(image, frame.truth, frame.stamp)
+            self._has_begun = True
+        ms = (time.process_time() - begin) * 1e3
+        if frame.is_judged:
+            self.claims.append(JudgedClaim(frame.truth, claim, frame.twin, ms))
+
+
+@dataclass(frozen=True, slots=True)
+class TargetTask:
+    """One run of a sequence, followed by several methods.
+
+    Attributes
+    ----------
+    sequence : TargetSequence
+        What is followed.
     seed : int
         Of the simulation and of our filters.
     methods : tuple of str
-        Names, see `method_names`.
-    frame_count : int
-        Length of the run.
+        Names, see `method_names`, or of `tuned`.
+    tuned : tuple of (str, TargetParameters)
+        Parameters of the user's, by name.
     """
 
-    scenario: str
+    sequence: TargetSequence
     seed: int
     methods: tuple[str, ...]
-    frame_count: int = 150
+    tuned: tuple[tuple[str, TargetParameters], ...] = ()
 
     def run(self, advance: Callable[[], None]) -> list[RunFigures]:
         """Follow the target with every method."""
-        frames = list(simulate_target(self.scenario, self.seed, self.frame_count))
-        results = []
-        for method in self.methods:
-            claims = follow(frames, method, self.seed)
-            if claims:
-                results.append(
-                    RunFigures(self.scenario, self.seed, method, _figures(self.scenario, claims))
-                )
-        for _ in frames:
+        tuned = dict(self.tuned)
+        followers = {
+            name: Follower(name, make_method(name.removeprefix(f"{GREY} "), self.seed, tuned))
+            for name in self.methods
+        }
+        for frame in self.sequence.pictures(self.seed):
+            for follower in followers.values():
+                follower.see(frame)
             advance()
-        return results
+        return [
+            RunFigures(self.sequence.name, self.seed, name, figures_of(follower.claims))
+            for name, follower in followers.items()
+            if follower.claims
+        ]
 
 
-def follow(frames: Sequence[TargetFrame], method: str, seed: int) -> list[JudgedClaim]:
-    """Follow the target from the first frame that shows it; nothing where none does."""
-    grey = method.startswith(f"{GREY} ")
-    tracker = make_method(method.removeprefix(f"{GREY} "), seed)
-    claims: list[JudgedClaim] = []
-    for frame in frames:
-        image = cv2.cvtColor(frame.image, cv2.COLOR_BGR2GRAY) if grey else frame.image
-        begin = time.process_time()
-        if claims:
-            claim = tracker.update(image, frame.stamp)
-        elif frame.box is not None:
-            claim = tracker.start(image, frame.box, frame.stamp)
-        else:
-            continue
-        ms = (time.process_time() - begin) * 1e3
-        claims.append(JudgedClaim(frame.box, claim, frame.twin_box, ms))
-    return claims
-
-
-def _figures(scenario: str, claims: Sequence[JudgedClaim]) -> tuple[float, ...]:
-    # What is hidden behind its twin has its box where the twin is: that claim is no error.
-    absent = float("nan") if scenario == "crossing" else claimed_while_absent(claims)
+def figures_of(claims: Sequence[JudgedClaim]) -> tuple[float, ...]:
+    """Return the figures of a run, in the order of `FIGURES`."""
+    has_twin = any(claim.twin for claim in claims)
     found = returns_found(claims)
     return (
         success(claims),
+        centred(claims),
         claimed_in_view(claims),
-        absent,
+        # What is hidden behind its twin has its box where the twin is: that claim is no error.
+        float("nan") if has_twin else claimed_while_absent(claims),
         float(np.mean(found)) if found else float("nan"),
-        keeps_its_own(claims) if scenario == "crossing" else float("nan"),
+        keeps_its_own(claims) if has_twin else float("nan"),
         float(np.median([claim.ms for claim in claims])),
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -57,6 +58,22 @@ def overlap(one: Box | None, two: Box | None) -> float:
 def success(claims: Sequence[JudgedClaim]) -> float:
     """Return the share of frames in view whose box overlaps enough; NaN if none is in view."""
     return _share([overlap(c.truth, c.claim) > ENOUGH_OVERLAP for c in claims if c.truth])
+
+
+def centred(claims: Sequence[JudgedClaim]) -> float:
+    """Return the share of frames in view whose box is centred within half the target's size.
+
+    The size is the mean of width and height. NaN if none is in view.
+    """
+    return _share([_is_centred(c.truth, c.claim) for c in claims if c.truth])
+
+
+def _is_centred(truth: Box, claim: Box | None) -> bool:
+    if claim is None:
+        return False
+    across, down = ((claim[k] + claim[k + 2] - truth[k] - truth[k + 2]) / 2.0 for k in (0, 1))
+    size = (truth[2] - truth[0] + truth[3] - truth[1]) / 2.0
+    return math.hypot(across, down) < size / 2.0
 
 
 def claimed_in_view(claims: Sequence[JudgedClaim]) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,9 +13,13 @@ from typing import Self
 
 import cv2
 
-from cable_tracker.arrays import Image
+from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.errors import FrameError, OutputError, RecordingError
 from cable_tracker.evaluation.folder import output_folder
+from cable_tracker.metric.recorded_target import RecordedSight
+from cable_tracker.metric.relative_state import RelativeState
+from cable_tracker.metric.target_metres import TargetMetres
+from cable_tracker.metric.withheld import Withheld
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessages
@@ -35,7 +39,9 @@ from cable_tracker.sequences.source import Source
 from cable_tracker.sequences.target_messages import (
     box_corners,
     is_claimed,
+    make_bearing,
     make_polygon,
+    make_relative_pose,
     make_target,
     make_target_markers,
     make_target_particles,
@@ -59,6 +65,14 @@ HEADER = (
     "frame", "stamp", "status", "x", "y", "scale", "angle", "v_x", "v_y", "sigma_x", "sigma_y",
     "box_x0", "box_y0", "box_x1", "box_y1", "area", "presence", "n_eff", "ms",
 )  # fmt: skip
+
+METRES = "metres.csv"
+
+METRES_HEADER = (
+    "frame", "stamp", "bearing_x", "bearing_y", "bearing_z", "x", "y", "z", "range",
+    "range_sigma", "why_not",
+)  # fmt: skip
+"""Unit vector in the camera's optical frame; place in base_link [m], range from the camera [m]."""
 
 CLAIM_SIZE = 13
 """Columns of the table from `x` to `area`."""
@@ -138,7 +152,11 @@ def parse_start(init: str) -> TargetStart | None:
 
 
 def track_target(
-    source: Source, tracker: TargetTracker, results: TargetFolder, advance: Callable[[], None]
+    source: Source,
+    tracker: TargetTracker,
+    results: TargetFolder,
+    advance: Callable[[], None],
+    sight: RecordedSight | None = None,
 ) -> RecordingError | None:
     """Follow the target through a recording, and collect the results.
 
@@ -152,6 +170,8 @@ def track_target(
         Where the results go.
     advance : callable
         Called after every frame.
+    sight : RecordedSight or None
+        Instruments of the recording; None: everything stays in pixels.
 
     Returns
     -------
@@ -160,19 +180,26 @@ def track_target(
     """
     try:
         for frame in source.frames():
-            _follow(frame, tracker, results)
+            _follow(frame, tracker, results, sight)
             advance()
     except RecordingError as error:
         return error
     return None
 
 
-def _follow(frame: Frame, tracker: TargetTracker, results: TargetFolder) -> None:
+def _follow(
+    frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedSight | None
+) -> None:
     messages = FrameMessages(results.bag, frame)
+    if sight is not None:
+        sight.advance(frame)
     try:
         image = decode_bgr(frame.image)
         begin = time.perf_counter()
-        estimate = tracker.process(image, frame.stamp)
+        motion = None
+        if sight is not None:
+            motion = sight.camera_motion(frame.stamp, (image.shape[1], image.shape[0]))
+        estimate = tracker.process(image, frame.stamp, motion)
         ms = (time.perf_counter() - begin) * 1e3
     except FrameError as error:
         messages.write_refusal(str(error))
@@ -181,7 +208,25 @@ def _follow(frame: Frame, tracker: TargetTracker, results: TargetFolder) -> None
     particles = tracker.particles
     picture = draw_target(image, estimate, particles.states if particles is not None else None)
     messages.write_estimate(estimate, particles, picture, ms)
+    if sight is not None:
+        metres = sight.take(estimate)
+        messages.write_metres(metres, sight)
+        results.metres.append(metres_row(frame, metres, sight.settings.mounting.position))
     results.add(frame, row_of(frame, estimate, ms), picture)
+
+
+def metres_row(frame: Frame, metres: TargetMetres, camera_place: FloatArray) -> tuple[str, ...]:
+    """Return a frame's row of the table in metres; empty cells where something is not told."""
+    ray: Sequence[str] = ("", "", "")
+    place: Sequence[str] = ("", "", "", "", "")
+    if not isinstance(metres.ray, Withheld):
+        ray = [repr(float(value)) for value in metres.ray]
+    if isinstance(metres.relative, RelativeState):
+        state = metres.relative
+        numbers = (*(state.position() + camera_place), state.range, state.range_sigma)
+        place = [repr(float(value)) for value in numbers]
+    why = str(metres.relative) if isinstance(metres.relative, Withheld) else ""
+    return (str(frame.index), format_stamp(frame.stamp), *ray, *place, why)
 
 
 class FrameMessages:
@@ -236,6 +281,18 @@ class FrameMessages:
         jpeg = make_compressed_image(factory, encode_jpeg(picture), header)
         self._write(output_topics.TARGET_OVERLAY, jpeg)
 
+    def write_metres(self, metres: TargetMetres, sight: RecordedSight) -> None:
+        """Write bearing and place, as far as they are known."""
+        factory = self._factory
+        if not isinstance(metres.ray, Withheld):
+            self._write(output_topics.BEARING, make_bearing(factory, self._header, metres.ray))
+        if isinstance(metres.relative, RelativeState):
+            place = metres.relative.position() + sight.settings.mounting.position
+            header = make_header(factory, self._stamp, sight.base_frame)
+            covariance = metres.relative.position_covariance()
+            pose = make_relative_pose(factory, header, place, covariance)
+            self._write(output_topics.RELATIVE_POSE, pose)
+
 
 class TargetFolder:
     """Collects the results of a run; to be used as a context manager.
@@ -257,6 +314,8 @@ class TargetFolder:
     ----------
     rows : list of TargetRow
         The table so far.
+    metres : list of tuple of str
+        The table in metres so far; it is written if it has rows.
     bag : MessageSink
         Where to write messages.
 
@@ -269,6 +328,7 @@ class TargetFolder:
     def __init__(self, path: Path, *, overwrite: bool, timing: bool, with_bag: bool) -> None:
         self.path = path
         self.rows: list[TargetRow] = []
+        self.metres: list[tuple[str, ...]] = []
         self.bag: MessageSink = NoMessages()
         self._overwrite = overwrite
         self._timing = timing
@@ -278,7 +338,8 @@ class TargetFolder:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of what it holds."""
-        return (ESTIMATES, VIDEO, CONTACT_SHEET, *((BAG,) if self._with_bag else ()))
+        metres = (METRES,) if self.metres else ()
+        return (ESTIMATES, *metres, VIDEO, CONTACT_SHEET, *((BAG,) if self._with_bag else ()))
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
@@ -321,13 +382,19 @@ class TargetFolder:
     ) -> None:
         if error is not None:
             return
-        with (self._content / ESTIMATES).open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(HEADER)
-            writer.writerows(row.cells() for row in self.rows)
+        _write_csv(self._content / ESTIMATES, HEADER, (row.cells() for row in self.rows))
+        if self.metres:
+            _write_csv(self._content / METRES, METRES_HEADER, self.metres)
         self._sheet.write(self._content / CONTACT_SHEET)
         if not (self._content / CONTACT_SHEET).is_file():
             raise OutputError(f"{self.path / CONTACT_SHEET}: could not be written")
+
+
+def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)
 
 
 def need_usable_frames(

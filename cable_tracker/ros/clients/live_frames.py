@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import OrderedDict
 from collections.abc import Callable
@@ -9,12 +10,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cable_tracker.arrays import eight_bits
+from cable_tracker.arrays import FloatArray, eight_bits
 from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.gui.session import Snapshot
-from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.gui.session import AnySnapshot, Snapshot, TargetSnapshot
+from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.messages import (
     Message,
@@ -23,6 +24,7 @@ from cable_tracker.sequences.messages import (
     read_state,
     stamp_of,
 )
+from cable_tracker.sequences.target_messages import TARGET_STATE_NAMES, read_target_particles
 
 KEPT_FRAMES = 16
 """Frames whose messages are waited for; older ones are given up."""
@@ -44,24 +46,17 @@ class _Parts:
     cloud: Message | None = None
     report: Message | None = None
     truth: Message | None = None
+    contour: Message | None = None
+
+    def facts(self) -> dict[str, str]:
+        """Return what the report says by name; nothing without one."""
+        if self.report is None:
+            return {}
+        return {str(pair.key): str(pair.value) for pair in self.report.status[0].values}
 
     def status(self) -> str | None:
         """Return what the report says."""
         return None if self.report is None else str(self.report.status[0].message)
-
-    def is_complete(self) -> bool:
-        """Tell whether nothing more will come; ground truth comes with the image, if at all."""
-        if self.image is None or self.state is None or self.report is None:
-            return False
-        return self.cloud is not None or self.status() not in WITH_PARTICLES
-
-    def will_do(self, now: float) -> bool:
-        """Tell whether a picture can be shown, and has waited long enough for the rest."""
-        return (
-            self.image is not None
-            and self.state is not None
-            and (self.is_complete() or now - self.since > PATIENCE)
-        )
 
 
 class LiveFrames:
@@ -73,7 +68,7 @@ class LiveFrames:
         Gets the snapshots.
     """
 
-    def __init__(self, hand_on: Callable[[Snapshot], None]) -> None:
+    def __init__(self, hand_on: Callable[[AnySnapshot], None]) -> None:
         self._hand_on = hand_on
         self._parts: OrderedDict[int, _Parts] = OrderedDict()
         self._last = -1
@@ -104,6 +99,11 @@ class LiveFrames:
         """Take a message of the topic `ground_truth`, of a simulator or a replay."""
         self._of(message.header).truth = message
 
+    def take_contour(self, message: Message) -> None:
+        """Take a message of the topic `contour`, of a target tracker."""
+        self._of(message.header).contour = message
+        self.hand_on_what_is_due()
+
     def _of(self, header: Message) -> _Parts:
         stamp = stamp_of(header)
         if stamp not in self._parts:
@@ -115,7 +115,7 @@ class LiveFrames:
     def hand_on_what_is_due(self) -> None:
         """Hand on the newest frame that is ready; those before it are given up."""
         now = time.monotonic()
-        ready = [stamp for stamp, parts in self._parts.items() if parts.will_do(now)]
+        ready = [stamp for stamp, parts in self._parts.items() if self._will_do(parts, now)]
         if not ready:
             return
         # By order of arrival: a bag that starts again has earlier stamps, and is shown.
@@ -125,18 +125,88 @@ class LiveFrames:
             if stamp == ready[-1]:
                 break
         try:
-            snapshot = _snapshot(self._count + 1, ready[-1], parts)
+            snapshot = self._snapshot(self._count + 1, ready[-1], parts)
         except FrameError:
             # The tracker has refused the same image, and says so in diagnostics.
             return
         self._count += 1
         self._hand_on(snapshot)
 
+    def _will_do(self, parts: _Parts, now: float) -> bool:
+        """Tell whether a picture can be shown, and has waited long enough for the rest."""
+        if parts.image is None or parts.state is None:
+            return False
+        is_complete = parts.report is not None and self._has_all(parts)
+        return is_complete or now - parts.since > PATIENCE
+
+    def _has_all(self, parts: _Parts) -> bool:
+        """Tell whether, beside the report, nothing more will come.
+
+        Ground truth comes with the image, if at all.
+        """
+        return parts.cloud is not None or parts.status() not in WITH_PARTICLES
+
+    def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
+        return _snapshot(number, stamp, parts)
+
+
+class LiveTargetFrames(LiveFrames):
+    """The same of a target tracker; of several targets the first."""
+
+    def _has_all(self, parts: _Parts) -> bool:
+        facts = parts.facts()
+        return (parts.cloud is not None or not facts.get("particles")) and (
+            parts.contour is not None or not facts.get("corners")
+        )
+
+    def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
+        assert parts.image is not None
+        assert parts.state is not None
+        facts = parts.facts()
+        scale = _number(facts, "scale")
+        state = sigma = None
+        if len(parts.state.position) == len(TARGET_STATE_NAMES) and scale is not None:
+            state, sigma = _pose(parts.state, scale)
+        sides = tuple(float(word) for word in facts.get("box", "").split())
+        is_whole = state is not None and parts.contour is not None
+        return TargetSnapshot(
+            number=number,
+            frame=None,
+            stamp=stamp,
+            image=decode_bgr(parts.image),
+            status=parts.status() or ("NO REPORT" if state is None else "TRACKING"),
+            reason=facts.get("event", ""),
+            state=state,
+            sigma=sigma,
+            box=(sides[0], sides[1], sides[2], sides[3]) if len(sides) == 4 else None,
+            outline=_corners(parts.contour) if is_whole else np.empty((0, 2)),
+            area=_number(facts, "area"),
+            cloud=read_target_particles(parts.cloud) if parts.cloud is not None else None,
+            score=_number(facts, "score"),
+            presence=_number(facts, "presence"),
+            n_eff=_number(facts, "n_eff"),
+            ms=_number(facts, "ms"),
+        )
+
+
+def _pose(message: Message, scale: float) -> tuple[FloatArray, FloatArray]:
+    """Return state and sigma as `TargetSnapshot` has them, of a message of the topic `state`."""
+    x, y, size, angle = (float(value) for value in message.position)
+    v_x, v_y = (float(value) for value in message.velocity[:2])
+    sigma = np.array([float(value) for value in message.effort[:4]])
+    sigma[2] *= scale / size if size > 0.0 else math.nan
+    return np.array([x, y, scale, angle, v_x, v_y]), sigma
+
+
+def _corners(message: Message | None) -> FloatArray:
+    points = message.polygon.points if message is not None else []
+    return np.array([(float(point.x), float(point.y)) for point in points]).reshape(-1, 2)
+
 
 def _snapshot(number: int, stamp: int, parts: _Parts) -> Snapshot:
     assert parts.image is not None
     assert parts.state is not None
-    facts = _facts(parts.report)
+    facts = parts.facts()
     state = read_state(parts.state)
     sigma = read_sigma(parts.state)
     cloud = read_cloud(parts.cloud) if parts.cloud is not None else None
@@ -162,12 +232,6 @@ def _snapshot(number: int, stamp: int, parts: _Parts) -> Snapshot:
 
 def _truth(message: Message | None) -> CableState | None:
     return read_state(message) if message is not None else None
-
-
-def _facts(report: Message | None) -> dict[str, str]:
-    if report is None:
-        return {}
-    return {str(pair.key): str(pair.value) for pair in report.status[0].values}
 
 
 def _number(facts: dict[str, str], key: str) -> float | None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped
+from geometry_msgs.msg import PolygonStamped, PoseWithCovarianceStamped
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -28,12 +28,11 @@ from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.initialisation import StatePrior, usual_sigma
-from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, ParameterSpec, ParameterValue
 from cable_tracker.errors import ParameterError, RosError
-from cable_tracker.gui.session import Listener, Snapshot
-from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS
+from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener, Snapshot
+from cable_tracker.gui.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
-from cable_tracker.ros.clients.live_frames import LiveFrames
+from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
 from cable_tracker.ros.health.diagnostics import DISABLED
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.environment import check_profile
@@ -45,8 +44,10 @@ from cable_tracker.sequences.messages import (
     read_compressed_image,
     read_image,
 )
+from cable_tracker.sequences.target_messages import make_polygon
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
-TRACKER = "tracker"
 ANSWER_TIMEOUT = 5.0
 """How long a service may take to answer [s]; a change may have to be compiled."""
 
@@ -66,7 +67,7 @@ IMAGE_TYPES = {"sensor_msgs/msg/Image": Image, "sensor_msgs/msg/CompressedImage"
 
 
 @dataclass(frozen=True, slots=True)
-class _Topics:
+class LiveTopics:
     """Names on the graph, whatever they were remapped to; empty where there is none."""
 
     image: str
@@ -75,7 +76,8 @@ class _Topics:
     particles: str
     report: str
     truth: str
-    initial_state: str
+    start: str
+    contour: str = ""
 
 
 class LiveSession:
@@ -97,24 +99,29 @@ class LiveSession:
         The Fast DDS profile that the environment names cannot be read.
     """
 
-    table: tuple[ParameterSpec, ...] = (*PARAMETER_TABLE, *TRACKER_RUNTIME_PARAMETERS)
+    subject: Subject = CABLE
+    frames: type[LiveFrames] = LiveFrames
+    start_type: tuple[str, Any] = (
+        "geometry_msgs/msg/PoseWithCovarianceStamped", PoseWithCovarianceStamped,
+    )  # fmt: skip
 
     def __init__(self, namespace: str) -> None:
         self._namespace = "/" + namespace.strip("/")
-        self.name = f"{self._namespace.rstrip('/')}/{TRACKER}"
+        self.name = f"{self._namespace.rstrip('/')}/{self.subject.node}"
+        self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=True)
         self._lock = threading.Lock()
         self._listeners: list[Listener] = []
-        self._latest: Snapshot | None = None
+        self._latest: AnySnapshot | None = None
         self._status = ""
         self._heard = -math.inf
         self._is_there = False
         self._others: list[str] = []
         self._silent_since: float | None = None
-        self._topics: _Topics | None = None
+        self._topics: LiveTopics | None = None
         self._subscriptions: list[Subscription] = []
         self._prior: Publisher | None = None
         self._factory = RclpyMessages()
-        self._frames = LiveFrames(self._take)
+        self._frames = self.frames(self._take)
         check_profile()
         self._context = Context()
         try:
@@ -139,7 +146,7 @@ class LiveSession:
         self._thread.start()
 
     @property
-    def latest(self) -> Snapshot | None:
+    def latest(self) -> AnySnapshot | None:
         """The newest snapshot."""
         return self._latest
 
@@ -211,7 +218,7 @@ class LiveSession:
         if not result.successful:
             raise ParameterError(str(result.reason))
 
-    def initialise(self, prior: StatePrior) -> None:
+    def initialise(self, start: AnyStart) -> None:
         """Publish where the user sees the cable on the node's topic `initial_state`.
 
         The topic says nothing of width and skew; the node searches for them.
@@ -228,10 +235,13 @@ class LiveSession:
             raise RosError(f"{self.name} takes no initial state yet; wait until it has warmed up")
         latest = self._latest
         header = make_header(self._factory, latest.stamp if latest is not None else 0, "")
-        width = latest.grey.shape[1] if latest is not None else 320
-        publisher.publish(
-            make_centreline(self._factory, header, prior.state, _covariance(prior, width))
-        )
+        publisher.publish(self._start_message(header, start))
+
+    def _start_message(self, header: Message, start: AnyStart) -> Message:
+        assert isinstance(start, StatePrior), "a cable is not marked with an outline"
+        latest = self._latest
+        width = latest.grey.shape[1] if isinstance(latest, Snapshot) else 320
+        return make_centreline(self._factory, header, start.state, _covariance(start, width))
 
     def reset(self) -> None:
         """Call the service `~/reset`."""
@@ -270,7 +280,7 @@ class LiveSession:
             raise RosError(f"{self.name} has not answered for {ANSWER_TIMEOUT:g} s; try again")
         return future.result()
 
-    def _take(self, snapshot: Snapshot) -> None:
+    def _take(self, snapshot: AnySnapshot) -> None:
         self._silent_since = time.monotonic()
         with self._lock:
             self._latest = snapshot
@@ -290,7 +300,7 @@ class LiveSession:
         found = {
             f"{namespace.rstrip('/')}/{name}"
             for name, namespace in self._node.get_node_names_and_namespaces()
-            if name == TRACKER
+            if name == self.subject.node
         }
         self._is_there = self.name in found
         self._others = sorted(found - {self.name})
@@ -302,21 +312,23 @@ class LiveSession:
             self._silent_since = time.monotonic()
         self._connect(self._find_topics())
 
-    def _find_topics(self) -> _Topics | None:
+    def _find_topics(self) -> LiveTopics | None:
         try:
-            published = self._node.get_publisher_names_and_types_by_node(TRACKER, self._namespace)
-            read = self._node.get_subscriber_names_and_types_by_node(TRACKER, self._namespace)
+            node, place = self.subject.node, self._namespace
+            published = self._node.get_publisher_names_and_types_by_node(node, place)
+            read = self._node.get_subscriber_names_and_types_by_node(node, place)
         except RuntimeError:
             return None  # It has gone since it was seen.
         image, image_type = _of_types(read, IMAGE_TYPES)
-        return _Topics(
+        return LiveTopics(
             image=image,
             image_type=image_type,
             state=_of_types(published, ["sensor_msgs/msg/JointState"])[0],
             particles=_of_types(published, ["sensor_msgs/msg/PointCloud2"])[0],
             report=f"{self.name}/frame_report",
             truth=self._truth_topic(image),
-            initial_state=_of_types(read, ["geometry_msgs/msg/PoseWithCovarianceStamped"])[0],
+            start=_of_types(read, [self.start_type[0]])[0],
+            contour=_named(published, "geometry_msgs/msg/PolygonStamped", "contour"),
         )
 
     def _truth_topic(self, image: str) -> str:
@@ -327,7 +339,7 @@ class LiveSession:
     def _resolved(self, name: str) -> str:
         return f"{self._namespace.rstrip('/')}/{name}"
 
-    def _connect(self, topics: _Topics | None) -> None:
+    def _connect(self, topics: LiveTopics | None) -> None:
         if topics == self._topics:
             return
         for subscription in self._subscriptions:
@@ -342,6 +354,7 @@ class LiveSession:
         for kind, topic, callback in (
             (image_type, topics.image, on_image),
             (JointState, topics.truth, self._frames.take_truth),
+            (PolygonStamped, topics.contour, self._frames.take_contour),
             (PointCloud2, topics.particles, self._frames.take_cloud),
             (DiagnosticArray, topics.report, self._frames.take_report),
             (JointState, topics.state, self._frames.take_state),
@@ -350,10 +363,8 @@ class LiveSession:
                 self._subscriptions.append(
                     self._node.create_subscription(kind, topic, callback, WATCHED)
                 )
-        if topics.initial_state:
-            self._prior = self._node.create_publisher(
-                PoseWithCovarianceStamped, topics.initial_state, qos.RESULTS
-            )
+        if topics.start:
+            self._prior = self._node.create_publisher(self.start_type[1], topics.start, qos.RESULTS)
 
     def _on_image(self, message: Message) -> None:
         self._frames.take_image(message.header, read_image(message))
@@ -369,6 +380,23 @@ def _of_types(topics: list[tuple[str, list[str]]], types: Any) -> tuple[str, str
             if kind in types:
                 return name, kind
     return "", ""
+
+
+def _named(topics: list[tuple[str, list[str]]], kind: str, word: str) -> str:
+    """Return the first topic of a type whose name ends with a word; empty if there is none."""
+    return next((name for name, kinds in topics if kind in kinds and name.endswith(word)), "")
+
+
+class LiveTargetSession(LiveSession):
+    """Watches the node `target_tracker` in a namespace; of several targets the first."""
+
+    subject = TARGET
+    frames = LiveTargetFrames
+    start_type = ("geometry_msgs/msg/PolygonStamped", PolygonStamped)
+
+    def _start_message(self, header: Message, start: AnyStart) -> Message:
+        assert isinstance(start, TargetStart), "a target is marked with a box or an outline"
+        return make_polygon(self._factory, header, start.corners)
 
 
 def _covariance(prior: StatePrior, image_width: int) -> FloatArray:

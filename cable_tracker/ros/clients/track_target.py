@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 from cable_tracker.errors import RecordingError
@@ -33,11 +33,14 @@ class TargetRequest:
         Parameters of the filter.
     initial_target : str
         `detect`, or a box.
+    sight : dict
+        Parameters of the tracker about camera and instruments.
     """
 
     source: dict[str, ParameterValue]
     parameters: TargetParameters
     initial_target: str
+    sight: dict[str, ParameterValue] = field(default_factory=dict)
 
 
 class TargetRecorder(Recorder):
@@ -116,7 +119,11 @@ def track_target_over_ros(
         results.add(frame, row_of_messages(frame, recorded, state), picture)
         return state
 
-    parameters = {**request.parameters.as_mapping(), "initial_target": request.initial_target}
+    parameters = {
+        **request.parameters.as_mapping(),
+        **request.sight,
+        "initial_target": request.initial_target,
+    }
     nodes = LockstepNodes("target_tracker", parameters, request.source, TargetRecorder)
     return track_in_lockstep(source, nodes, take, advance)
 

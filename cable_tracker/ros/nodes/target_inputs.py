@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import cast
 
@@ -11,18 +10,10 @@ from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Imu
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.metric.calibration import CameraModel
-from cable_tracker.metric.frames import Mounting
-from cable_tracker.metric.messages import read_camera_info, read_rates_of_turn, read_twist
-from cable_tracker.metric.motion import NoMotion, PoseChange
+from cable_tracker.metric.recorded_target import target_settings
 from cable_tracker.metric.relative_state import RelativeState
-from cable_tracker.metric.target_metres import (
-    TargetMetres,
-    TargetRange,
-    TargetSettings,
-    VehicleMotion,
-    turn_of_picture,
-)
+from cable_tracker.metric.target_metres import TargetMetres
+from cable_tracker.metric.target_sight import TargetSight
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.ros import qos
@@ -30,9 +21,6 @@ from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.sequences.messages import Message, stamp_of
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
-
-LEAST_SIGMAS = (0.02, math.radians(0.3))
-"""Doubt about velocities and turns that odometry does not state [m/s, rad/s]."""
 
 
 class TargetInputs:
@@ -51,14 +39,10 @@ class TargetInputs:
         self._values: dict[str, object] = {
             spec.name: spec.default for spec in TARGET_METRIC_PARAMETERS
         }
-        self._motion = VehicleMotion()
+        self._sight = TargetSight(target_settings(self._values), count)
         self._info: Message | None = None
         self._newest = {"imu": -1, "odometry": -1}
-        self._ranges = [TargetRange(self._settings()) for _ in range(count)]
         self._results: list[TargetMetres] = []
-        self._before: int | None = None
-        self._moved: tuple[PoseChange, bool] | NoMotion = NoMotion("no frame has come before")
-        self._why_unaided = ""
 
     def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
         """Listen, `best_effort` or `reliable`; `on_news` is called after each message."""
@@ -83,7 +67,7 @@ class TargetInputs:
     @property
     def camera_place(self) -> FloatArray:
         """Of the camera in it, shape (3,) [m]."""
-        return self._settings().mounting.position
+        return self._sight.settings.mounting.position
 
     @property
     def results(self) -> Sequence[TargetMetres]:
@@ -100,69 +84,35 @@ class TargetInputs:
         if not own:
             return
         self._values.update(own)
-        for each in self._ranges:
-            each.configure(self._settings())
+        self._sight.configure(target_settings(self._values))
         if self._info is not None:
             self.on_camera_info(self._info)
 
     def forget(self, number: int | None = None) -> None:
         """Begin anew with the range of one target, or of all."""
-        for each in self._ranges if number is None else [self._ranges[number]]:
-            each.forget()
+        self._sight.forget(number)
 
     def on_camera_info(self, message: Message) -> None:
         """Take a calibration."""
         is_rectified = bool(self._values["image_is_rectified"])
-        self._motion.take_calibration(read_camera_info(message, is_rectified=is_rectified))
+        self._sight.take_camera_info(message, is_rectified=is_rectified)
         self._info = message
 
     def on_imu(self, message: Message) -> None:
         """Take rates of turn."""
-        rates = read_rates_of_turn(message)
-        stamp = self._note("imu", message)
-        if rates is not None:
-            self._motion.take_turn(stamp, rates)
+        self._sight.take_imu(self._note("imu", message), message)
 
     def on_odometry(self, message: Message) -> None:
         """Take a twist of base_link."""
-        self._motion.take_twist(self._note("odometry", message), *read_twist(message, LEAST_SIGMAS))
+        self._sight.take_odometry(self._note("odometry", message), message)
 
     def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
-        """Return what turns of the vehicle did to the picture since the frame before.
-
-        None where they are not known. Call it for each frame, before the filter looks at it.
-
-        Parameters
-        ----------
-        stamp : int
-            Time of the frame [ns].
-        image_size : (int, int)
-            Width and height [px].
-        """
-        if self._before is None:
-            self._moved = NoMotion("no frame has come before")
-        else:
-            self._moved = self._motion.between(self._before, stamp)
-        camera = self._motion.camera(image_size)
-        if not self._values["motion_aid"]:
-            self._why_unaided = "the parameter motion_aid is false"
-        elif isinstance(self._moved, NoMotion):
-            self._why_unaided = self._moved.why
-        elif not isinstance(camera, CameraModel):
-            self._why_unaided = str(camera)
-        else:
-            self._why_unaided = ""
-            mounting = self._settings().mounting
-            return turn_of_picture(camera, mounting, self._moved[0].rotation)
-        return None
+        """Return what turns of the vehicle did to the picture; see `TargetSight`."""
+        return self._sight.camera_motion(stamp, image_size)
 
     def take(self, estimates: Sequence[TargetEstimate]) -> Sequence[TargetMetres]:
         """Return what a frame's estimates are in metres; once for each frame."""
-        before, self._before = self._results, estimates[0].stamp
-        self._results = [
-            each.take(estimate, self._motion.camera(estimate.image_size), self._moved)
-            for each, estimate in zip(self._ranges, estimates, strict=True)
-        ]
+        before, self._results = self._results, self._sight.take(estimates)
         for number, result in enumerate(self._results):
             self._tell(before[number] if number < len(before) else None, result)
         return self._results
@@ -183,7 +133,7 @@ class TargetInputs:
     @property
     def why_unaided(self) -> str:
         """Why turns were not taken out of the last frame; empty if they were."""
-        return self._why_unaided
+        return self._sight.why_unaided
 
     def _tell(self, before: TargetMetres | None, result: TargetMetres) -> None:
         """Say once why there are no metres. That no target is claimed is said elsewhere."""
@@ -196,18 +146,6 @@ class TargetInputs:
 
     def _number(self, name: str) -> float:
         return float(cast(float, self._values[name]))
-
-    def _settings(self) -> TargetSettings:
-        angles = (
-            math.radians(self._number(name))
-            for name in ("camera_roll", "camera_pitch", "camera_yaw")
-        )
-        places = (self._number(name) for name in ("camera_x", "camera_y", "camera_z"))
-        return TargetSettings(
-            Mounting(*places, *angles),
-            self._number("target_size"),
-            bool(self._values["motion_aid"]),
-        )
 
     def _note(self, name: str, message: Message) -> int:
         """Return the stamp of an instrument's message [ns], and remember it."""

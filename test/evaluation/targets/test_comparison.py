@@ -1,46 +1,108 @@
 import math
+from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
+from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.targets.comparison import (
     FIGURES,
+    Follower,
     RunFigures,
-    ScenarioTask,
+    TargetTask,
+    make_method,
     markdown_table,
     mean_figures,
 )
 from cable_tracker.evaluation.targets.peers import PEERS
+from cable_tracker.evaluation.targets.target_sequences import RecordedTarget, SimulatedTarget
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.target_labels import write_target_bag
+from cable_tracker.simulation.targets.sequence import simulate_target
+from cable_tracker.target.parameters.parameters import TargetParameters
+
+
+def run(name, methods, length, **words):
+    return TargetTask(SimulatedTarget(name, length), 1, methods, **words).run(lambda: None)
 
 
 def test_a_run_has_figures_for_every_method():
     counted = []
-    results = ScenarioTask("buoy", 1, ("default", "CamShift", "grey default"), 12).run(
-        lambda: counted.append(1)
-    )
-    assert [each.method for each in results] == ["default", "CamShift", "grey default"]
+    methods = ("default", "CamShift", "grey default")
+    task = TargetTask(SimulatedTarget("buoy", 12), 1, methods)
+    results = task.run(lambda: counted.append(1))
+    assert [each.method for each in results] == list(methods)
     assert all(each.values[FIGURES.index("claimed_in_view")] > 0.5 for each in results)
-    assert results[0].values[0] > 0.8
+    assert results[0].values[FIGURES.index("success")] > 0.8
+    assert results[0].values[FIGURES.index("centred")] > 0.8
     assert len(counted) == 12
 
 
 @pytest.mark.parametrize("name", sorted(PEERS))
 def test_peers_follow_an_easy_target(name):
-    (result,) = ScenarioTask("near_surface", 1, (name,), 8).run(lambda: None)
+    (result,) = run("near_surface", (name,), 8)
     assert result.values[0] > 0.5
 
 
 def test_without_a_target_there_is_nothing_to_follow():
-    assert ScenarioTask("nothing", 1, ("default",), 3).run(lambda: None) == []
+    assert run("nothing", ("default",), 3) == []
+
+
+def test_parameters_of_the_users_are_a_method_of_their_own():
+    own = TargetParameters(particle_count=60)
+    (result,) = run("near_surface", ("few",), 6, tuned=(("few", own),))
+    assert result.method == "few"
+    assert result.values[FIGURES.index("claimed_in_view")] == 1.0
+
+
+def test_frames_that_are_not_judged_do_not_count():
+    frames = list(SimulatedTarget("near_surface", 6).pictures(1))
+    follower = Follower("CamShift", make_method("CamShift", 1))
+    for index, frame in enumerate(frames):
+        follower.see(replace(frame, is_judged=index % 2 == 0))
+    assert len(follower.claims) == 3
+
+
+def test_a_frame_that_the_tracker_refuses_is_one_without_a_claim():
+    first, second = list(SimulatedTarget("near_surface", 2).pictures(1))
+    follower = Follower("default", make_method("default", 1))
+    follower.see(first)
+    follower.see(replace(second, stamp=first.stamp))
+    assert [claim.claim is not None for claim in follower.claims] == [True, False]
+
+
+def test_a_recording_with_boxes_is_judged_as_the_scenario_that_it_was_made_of(tmp_path):
+    simulated = list(simulate_target("near_surface", 1, 6))
+    frames = (
+        (Frame(index, each.stamp, raw_from_array(each.image, "bgr8")), each.box)
+        for index, each in enumerate(simulated)
+    )
+    write_target_bag(tmp_path / "dive", frames)
+    recorded = RecordedTarget(tmp_path / "dive")
+    assert recorded.frame_count() == 6
+    (result,) = TargetTask(recorded, 1, ("default",)).run(lambda: None)
+    (expected,) = run("near_surface", ("default",), 6)
+    assert result.values[:3] == expected.values[:3]
+
+
+def test_a_recording_whose_target_is_never_seen_cannot_be_judged(tmp_path):
+    cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
+    (tmp_path / "boxes.txt").write_text("0.png none\n")
+    with pytest.raises(RecordingError, match="no frame has a box"):
+        TargetTask(RecordedTarget(tmp_path), 1, ("default",)).run(lambda: None)
 
 
 def test_means_pass_over_what_has_no_figure():
     nan = math.nan
     rows = [
-        RunFigures("buoy", 0, "default", (1.0, 1.0, nan, nan, nan, 2.0)),
-        RunFigures("leaving", 0, "default", (0.5, 1.0, 0.2, 1.0, nan, 4.0)),
+        RunFigures("buoy", 0, "default", (1.0, 1.0, 1.0, nan, nan, nan, 2.0)),
+        RunFigures("leaving", 0, "default", (0.5, 0.0, 1.0, 0.2, 1.0, nan, 4.0)),
     ]
     means = mean_figures(rows, "default", None)
-    assert means[:4] == [0.75, 1.0, 0.2, 1.0]
-    assert np.isnan(means[4])
-    assert "| default | 75 | 100 | 20 | 100 |  | 3.0 |" in markdown_table(rows, ["default"], "note")
+    assert means[:5] == [0.75, 0.5, 1.0, 0.2, 1.0]
+    assert np.isnan(means[5])
+    assert "| default | 75 | 50 | 100 | 20 | 100 |  | 3.0 |" in markdown_table(
+        rows, ["default"], "note"
+    )

@@ -1,0 +1,154 @@
+"""`cable-tracker evaluate --targets`: target filters and their peers, on the same frames."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import date
+from fnmatch import filter as matching
+from pathlib import Path
+
+import cv2
+
+from cable_tracker.campaigns.crew import ClusterSettings, move_store, run_all, stored_beside
+from cable_tracker.commands.machine import machine, typed_command
+from cable_tracker.commands.target import NODE, chosen_target
+from cable_tracker.commands.terminal import advance, console, messages, progress_bar
+from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.folder import output_folder
+from cable_tracker.evaluation.targets.comparison import (
+    TargetTask,
+    markdown_table,
+    method_names,
+    write_figures,
+)
+from cable_tracker.evaluation.targets.peers import MISSING_PEERS, PEERS
+from cable_tracker.evaluation.targets.target_sequences import SimulatedTarget, TargetSequence
+from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.parameter_files import read_parameter_file
+
+FIGURES_CSV = "figures.csv"
+TABLE_MARKDOWN = "table.md"
+FRAMES = 150
+
+NOTHING = "nothing"
+"""The scenario without any target, in which there is nothing to follow from a first box."""
+
+
+@dataclass(frozen=True, slots=True)
+class TargetCampaign:
+    """What is judged on what.
+
+    Attributes
+    ----------
+    sequences : tuple of TargetSequence
+        Scenarios or recordings.
+    seeds : tuple of int
+        Of the runs.
+    methods : tuple of str
+        Names.
+    tuned : tuple of (str, TargetParameters)
+        Parameters of the user's, by name.
+    """
+
+    sequences: tuple[TargetSequence, ...]
+    seeds: tuple[int, ...]
+    methods: tuple[str, ...]
+    tuned: tuple[tuple[str, TargetParameters], ...] = ()
+
+
+def simulated_targets(names: Sequence[str], frames: int | None) -> tuple[SimulatedTarget, ...]:
+    """Return scenarios by name or pattern, each once; all with a target if no name is given.
+
+    Raises
+    ------
+    ParameterError
+        There is no such scenario, or it has no target.
+    """
+    with_target = [name for name in TARGET_SCENARIOS if name != NOTHING]
+    chosen: dict[str, SimulatedTarget] = {}
+    for pattern in names or ["*"]:
+        found = matching(with_target, pattern)
+        if not found:
+            raise ParameterError(f"scenario: {pattern!r} is none of {' | '.join(with_target)}")
+        chosen |= {name: SimulatedTarget(name, frames or FRAMES) for name in found}
+    return tuple(chosen.values())
+
+
+def tuned_targets(files: Sequence[Path] | None) -> tuple[tuple[str, TargetParameters], ...]:
+    """Return the parameters of files, each under the name of its file.
+
+    Raises
+    ------
+    ParameterError
+        A file is not acceptable, or two have the same name, or that of a method.
+    """
+    tuned: dict[str, TargetParameters] = {}
+    for file in files or ():
+        name = file.stem
+        if name in tuned or name in method_names():
+            raise ParameterError(f"params: there are two methods {name!r}; rename {file}")
+        tuned[name] = chosen_target(None, read_parameter_file(file, NODE), None)
+    return tuple(tuned.items())
+
+
+def chosen_methods(
+    names: Sequence[str] | None, tuned: Sequence[tuple[str, TargetParameters]]
+) -> tuple[str, ...]:
+    """Return the methods to judge: those that are named, or else the usual ones.
+
+    Raises
+    ------
+    ParameterError
+        There is no such method.
+    """
+    own = [name for name, _ in tuned]
+    if not names:
+        return ("default", *own) if own else ("default", "thesis", *PEERS, "grey default")
+    for name in names:
+        if name not in method_names():
+            raise ParameterError(f"method: {name!r} is none of {' | '.join(method_names())}")
+    return (*dict.fromkeys(names), *own)
+
+
+def evaluate_targets(
+    campaign: TargetCampaign, output: Path, cluster: ClusterSettings, *, force: bool, resume: bool
+) -> None:
+    """Follow, judge, and write the tables into a folder."""
+    missing = _words_on_missing()
+    if missing:
+        messages.print(missing, style="bold yellow", soft_wrap=True)
+    counts = [each.frame_count() for each in campaign.sequences]
+    total = sum(count or 0 for count in counts) * len(campaign.seeds)
+    tasks = [
+        TargetTask(sequence, seed, campaign.methods, campaign.tuned)
+        for seed in campaign.seeds
+        for sequence in campaign.sequences
+    ]
+    with (
+        output_folder(output, TABLE_MARKDOWN, overwrite=force or resume) as folder,
+        stored_beside(output, cluster, resume=resume) as crew,
+    ):
+        with progress_bar("following", None if None in counts else total) as progress:
+            parts = run_all(tasks, workers=crew, advance=lambda count: advance(progress, count))
+        move_store(crew, folder)
+        results = [each for part in parts for each in part]
+        note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}. {missing}".rstrip()
+        table = markdown_table(results, campaign.methods, note)
+        write_figures(folder / FIGURES_CSV, results)
+        (folder / TABLE_MARKDOWN).write_text(table, encoding="utf-8")
+    console.print(table)
+    for file_name in (FIGURES_CSV, TABLE_MARKDOWN):
+        console.print(f"  {output / file_name}", soft_wrap=True)
+
+
+def _words_on_missing() -> str:
+    """Say which peers this OpenCV has not, and how to have them; empty where it has all."""
+    if not MISSING_PEERS:
+        return ""
+    return (
+        f"NOT COMPARED WITH {' AND '.join(MISSING_PEERS)}: OpenCV {cv2.__version__} has none."
+        " Install 'opencv-contrib-python-headless<5' in place of opencv-python-headless, in a"
+        " virtual environment of its own."
+    )

@@ -1,0 +1,140 @@
+"""What target trackers are judged on: simulated scenarios, and recordings with boxes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from cable_tracker.arrays import Image
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.sequences.target_labels import find_boxes
+from cable_tracker.simulation.targets.sequence import simulate_target
+from cable_tracker.target.model.estimate import Box
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JudgedPicture:
+    """A frame, decoded, with what is known about it.
+
+    Attributes
+    ----------
+    image : Image
+        uint8, blue-green-red, shape (H, W, 3).
+    stamp : int
+        Time of the frame [ns].
+    truth : Box or None
+        Of what can be seen of the target; None while it is out of view, or not known.
+    twin : Box or None
+        Of another target that looks the same.
+    is_judged : bool
+        Whether claims of this frame count.
+    """
+
+    image: Image
+    stamp: int
+    truth: Box | None
+    twin: Box | None = None
+    is_judged: bool = True
+
+
+class TargetSequence(Protocol):
+    """Something to judge on. It is sent to other processes, and opened there."""
+
+    @property
+    def name(self) -> str:
+        """What it is called in reports."""
+        ...
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames; None if it is unknown before all have been read."""
+        ...
+
+    def pictures(self, seed: int) -> Iterator[JudgedPicture]:
+        """Make or read the frames."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedTarget:
+    """A scenario: a key of `TARGET_SCENARIOS`; each seed is another run.
+
+    Attributes
+    ----------
+    name : str
+        Of the scenario.
+    length : int
+        Number of frames.
+    """
+
+    name: str
+    length: int = 150
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames."""
+        return self.length
+
+    def pictures(self, seed: int) -> Iterator[JudgedPicture]:
+        """Simulate the run of a seed."""
+        for frame in simulate_target(self.name, seed, self.length):
+            yield JudgedPicture(frame.image, frame.stamp, frame.box, frame.twin_box)
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedTarget(ChosenRecording):
+    """A recording of the user's with boxes, the same for every seed; `truth` holds the boxes.
+
+    Attributes
+    ----------
+    unlabelled_is_empty : bool
+        Whether a frame without a label shows no target. Otherwise it is not judged.
+    """
+
+    unlabelled_is_empty: bool = False
+
+    @property
+    def name(self) -> str:
+        """The name of the file or folder."""
+        return self.path.resolve().name
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames, and see that there is something to judge.
+
+        Raises
+        ------
+        RecordingError
+            The recording or the boxes cannot be read, do not fit, or there are none.
+        """
+        with self._unlabelled().open() as source:
+            find_boxes(source, self.truth)
+            return source.frame_count
+
+    def pictures(self, seed: int) -> Iterator[JudgedPicture]:
+        """Read the recording.
+
+        Raises
+        ------
+        RecordingError
+            It is damaged, or shows the target in none of its frames.
+        FrameError
+            A frame cannot be decoded.
+        """
+        shown = 0
+        with self._unlabelled().open() as source:
+            truth = find_boxes(source, self.truth)
+            for frame in source.frames():
+                box = truth.box(frame)
+                shown += box is not None
+                is_judged = truth.knows(frame) or self.unlabelled_is_empty
+                image = decode_bgr(frame.image)
+                yield JudgedPicture(image, frame.stamp, box, is_judged=is_judged)
+        if not shown:
+            raise RecordingError(
+                f"{self.path}: no frame has a box; label at least the one to start from"
+            )
+
+    def _unlabelled(self) -> ChosenRecording:
+        """Return the recording without what would be taken for labels of a cable."""
+        return replace(self, truth=None)

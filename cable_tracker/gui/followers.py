@@ -1,0 +1,393 @@
+"""Trackers as a recording session uses them: frame in, snapshot out, whatever is followed."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Protocol, Self
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image, eight_bits
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.detection.pair_limits import pair_limits
+from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.tracking.track_recording import initial_state_for, start_from
+from cable_tracker.gui.recording_request import RecordingRequest
+from cable_tracker.gui.session import AnySnapshot, AnyStart, Snapshot, TargetSnapshot
+from cable_tracker.gui.subject import CABLE, TARGET, Subject
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.sequences.encodings import decode_bgr, decode_grey
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.messages import cloud_of
+from cable_tracker.sequences.source import Source
+from cable_tracker.sequences.target_labels import BoxTruth, find_boxes, own_boxes
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.model.start_text import StartText, parse_start_text
+from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.tracker import TargetTracker
+from cable_tracker.target.warming import warm_up_target
+from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
+
+BLANK = np.zeros((240, 320), np.uint8)
+"""Shown where no frame could be decoded yet."""
+
+PROPOSER = "contours"
+"""What proposes a target where one is to be detected and the parameters name no detector."""
+
+
+class Follower(Protocol):
+    """A tracker, and what a session wants to know of it.
+
+    Attributes
+    ----------
+    subject : Subject
+        What is followed.
+    """
+
+    subject: Subject
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief."""
+        ...
+
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        """Return the values in force, by name."""
+        ...
+
+    def warm_up(self) -> None:
+        """Compile and load what frames will need."""
+        ...
+
+    def begin(self) -> None:
+        """Be ready for the first frame of the recording, with the start that was asked for."""
+        ...
+
+    def reset(self) -> None:
+        """Forget everything."""
+        ...
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        ...
+
+    def initialise(self, start: AnyStart) -> None:
+        """Start the next frame from what the user says.
+
+        Raises
+        ------
+        FrameError
+            It cannot be; nothing has changed.
+        """
+        ...
+
+    def configure(self, values: Mapping[str, object]) -> bool:
+        """Change parameters, all or none; tell whether any has another value now.
+
+        Raises
+        ------
+        ParameterError
+            A value is refused.
+        """
+        ...
+
+    def look(self, frame: Frame) -> None:
+        """Decode a frame, which is shown from now on.
+
+        Raises
+        ------
+        FrameError
+            It cannot be decoded.
+        """
+        ...
+
+    def follow(self, frame: Frame, number: int) -> AnySnapshot:
+        """Track the frame that was looked at last; its snapshot gets a number.
+
+        Raises
+        ------
+        FrameError
+            It cannot be used.
+        """
+        ...
+
+    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> AnySnapshot:
+        """Return a snapshot of a frame that is not tracked."""
+        ...
+
+
+class CableFollower:
+    """Follows a cable.
+
+    Parameters
+    ----------
+    source : Source
+        The recording.
+    init : str
+        Where to start in it.
+    parameters : TrackerParameters
+        Those to begin with.
+
+    Raises
+    ------
+    ParameterError
+        There is no such start, or the response table cannot be read.
+    """
+
+    subject = CABLE
+
+    def __init__(self, source: Source, init: str, parameters: TrackerParameters) -> None:
+        self._start = initial_state_for(source, init, pair_limits(parameters))
+        self._parameters = parameters
+        self._tracker = make_tracker(parameters)
+        self._decoded: Image = BLANK
+        self._grey: Image = BLANK
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief."""
+        return self._tracker.particles
+
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        """Return the values in force, by name."""
+        return self._parameters.as_mapping()
+
+    def warm_up(self) -> None:
+        """Compile and load what frames will need."""
+        warm_up(self._parameters)
+
+    def begin(self) -> None:
+        """Be ready for the first frame."""
+        start_from(self._tracker, self._start)
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._tracker.reset()
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        other = self.__new__(type(self))
+        other.__dict__ = self.__dict__ | {"_tracker": self._tracker.copy()}
+        return other
+
+    def initialise(self, start: AnyStart) -> None:
+        """Start the next frame from a belief."""
+        assert isinstance(start, StatePrior), "a cable is not marked with an outline"
+        self._tracker.initialise(start)
+
+    def configure(self, values: Mapping[str, object]) -> bool:
+        """Change parameters, all or none."""
+        parameters = self._parameters.replaced(values)
+        if parameters == self._parameters:
+            return False
+        self._tracker.configure(parameters, make_proposer(parameters))
+        self._parameters = parameters
+        return True
+
+    def look(self, frame: Frame) -> None:
+        """Decode a frame."""
+        self._decoded = decode_grey(frame.image)
+        self._grey = eight_bits(self._decoded)
+
+    def follow(self, frame: Frame, number: int) -> Snapshot:
+        """Track a frame."""
+        begin = time.perf_counter()
+        estimate = self._tracker.process(self._decoded, frame.stamp)
+        ms = (time.perf_counter() - begin) * 1e3
+        return self._tracked(frame, number, estimate, ms)
+
+    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> Snapshot:
+        """Return a snapshot of a frame that is not tracked."""
+        return Snapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            grey=self._grey,
+            status=status,
+            reason=reason,
+            truth=frame.truth,
+        )
+
+    def _tracked(self, frame: Frame, number: int, estimate: CableEstimate, ms: float) -> Snapshot:
+        is_claimed = estimate.status is TrackingStatus.TRACKING
+        particles = self._tracker.particles
+        return Snapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            grey=self._grey,
+            status=estimate.status.value,
+            reason=estimate.event,
+            state=estimate.state if is_claimed else None,
+            sigma=estimate.standard_deviations() if is_claimed else None,
+            cloud=cloud_of(particles) if particles is not None else None,
+            hypotheses=estimate.hypotheses,
+            presence=estimate.presence,
+            evidence=estimate.evidence if math.isfinite(estimate.evidence) else None,
+            n_eff=estimate.effective_sample_size,
+            ms=ms,
+            truth=frame.truth,
+        )
+
+
+class TargetFollower:
+    """Follows a target.
+
+    Parameters
+    ----------
+    init : str
+        Where to start: `wait` for a mark, `detect`, or `x0,y0,x1,y1` [px].
+    parameters : TargetParameters
+        Those to begin with.
+    truth : BoxTruth
+        Where the target really is, as far as that is known.
+
+    Raises
+    ------
+    ParameterError
+        There is no such start.
+    """
+
+    subject = TARGET
+
+    def __init__(self, init: str, parameters: TargetParameters, truth: BoxTruth) -> None:
+        self._truth = truth
+        self._start: StartText = parse_start_text(init)
+        if len(self._start.boxes) > 1:
+            raise ParameterError("init: the window follows one target; mark only one")
+        if self._start.detects and parameters.detector == "none":
+            parameters = parameters.replaced({"detector": PROPOSER})
+        self._parameters = parameters
+        self._tracker = TargetTracker(parameters)
+        self._image: Image = BLANK
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief."""
+        return self._tracker.particles
+
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        """Return the values in force, by name."""
+        return self._parameters.as_mapping()
+
+    def warm_up(self) -> None:
+        """Compile and load what frames will need."""
+        warm_up_target(self._parameters)
+
+    def begin(self) -> None:
+        """Be ready for the first frame."""
+        for start in self._start.boxes:
+            self._tracker.initialise(start)
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._tracker.reset()
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        other = self.__new__(type(self))
+        other.__dict__ = self.__dict__ | {"_tracker": self._tracker.copy()}
+        return other
+
+    def initialise(self, start: AnyStart) -> None:
+        """Follow what is marked in the next frame."""
+        assert isinstance(start, TargetStart), "a target is marked with a box or an outline"
+        height, width = self._image.shape[:2]
+        start.check((width, height))
+        self._tracker.initialise(start)
+
+    def configure(self, values: Mapping[str, object]) -> bool:
+        """Change parameters, all or none."""
+        parameters = self._parameters.replaced(values)
+        if parameters == self._parameters:
+            return False
+        self._tracker.configure(parameters)
+        self._parameters = parameters
+        return True
+
+    def look(self, frame: Frame) -> None:
+        """Decode a frame."""
+        self._image = decode_bgr(frame.image)
+
+    def follow(self, frame: Frame, number: int) -> TargetSnapshot:
+        """Track a frame."""
+        begin = time.perf_counter()
+        estimate = self._tracker.process(self._image, frame.stamp)
+        ms = (time.perf_counter() - begin) * 1e3
+        is_claimed = estimate.status is TrackingStatus.TRACKING and estimate.box is not None
+        state = sigma = None
+        if is_claimed:
+            state = estimate.state.copy()
+            state[PoseColumn.LOG_SCALE] = estimate.scale
+            sigma = estimate.standard_deviations()[:4]
+            sigma[PoseColumn.LOG_SCALE] *= estimate.scale
+        return TargetSnapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            image=self._image,
+            status=estimate.status.value,
+            reason=estimate.event,
+            state=state,
+            sigma=sigma,
+            box=estimate.box if is_claimed else None,
+            outline=estimate.outline if is_claimed else np.empty((0, 2)),
+            area=estimate.area if is_claimed else None,
+            cloud=_poses_of(self._tracker.particles),
+            score=float(estimate.score),
+            presence=float(estimate.presence),
+            n_eff=float(estimate.effective_sample_size),
+            ms=ms,
+            truth=self._truth.box(frame),
+        )
+
+    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> TargetSnapshot:
+        """Return a snapshot of a frame that is not tracked."""
+        return TargetSnapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            image=self._image,
+            status=status,
+            reason=reason,
+            truth=self._truth.box(frame),
+        )
+
+
+def _poses_of(particles: Particles | None) -> FloatArray | None:
+    """Return the columns of `TargetSnapshot.state` and the weight of each particle, (N, 7)."""
+    if particles is None:
+        return None
+    cloud = np.column_stack((particles.states, particles.weights))
+    cloud[:, PoseColumn.LOG_SCALE] = np.exp(cloud[:, PoseColumn.LOG_SCALE])
+    return cloud
+
+
+def open_for(request: RecordingRequest, parameters: ParameterSet) -> Source:
+    """Open a recording; labels of a target are none of a cable, and are read by its follower."""
+    is_target = isinstance(parameters, TargetParameters)
+    return (replace(request, truth=None) if is_target else request).open()
+
+
+def make_follower(source: Source, request: RecordingRequest, parameters: ParameterSet) -> Follower:
+    """Return what follows what the parameters are for.
+
+    Raises
+    ------
+    ParameterError
+        There is no such start.
+    RecordingError
+        The labels cannot be read.
+    """
+    if isinstance(parameters, TargetParameters):
+        truth = own_boxes(source) if request.truth is None else find_boxes(source, request.truth)
+        return TargetFollower(request.init, parameters, truth)
+    assert isinstance(parameters, TrackerParameters)
+    return CableFollower(source, request.init, parameters)

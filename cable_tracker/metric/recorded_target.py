@@ -1,0 +1,142 @@
+"""Bearing and range of a target, and turns of the camera, from what was recorded beside pictures.
+
+The same as the target tracker's node does with what it hears.
+"""
+
+from __future__ import annotations
+
+import math
+from types import TracebackType
+from typing import Self
+
+from cable_tracker.metric.frames import Mounting
+from cable_tracker.metric.recorded import LOOK_AHEAD, InstrumentFeed, RecordedVehicle
+from cable_tracker.metric.settings import number
+from cable_tracker.metric.target_metres import TargetMetres, TargetSettings
+from cable_tracker.metric.target_sight import TargetSight
+from cable_tracker.metric.vehicle import Vehicle
+from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.instruments import Instrument, InstrumentMessage
+from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.tracking.parameter_table import ParameterValue
+
+LONGEST_WAIT = 5.0
+"""For the instruments of a frame [s]; they have been sent, so that it is not waited for in vain."""
+
+
+def target_values(vehicle: Vehicle, target_size: float = 0.0) -> dict[str, object]:
+    """Return `TARGET_METRIC_PARAMETERS` as a vehicle is described.
+
+    A camera of which nothing is said looks straight ahead, not down.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Of the recording.
+    target_size : float
+        Root of the area that the target shows [m]; 0: not known.
+    """
+    values: dict[str, object] = {spec.name: spec.default for spec in TARGET_METRIC_PARAMETERS}
+    values |= {name: vehicle.values[name] for name in vehicle.said if name in values}
+    return values | {"target_size": target_size}
+
+
+def node_values(described: RecordedVehicle, target_size: float) -> dict[str, ParameterValue]:
+    """Return the parameters with which the node takes the instruments of a replay as we do."""
+    if not described.has_instruments:
+        return {}
+    found = set() if described.source is None else set(described.source.found.topics)
+    waits = bool(found & {Instrument.IMU, Instrument.ODOMETRY})
+    values = target_values(described.vehicle, target_size)
+    specs = {spec.name: spec for spec in TARGET_METRIC_PARAMETERS}
+    return {name: specs[name].coerce(value) for name, value in values.items()} | {
+        "instrument_reliability": "reliable",
+        "instrument_wait": LONGEST_WAIT if waits else 0.0,
+    }
+
+
+def target_settings(values: dict[str, object]) -> TargetSettings:
+    """Return the settings that parameters of `TARGET_METRIC_PARAMETERS` stand for."""
+    places = (number(values, name) for name in ("camera_x", "camera_y", "camera_z"))
+    angles = (
+        math.radians(number(values, name)) for name in ("camera_roll", "camera_pitch", "camera_yaw")
+    )
+    return TargetSettings(
+        Mounting(*places, *angles), number(values, "target_size"), bool(values["motion_aid"])
+    )
+
+
+class RecordedSight:
+    """Hands instruments of a recording to a `TargetSight`, in step with the frames.
+
+    Parameters
+    ----------
+    described : RecordedVehicle
+        The vehicle and its instruments.
+    target_size : float
+        Root of the area that the target shows [m]; 0: not known.
+
+    Attributes
+    ----------
+    base_frame : str
+        Frame of what is in metres.
+    """
+
+    def __init__(self, described: RecordedVehicle, target_size: float = 0.0) -> None:
+        values = target_values(described.vehicle, target_size)
+        self._is_rectified = bool(values["image_is_rectified"])
+        self.base_frame = str(values["base_frame"])
+        self._sight = TargetSight(target_settings(values))
+        self._calibration = described.vehicle.calibration
+        if self._calibration is not None:
+            self._sight.motion.take_calibration(self._calibration)
+        source = described.source
+        self._feed = None if source is None else InstrumentFeed(source)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if self._feed is not None:
+            self._feed.close()
+
+    @property
+    def settings(self) -> TargetSettings:
+        """Mounting and size."""
+        return self._sight.settings
+
+    @property
+    def why_unaided(self) -> str:
+        """Why turns were not taken out of the last frame; empty if they were."""
+        return self._sight.why_unaided
+
+    def advance(self, frame: Frame) -> None:
+        """Take what the instruments said up to a frame and shortly after it."""
+        if self._feed is None or frame.received is None:
+            return
+        for message in self._feed.until(frame.received + LOOK_AHEAD):
+            self._take(message)
+
+    def _take(self, given: InstrumentMessage) -> None:
+        if given.instrument is Instrument.CAMERA_INFO and self._calibration is None:
+            self._sight.take_camera_info(given.message, is_rectified=self._is_rectified)
+        elif given.instrument is Instrument.IMU:
+            self._sight.take_imu(given.stamp, given.message)
+        elif given.instrument is Instrument.ODOMETRY:
+            self._sight.take_odometry(given.stamp, given.message)
+
+    def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
+        """Return what turns of the vehicle did to the picture; see `TargetSight`."""
+        return self._sight.camera_motion(stamp, image_size)
+
+    def take(self, estimate: TargetEstimate) -> TargetMetres:
+        """Return what a frame's estimate is in metres; once for each frame."""
+        (metres,) = self._sight.take([estimate])
+        return metres

@@ -1,0 +1,319 @@
+"""Boxes around the target, frame by frame: a text file beside pictures, or a topic of a bag.
+
+One line per frame, ``frame x0 y0 x1 y1``, px from the top left corner, or ``frame none`` where the
+target is out of view. The frame is the name of a picture, or a number from 0. A word between name
+and numbers is passed over. Lines that begin with ``#`` are comments.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.sequences import output_topics
+from cable_tracker.sequences.bag import BagSource
+from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_storage
+from cable_tracker.sequences.bag_writer import BagWriter
+from cable_tracker.sequences.convert import write_frame
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.frame_source import one_line
+from cable_tracker.sequences.image_folder import ImageFolderSource
+from cable_tracker.sequences.image_writer import picture_name, write_picture
+from cable_tracker.sequences.messages import make_header, stamp_of
+from cable_tracker.sequences.output_folder import PartialOutput
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.source import Source, is_bag
+from cable_tracker.sequences.target_messages import box_corners, make_polygon
+from cable_tracker.sequences.unpacking import deserialise
+from cable_tracker.target.model.estimate import Box
+
+BOXES_NAME = "boxes.txt"
+"""Beside the pictures of a folder it is read without being asked for."""
+
+OUT_OF_VIEW = "none"
+
+FORM = "frame x0 y0 x1 y1, in px from the top left corner, or: frame none"
+
+_HEADER = f"# {FORM}\n"
+
+
+@dataclass(frozen=True, slots=True)
+class BoxTruth:
+    """Where the target is in the labelled frames of a recording; None where it is out of view.
+
+    Attributes
+    ----------
+    by_index : mapping of int to Box or None
+        By the number of the frame.
+    by_stamp : mapping of int to Box or None
+        By its time [ns].
+    """
+
+    by_index: Mapping[int, Box | None] = field(default_factory=dict)
+    by_stamp: Mapping[int, Box | None] = field(default_factory=dict)
+
+    def knows(self, frame: Frame) -> bool:
+        """Tell whether a frame is labelled."""
+        return frame.index in self.by_index or frame.stamp in self.by_stamp
+
+    def box(self, frame: Frame) -> Box | None:
+        """Return the box of a frame; None where the target is out of view, or nothing is known."""
+        return self.by_index.get(frame.index, self.by_stamp.get(frame.stamp))
+
+
+def read_boxes(path: Path) -> dict[str, Box | None]:
+    """Read a text file with boxes, by the names of the frames.
+
+    Raises
+    ------
+    RecordingError
+        It is missing or no text, holds no label, labels a frame twice, or a line is malformed.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise RecordingError(f"{path}: is no text; expected lines of the form: {FORM}") from error
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+    boxes: dict[str, Box | None] = {}
+    for number, line in enumerate(lines, start=1):
+        words = line.split()
+        if not words or words[0].startswith("#"):
+            continue
+        try:
+            name, box = _parse(words)
+        except ValueError as error:
+            raise RecordingError(
+                f"{path}: line {number} is malformed ({one_line(error)}); expected: {FORM}"
+            ) from error
+        if name in boxes:
+            raise RecordingError(f"{path}: line {number} labels {name} again; remove one of them")
+        boxes[name] = box
+    if not boxes:
+        raise RecordingError(f"{path}: holds no labels; expected: {FORM}")
+    return boxes
+
+
+def _parse(words: list[str]) -> tuple[str, Box | None]:
+    if words[-1] == OUT_OF_VIEW and len(words) in {2, 3}:
+        return words[0], None
+    if len(words) not in {5, 6}:
+        raise ValueError(f"{len(words)} words")
+    left, top, right, bottom = (float(word) for word in words[-4:])
+    if not all(math.isfinite(side) for side in (left, top, right, bottom)):
+        raise ValueError("a number is not finite")
+    if right <= left or bottom <= top:
+        raise ValueError("the box has no area")
+    return words[0], (left, top, right, bottom)
+
+
+def format_boxes(boxes: Iterable[tuple[str, Box | None]]) -> str:
+    """Return the text of a file with boxes; numbers read back are equal to the last bit."""
+    lines = [
+        f"{name} {OUT_OF_VIEW if box is None else ' '.join(repr(float(side)) for side in box)}\n"
+        for name, box in boxes
+    ]
+    return _HEADER + "".join(lines)
+
+
+def find_boxes(source: Source, truth: Path | None = None) -> BoxTruth:
+    """Return the boxes of a recording.
+
+    Parameters
+    ----------
+    source : Source
+        The recording.
+    truth : Path or None
+        Text file or bag with the labels; None: what the recording itself holds.
+
+    Raises
+    ------
+    RecordingError
+        There are none, they cannot be read, or belong to no frame of the recording.
+    """
+    if truth is None:
+        truth = _own_labels(source)
+    if is_bag(truth):
+        if not isinstance(source, BagSource):
+            raise RecordingError(
+                f"{truth}: labels by time, which {source.path} has not; give a text file"
+            )
+        return BoxTruth(by_stamp=_read_bag(truth))
+    if not truth.is_file() or truth == source.path:
+        raise RecordingError(
+            f"{source.path}: has no boxes to judge by; give them with --truth FILE, lines of the"
+            f" form: {FORM}"
+        )
+    return BoxTruth(by_index=_numbered(source, read_boxes(truth), truth))
+
+
+def _own_labels(source: Source) -> Path:
+    """Return where a recording's own boxes are, if it has any: beside its pictures, or in it."""
+    beside = source.path / BOXES_NAME
+    return beside if beside.is_file() else source.path
+
+
+def own_boxes(source: Source) -> BoxTruth:
+    """Return the boxes that a recording holds itself, perhaps none.
+
+    Raises
+    ------
+    RecordingError
+        They cannot be read.
+    """
+    path = _own_labels(source)
+    if path != source.path:
+        return find_boxes(source, path)
+    if isinstance(source, BagSource) and _box_topic(_storage(path)):
+        return find_boxes(source)
+    return BoxTruth()
+
+
+def _numbered(
+    source: Source, boxes: Mapping[str, Box | None], truth: Path
+) -> dict[int, Box | None]:
+    """Return boxes by the numbers of the frames."""
+    numbers: dict[str, int] = {}
+    if isinstance(source, ImageFolderSource):
+        numbers = {picture.name: index for index, picture in enumerate(source.pictures)}
+    found: dict[int, Box | None] = {}
+    for name, box in boxes.items():
+        number = numbers.get(name)
+        if number is None and name.isascii() and name.isdecimal():
+            number = int(name)
+        count = source.frame_count
+        if number is None or (count is not None and number >= count):
+            raise RecordingError(f"{truth}: labels {name}, which is no frame of {source.path}")
+        found[number] = box
+    return found
+
+
+def _storage(path: Path) -> BagStorage:
+    try:
+        return open_storage(path)
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+
+
+def _box_topic(storage: BagStorage) -> str:
+    """Return the first topic of boxes; empty if there is none."""
+    wanted = output_topics.TRUE_BOX
+    topics = [
+        name
+        for name, topic in sorted(storage.topics.items())
+        if topic.msgtype == wanted.type_name and name.endswith(f"/{wanted.name}")
+    ]
+    return topics[0] if topics else ""
+
+
+def _read_bag(path: Path) -> dict[int, Box | None]:
+    """Read the boxes of a bag by stamp [ns]."""
+    storage, wanted = _storage(path), output_topics.TRUE_BOX
+    topic = _box_topic(storage)
+    if not topic:
+        raise RecordingError(
+            f"{path}: the bag holds no {wanted.name} ({wanted.type_name}); give boxes with --truth"
+        )
+    return _boxes_of(storage, path, topic)
+
+
+def _boxes_of(storage: BagStorage, path: Path, topic: str) -> dict[int, Box | None]:
+    boxes: dict[int, Box | None] = {}
+    try:
+        with closing(storage.messages([topic])) as messages:
+            for stored in messages:
+                message = deserialise(stored, is_ros1=is_ros1(path))
+                corners = [(float(each.x), float(each.y)) for each in message.polygon.points]
+                boxes[stamp_of(message.header) or stored.time] = _around(corners)
+    except RecordingError:
+        raise
+    # Deserialising foreign bytes raises what the parser happens to raise.
+    except Exception as error:
+        raise RecordingError(
+            f"{path}: the boxes on {topic} cannot be read ({one_line(error)}); record them again"
+        ) from error
+    return boxes
+
+
+def _around(corners: list[tuple[float, float]]) -> Box | None:
+    """Return the box around corners; None where there are none, or they are not finite."""
+    places = np.array(corners).reshape(-1, 2)
+    if len(places) < 2 or not np.isfinite(places).all():
+        return None
+    (left, top), (right, bottom) = places.min(axis=0), places.max(axis=0)
+    return (float(left), float(top), float(right), float(bottom))
+
+
+LabelledFrame = tuple[Frame, Box | None]
+"""A frame, and where the target is in it; None where it is out of view."""
+
+
+def write_target_bag(
+    path: Path,
+    frames: Iterable[LabelledFrame],
+    *,
+    storage: Literal["sqlite3", "mcap"] = "mcap",
+    overwrite: bool = False,
+) -> int:
+    """Write a bag with the topics `image` and `ground_truth/box`; return the number of frames.
+
+    The box is a polygon of four corners; it has none where the target is out of view.
+
+    Raises
+    ------
+    OutputError
+        The bag cannot be written.
+    """
+    count = 0
+    factory, topic = RosbagsMessages(), output_topics.TRUE_BOX
+    with BagWriter(path, storage, overwrite=overwrite) as bag:
+        for frame, box in frames:
+            write_frame(bag, frame)
+            header = make_header(factory, frame.stamp, frame.frame_id)
+            corners = np.empty((0, 2)) if box is None else box_corners(box)
+            polygon = make_polygon(factory, header, corners)
+            bag.write(f"/{topic.name}", topic.type_name, polygon, frame.stamp)
+            count += 1
+    return count
+
+
+def write_target_pictures(
+    folder: Path, frames: Iterable[LabelledFrame], *, overwrite: bool = False
+) -> int:
+    """Write each frame as a PNG, and `boxes.txt` beside them; return the number of frames.
+
+    Raises
+    ------
+    OutputError
+        The folder exists, or the disk does not let us write.
+    """
+    partial = PartialOutput(folder, overwrite=overwrite, is_ours=_is_labelled)
+    try:
+        partial.content.mkdir()
+        boxes = []
+        for frame, box in frames:
+            name = picture_name(frame.index)
+            write_picture(partial.content / name, frame.image)
+            boxes.append((name, box))
+        (partial.content / BOXES_NAME).write_text(format_boxes(boxes), encoding="utf-8")
+    except OSError as error:
+        partial.discard()
+        raise OutputError(
+            f"{folder}: cannot be written ({error.strerror}); check the disk"
+        ) from error
+    except BaseException:
+        partial.discard()
+        raise
+    partial.commit()
+    return len(boxes)
+
+
+def _is_labelled(path: Path) -> bool:
+    return path.is_dir() and ((path / BOXES_NAME).is_file() or not any(path.iterdir()))

@@ -1,0 +1,63 @@
+"""`cable-tracker evaluate --targets`."""
+
+import csv
+
+import pytest
+from typer.testing import CliRunner
+
+from cable_tracker.cli import app
+from cable_tracker.errors import ParameterError
+
+
+def command(*words):
+    """Run a command line."""
+    return CliRunner().invoke(app, [str(word) for word in words])
+
+
+def rows(folder):
+    with (folder / "figures.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_scenarios_are_judged_with_two_seeds(tmp_path):
+    words = ("--scenario", "near_*", "--frames", 6, "--seeds", 2, "--first-seed", 7)
+    methods = ("--method", "default", "--method", "CamShift", "--workers", 1)
+    result = command("evaluate", "--targets", *words, *methods, "--output", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    found = {(row["scenario"], row["seed"], row["method"]) for row in rows(tmp_path / "out")}
+    assert found == {
+        ("near_surface", seed, method) for seed in "78" for method in ("default", "CamShift")
+    }
+    assert "| default | " in (tmp_path / "out" / "table.md").read_text()
+
+
+def test_what_simulate_has_written_is_judged_with_parameters_of_the_users(tmp_path):
+    dive = tmp_path / "dive"
+    made = command("simulate", dive, "--target", "near_surface", "--frames", 6)
+    assert made.exit_code == 0, made.output
+    file = tmp_path / "few.yaml"
+    file.write_text("target_tracker:\n  ros__parameters:\n    particle_count: 60\n")
+    words = ("--source", dive, "--params", file, "--seeds", 1)
+    result = command("evaluate", "--targets", *words, "--output", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert [(row["scenario"], row["method"]) for row in rows(tmp_path / "out")] == [
+        ("dive", "default"), ("dive", "few"),
+    ]  # fmt: skip
+    assert all(float(row["success"]) > 0.5 for row in rows(tmp_path / "out"))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--scenario", "S1"),
+        ("--scenario", "nothing"),
+        ("--method", "hough"),
+        ("--init", "random"),
+        ("--param", "seed=3"),
+        ("--source", ".", "--scenario", "buoy"),
+    ],
+)
+def test_what_targets_do_not_know_is_refused(tmp_path, words):
+    result = command("evaluate", "--targets", *words, "--output", tmp_path / "out")
+    assert isinstance(result.exception, ParameterError) or result.exit_code == 2
+    assert not (tmp_path / "out").exists()

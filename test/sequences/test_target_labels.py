@@ -1,0 +1,101 @@
+"""Boxes around targets, in files and bags."""
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.convert import write_bag
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.target_labels import (
+    find_boxes,
+    format_boxes,
+    read_boxes,
+    write_target_bag,
+    write_target_pictures,
+)
+
+BOXES = [(1.0, 2.0, 11.0, 22.5), None, (3.0, 4.0, 13.25, 24.0)]
+
+sides = st.floats(-1e6, 1e6)
+
+
+def labelled():
+    for index, box in enumerate(BOXES):
+        picture = np.full((48, 64, 3), 10 * index, np.uint8)
+        stamp = 1_000_000_000 + 40_000_000 * index
+        yield Frame(index, stamp, raw_from_array(picture, "bgr8")), box
+
+
+def found_in(path, truth=None):
+    with open_source(path) as source:
+        boxes = find_boxes(source, truth)
+        frames = list(source.frames())
+    return [(boxes.knows(frame), boxes.box(frame)) for frame in frames]
+
+
+@given(
+    st.lists(
+        st.none()
+        | st.tuples(sides, sides, sides, sides).filter(lambda b: b[0] < b[2] and b[1] < b[3]),
+        min_size=1,
+    )
+)
+def test_numbers_are_read_back_to_the_last_bit(tmp_path_factory, boxes):
+    file = tmp_path_factory.mktemp("boxes") / "boxes.txt"
+    file.write_text(format_boxes((str(index), box) for index, box in enumerate(boxes)))
+    assert list(read_boxes(file).values()) == boxes
+
+
+def test_pictures_are_written_with_their_boxes(tmp_path):
+    assert write_target_pictures(tmp_path / "dive", labelled()) == 3
+    assert found_in(tmp_path / "dive") == [(True, box) for box in BOXES]
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_a_bag_says_by_time_where_the_target_is(tmp_path, storage):
+    assert write_target_bag(tmp_path / "dive", labelled(), storage=storage) == 3
+    assert found_in(tmp_path / "dive") == [(True, box) for box in BOXES]
+
+
+def test_a_text_file_labels_a_bag_by_number(tmp_path):
+    write_target_bag(tmp_path / "dive", labelled())
+    (tmp_path / "b.txt").write_text("# a comment\n2 buoy 5 6 7 8\n")
+    found = found_in(tmp_path / "dive", tmp_path / "b.txt")
+    assert found == [(False, None), (False, None), (True, (5.0, 6.0, 7.0, 8.0))]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("0.png 1 2 3", "4 words"),
+        ("0.png 1 2 3 nan", "not finite"),
+        ("0.png 5 2 3 9", "no area"),
+        ("0.png 1 2 x 9", "malformed"),
+        ("0.png none\n0.png none", "labels 0.png again"),
+        ("# nothing else", "no labels"),
+        ("7.png 1 2 3 4", "no frame of"),
+        ("7 1 2 3 4", "no frame of"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_said(tmp_path, line, words):
+    cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
+    (tmp_path / "boxes.txt").write_text(line + "\n")
+    with pytest.raises(RecordingError, match=words):
+        found_in(tmp_path)
+
+
+def test_without_boxes_it_is_said_how_to_give_them(tmp_path):
+    cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
+    with pytest.raises(RecordingError, match="--truth"):
+        found_in(tmp_path)
+
+
+def test_a_bag_of_a_cable_has_no_boxes(tmp_path):
+    write_bag(tmp_path / "dive", (frame for frame, _ in labelled()))
+    with pytest.raises(RecordingError, match="ground_truth/box"):
+        found_in(tmp_path / "dive")
