@@ -346,7 +346,7 @@
     const image = picture(data.events[eventOf(target)]);
     image.alt = "";
     target.append(image);
-  }), { root: table.parentElement, rootMargin: "200px" });
+  }), { scrollMargin: "200px" });
   table.querySelectorAll("td.pictured").forEach((cell) => watcher.observe(cell));
   window.addEventListener("resize", draw);
   whole();
