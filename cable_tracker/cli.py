@@ -133,7 +133,8 @@ def main() -> None:
         _say(f"error: {error}", style="bold red")
         sys.exit(EXIT_USER_ERROR)
     except Stopped as stopped:
-        _say("stopped; nothing was written")
+        kept = "; ".join(getattr(stopped, "__notes__", ()))
+        _say(f"stopped; {kept or 'nothing was written'}")
         sys.exit(stopped.exit_code)
 
 

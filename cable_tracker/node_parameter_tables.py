@@ -50,7 +50,7 @@ TRACKER_OWN_START_PARAMETERS = (
     word(
         "instrument_reliability",
         "best_effort",
-        "The same as `image_reliability` for `camera_info`, `altitude`, `imu` and `odometry`.",
+        "QoS of the subscriptions to `camera_info`, `altitude`, `imu` and `odometry`.",
         ("best_effort", "reliable"),
     ),
 )
@@ -58,24 +58,26 @@ TRACKER_START_PARAMETERS = (*TRACKER_OWN_START_PARAMETERS, *CAMERA_START_PARAMET
 """Read at start only."""
 
 METRIC_PARAMETERS = (
-    number("camera_x", 0.0, "m", (-100.0, 100.0), "Camera in base_link: in front of it."),
-    number("camera_y", 0.0, "m", (-100.0, 100.0), "To its left."),
-    number("camera_z", 0.0, "m", (-100.0, 100.0), "Above it."),
-    number("camera_roll", 0.0, "deg", (-180.0, 180.0), "About the line of sight."),
+    number("camera_x", 0.0, "m", (-100.0, 100.0), "Camera in base_link: forward."),
+    number("camera_y", 0.0, "m", (-100.0, 100.0), "Camera in base_link: to the left."),
+    number("camera_z", 0.0, "m", (-100.0, 100.0), "Camera in base_link: upwards."),
+    number("camera_roll", 0.0, "deg", (-180.0, 180.0), "Camera turned about its line of sight."),
     number(
         "camera_pitch",
         90.0,
         "deg",
         (-180.0, 180.0),
-        "90: straight down, the top of the image to the front; 0: straight ahead.",
+        "Camera tilted; 90: straight down, the top of the image to the front; 0: straight ahead.",
     ),
-    number("camera_yaw", 0.0, "deg", (-180.0, 180.0), "To the left."),
+    number("camera_yaw", 0.0, "deg", (-180.0, 180.0), "Camera turned to the left."),
     flag("image_is_rectified", False, "The images are rectified: use P of camera_info, not K, D."),
     word("base_frame", "base_link", "frame_id of `cross_track`."),
     number("look_ahead", 1.0, "m", (0.0, 100.0), "Distance ahead for `cross_track_ahead`."),
-    number("cable_height", 0.0, "m", (0.0, 10.0), "Of the cable's axis above the sea bed."),
-    number("fixed_altitude", 0.0, "m", (0.0, 200.0), "Where no `altitude` comes; 0: none."),
-    number("altimeter_z", 0.0, "m", (-100.0, 100.0), "Altimeter in base_link: above it."),
+    number("cable_height", 0.0, "m", (0.0, 10.0), "Height of the cable's axis above the sea bed."),
+    number(
+        "fixed_altitude", 0.0, "m", (0.0, 200.0), "Altitude where no `altitude` comes; 0: none."
+    ),
+    number("altimeter_z", 0.0, "m", (-100.0, 100.0), "Altimeter in base_link: upwards."),
     flag(
         "altitude_is_vertical",
         False,
@@ -83,10 +85,22 @@ METRIC_PARAMETERS = (
     ),
     number("altitude_sigma", 0.01, "share", (0.0, 1.0), "Doubt about the altitude."),
     number("level_sigma", 2.0, "deg", (0.0, 45.0), "Doubt about roll and pitch without `imu`."),
-    number("imu_sigma", 0.3, "deg", (0.0, 45.0), "The least doubt with it."),
+    number("imu_sigma", 0.3, "deg", (0.0, 45.0), "Least doubt about roll and pitch of `imu`."),
     flag("motion_aid", True, "Let `odometry` predict how the cable moves in the image."),
-    number("velocity_sigma", 0.02, "m/s", (0.0, 10.0), "Least doubt about its velocities."),
-    number("turn_sigma", 0.3, "deg/s", (0.0, 90.0), "Least doubt about its turns."),
+    number(
+        "velocity_sigma",
+        0.02,
+        "m/s",
+        (0.0, 10.0),
+        "Least doubt about the velocities of `odometry`.",
+    ),
+    number(
+        "turn_sigma",
+        0.3,
+        "deg/s",
+        (0.0, 90.0),
+        "Least doubt about the rates of turn of `odometry`.",
+    ),
     number(
         "instrument_timeout",
         1.0,
@@ -151,7 +165,7 @@ TARGET_OWN_START_PARAMETERS = (
     word(
         "instrument_reliability",
         "best_effort",
-        "The same as `image_reliability` for `camera_info`, `imu` and `odometry`.",
+        "QoS of the subscriptions to `camera_info`, `imu` and `odometry`.",
         ("best_effort", "reliable"),
     ),
 )
@@ -162,7 +176,13 @@ MOUNTING_NAMES = ("camera_x", "camera_y", "camera_z", "camera_roll", "camera_yaw
 
 TARGET_METRIC_PARAMETERS = (
     *(spec for spec in METRIC_PARAMETERS if spec.name in MOUNTING_NAMES),
-    number("camera_pitch", 0.0, "deg", (-180.0, 180.0), "0: straight ahead; 90: straight down."),
+    number(
+        "camera_pitch",
+        0.0,
+        "deg",
+        (-180.0, 180.0),
+        "Camera tilted; 0: straight ahead; 90: straight down.",
+    ),
     *(spec for spec in METRIC_PARAMETERS if spec.name == "image_is_rectified"),
     word("base_frame", "base_link", "frame_id of `relative_pose`."),
     number(
@@ -213,11 +233,15 @@ REPLAY_START_PARAMETERS = (
     ),
     flag("instruments", True, "Send what else a bag holds: calibration, altitude, imu, ..."),
     word("vehicle", "", "The user's `vehicle.yaml`; else that in the bag's folder."),
-    word("camera_info_topic", "", "Of the bag; needed only where it has several. `none`: not."),
-    word("altitude_topic", "", "The same of the altitude."),
-    word("imu_topic", "", "The same of the imu."),
-    word("odometry_topic", "", "The same of odometry."),
-    word("fix_topic", "", "The same of fixes."),
+    *(
+        word(
+            f"{instrument}_topic",
+            "",
+            f"Topic of the bag to send as `{instrument}`; needed only where it has several of its"
+            f" type. `none`: send no `{instrument}`.",
+        )
+        for instrument in ("camera_info", "altitude", "imu", "odometry", "fix")
+    ),
     flag("paused", False, "Begin paused."),
     flag("allow_outside", False, "Let a sequence file name files outside its folder."),
     flag("skip_bad_frames", False, "Send frames that cannot be decoded, instead of stopping."),
@@ -237,14 +261,14 @@ REPLAY_RUNTIME_PARAMETERS = (
 """May be changed at any time; `start` takes effect at the next restart."""
 
 VEHICLE_PARAMETERS = (
-    count("image_width", 320, (32, 4096), "Of the camera [px]."),
-    count("image_height", 240, (32, 4096), "Of the camera [px]."),
+    count("image_width", 320, (32, 4096), "Width of the camera's images [px]."),
+    count("image_height", 240, (32, 4096), "Height of the camera's images [px]."),
     number("rate", 12.5, "1/s", (1.0, 100.0), "Frames per second."),
     flag("publish_clock", False, "Publish the simulated time on /clock."),
     flag("lockstep", False, "Send a frame when a `cmd_vel` has come for the last."),
     number("answer_timeout", 60.0, "s", (0.1, 3600.0), "Lockstep: give up after waiting so long."),
     count("image_readers", 1, (0, 100), "Begin when so many nodes subscribe to `image`."),
-    count("odometry_readers", 0, (0, 100), "And so many to `odometry`."),
+    count("odometry_readers", 0, (0, 100), "Begin when so many nodes subscribe to `odometry`."),
     number(
         "command_timeout",
         0.5,
@@ -257,9 +281,15 @@ VEHICLE_PARAMETERS = (
 
 SIMULATOR_PARAMETERS = (
     count("seed", 0, (0, 2**31 - 1), "The same one gives the same world and the same errors."),
-    number("length", 100.0, "m", (1.0, 1e5), "Of the cable; at its end the node ends."),
-    number("buried", 5.0, "m", (0.0, 1e5), "Length of the stretch in its middle under sand."),
-    number("altitude", 2.0, "m", (0.3, 20.0), "That the vehicle keeps."),
+    number("length", 100.0, "m", (1.0, 1e5), "Length of the cable; at its end the node ends."),
+    number(
+        "buried",
+        5.0,
+        "m",
+        (0.0, 1e5),
+        "Length of the stretch in the middle of the cable that lies under sand.",
+    ),
+    number("altitude", 2.0, "m", (0.3, 20.0), "Altitude that the vehicle keeps."),
     number("current", 0.1, "m/s", (0.0, 2.0), "Speed of the water; its direction is drawn."),
     *VEHICLE_PARAMETERS,
     number(
@@ -283,28 +313,48 @@ SIMULATOR_PARAMETERS = (
 TARGET_SIMULATOR_PARAMETERS = (
     count("seed", 0, (0, 2**31 - 1), "The same one gives the same world and the same errors."),
     number("duration", 300.0, "s", (1.0, 1e5), "After so long the node ends."),
-    number("speed", 0.35, "m/s", (0.0, 2.0), "Of the target."),
-    number("hidden_every", 50.0, "s", (5.0, 1e5), "So often a cloud of silt comes."),
-    number("hidden_for", 6.0, "s", (0.0, 1e4), "And hides the target for so long."),
-    number("altitude", 5.0, "m", (0.3, 20.0), "At which the vehicle begins."),
+    number("speed", 0.35, "m/s", (0.0, 2.0), "Speed of the target."),
+    number("hidden_every", 50.0, "s", (5.0, 1e5), "Time from one cloud of silt to the next."),
+    number("hidden_for", 6.0, "s", (0.0, 1e4), "How long a cloud of silt hides the target."),
+    number("altitude", 5.0, "m", (0.3, 20.0), "Altitude at which the vehicle begins."),
     number("current", 0.05, "m/s", (0.0, 2.0), "Speed of the water; its direction is drawn."),
     *VEHICLE_PARAMETERS,
 )
 """Read at start only."""
 
 FOLLOWER_PARAMETERS = (
-    number("distance", 2.5, "m", (0.3, 100.0), "To be kept."),
+    number("distance", 2.5, "m", (0.3, 100.0), "Distance from the target that is kept."),
     number("gain", 0.5, "1/s", (0.0, 10.0), "Surge for each metre too far."),
-    number("integral_gain", 0.06, "1/s²", (0.0, 10.0), "Against a distance that stays."),
-    number("most_surge", 0.8, "m/s", (0.0, 5.0), "Forward; backward half of it."),
+    number(
+        "integral_gain",
+        0.06,
+        "1/s²",
+        (0.0, 10.0),
+        "Integral gain against a lasting error of the distance.",
+    ),
+    number("most_surge", 0.8, "m/s", (0.0, 5.0), "Fastest surge forward; backward half of it."),
     number("turn_gain", 1.0, "1/s", (0.0, 10.0), "Rate of turn per radian of bearing."),
     number("most_turn", 0.5, "rad/s", (0.01, 3.0), "Fastest turn."),
-    number("climb_gain", 0.5, "1/s", (0.0, 10.0), "Heave for each metre above."),
-    number("most_heave", 0.2, "m/s", (0.0, 2.0), "Up and down."),
+    number(
+        "climb_gain", 0.5, "1/s", (0.0, 10.0), "Heave for each metre that the target is higher."
+    ),
+    number("most_heave", 0.2, "m/s", (0.0, 2.0), "Fastest heave, up and down."),
     number("memory_time", 8.0, "s", (0.0, 600.0), "A lost target is followed on for so long."),
-    number("give_up", 60.0, "s", (0.0, 1e5), "After so long without it the vehicle stands still."),
-    number("search_turn", 0.3, "rad/s", (0.0, 3.0), "Rate of turn while it is looked for."),
-    number("search_angle", 0.4, "rad", (0.05, 3.0), "To either side at first; then ever farther."),
+    number(
+        "give_up",
+        60.0,
+        "s",
+        (0.0, 1e5),
+        "After so long without the target the vehicle stands still.",
+    ),
+    number("search_turn", 0.3, "rad/s", (0.0, 3.0), "Rate of turn while the target is looked for."),
+    number(
+        "search_angle",
+        0.4,
+        "rad",
+        (0.05, 3.0),
+        "Search: angle to either side at first; then ever farther.",
+    ),
     flag("lockstep", False, "Answer every `state` with one `cmd_vel`, however long it takes."),
     number(
         "settle_time",
@@ -320,13 +370,19 @@ FOLLOWER_PARAMETERS = (
 """Read at start only."""
 
 CONTROLLER_PARAMETERS = (
-    number("speed", 0.5, "m/s", (0.0, 5.0), "Forward, through the water."),
+    number("speed", 0.5, "m/s", (0.0, 5.0), "Speed forward, through the water."),
     number("look_ahead", 1.2, "m", (0.1, 50.0), "Steer for the point of the cable so far ahead."),
-    number("integral_gain", 0.1, "1/s", (0.0, 1.0), "Against current."),
+    number("integral_gain", 0.1, "1/s", (0.0, 1.0), "Integral gain against current."),
     number("turn_gain", 1.2, "1/s", (0.0, 10.0), "Rate of turn per radian off the course."),
     number("most_turn", 0.5, "rad/s", (0.01, 3.0), "Fastest turn."),
-    number("search_speed", 0.35, "m/s", (0.0, 5.0), "While the cable is lost."),
-    number("search_length", 25.0, "m", (0.0, 1e4), "Search so far along the line, then give up."),
+    number("search_speed", 0.35, "m/s", (0.0, 5.0), "Speed while the cable is looked for."),
+    number(
+        "search_length",
+        25.0,
+        "m",
+        (0.0, 1e4),
+        "Search so far along the line where the cable was, then give up.",
+    ),
     flag("lockstep", False, "Answer every `state` with one `cmd_vel`, however long it takes."),
     number(
         "settle_time",

@@ -12,7 +12,12 @@ from launch.actions import (
 from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
 from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import IfElseSubstitution, LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import (
+    EqualsSubstitution,
+    IfElseSubstitution,
+    LaunchConfiguration,
+    PathJoinSubstitution,
+)
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
@@ -54,6 +59,12 @@ def generate_launch_description() -> LaunchDescription:
             default_value=[SHARE, "/config/", LaunchConfiguration("preset"), ".yaml"],
             description="YAML file with parameters of the tracker",
         ),
+        DeclareLaunchArgument(
+            "vehicle",
+            default_value="",
+            description="vehicle.yaml for both nodes, its values under /** and ros__parameters;"
+            " without it the replay reads that of the bag, and the tracker none",
+        ),
         DeclareLaunchArgument("namespace", default_value="", description="Of both nodes"),
         DeclareLaunchArgument("image", default_value="image", description="Topic between them"),
         DeclareLaunchArgument(
@@ -78,11 +89,19 @@ def generate_launch_description() -> LaunchDescription:
             "log_level", default_value="info", description="debug, info, warn, error or fatal"
         ),
     ]
+    vehicle_file = IfElseSubstitution(
+        EqualsSubstitution(LaunchConfiguration("vehicle"), ""),
+        if_value=LaunchConfiguration("params_file"),
+        else_value=LaunchConfiguration("vehicle"),
+    )
     tracker = IncludeLaunchDescription(
         PythonLaunchDescriptionSource(
             PathJoinSubstitution([SHARE, "launch", "tracker.launch.py"]),
         ),
-        launch_arguments=[(name, LaunchConfiguration(name)) for name in PASSED_ON],
+        launch_arguments=[
+            *((name, LaunchConfiguration(name)) for name in PASSED_ON),
+            ("vehicle_file", vehicle_file),
+        ],
     )
     replay = Node(
         package="cable_tracker",
@@ -92,6 +111,7 @@ def generate_launch_description() -> LaunchDescription:
             {
                 "source": of_type("source", str),
                 "topic": of_type("topic", str),
+                "vehicle": of_type("vehicle", str),
                 "rate": of_type("rate", float),
                 "loop": of_type("loop", bool),
                 "lockstep": of_type("lockstep", bool),

@@ -29,6 +29,11 @@ def generate_launch_description() -> LaunchDescription:
             ],
             description="YAML file with parameters; what it sets counts",
         ),
+        DeclareLaunchArgument(
+            "vehicle_file",
+            default_value=LaunchConfiguration("params_file"),
+            description="YAML file with parameters of the vehicle alone, as its mounting",
+        ),
         DeclareLaunchArgument("namespace", default_value="", description="Namespace of the node"),
         DeclareLaunchArgument("image", default_value="image", description="Topic of the camera"),
         DeclareLaunchArgument(
@@ -63,6 +68,7 @@ def generate_launch_description() -> LaunchDescription:
             {name: ParameterValue(LaunchConfiguration(name), value_type=str) for name in words},
             {"use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)},
             LaunchConfiguration("params_file"),
+            LaunchConfiguration("vehicle_file"),
         ],
         remappings=[
             ("image", LaunchConfiguration("image")),

@@ -194,7 +194,9 @@ def moment_of(parameters: TrackerParameters, shown: Footage, frames: int) -> Mom
 
 
 def _working_image(frame: Image, parameters: TrackerParameters) -> WorkingImage:
-    return make_working_image(frame, parameters.working_width, parameters.filter_sigma)
+    return make_working_image(
+        frame, parameters.working_width, parameters.filter_sigma, parameters.sample_spacing
+    )
 
 
 class FilterSteps:

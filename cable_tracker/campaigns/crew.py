@@ -20,6 +20,7 @@ from typing import Any, Protocol, TypeVar
 import cv2
 
 from cable_tracker import __version__
+from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import OutputError, ParameterError
 
 LARGEST_WORKER_COUNT = 256
@@ -250,7 +251,8 @@ def stored_beside(output: Path, settings: ClusterSettings, *, resume: bool) -> I
         shutil.rmtree(store, ignore_errors=True)
     elif (output / STORE).is_dir():
         shutil.copytree(output / STORE, store, dirs_exist_ok=True)
-    yield Crew(settings, store.absolute(), resume)
+    with saying_what_stays(store):
+        yield Crew(settings, store.absolute(), resume)
 
 
 def move_store(crew: Crew, folder: Path) -> None:

@@ -7,13 +7,13 @@ next one, or are looked at in the same (`flooding`).
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cable_tracker.arrays import FloatArray
-from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.compilation import compiled, compiled_inside, compiled_loop
 from cable_tracker.contour.levels import EXTERIOR, INNER, INTERIOR, OUTER, Levels
 
 FlatLevels: TypeAlias = NDArray[np.int8]
@@ -21,6 +21,12 @@ FlatLevels: TypeAlias = NDArray[np.int8]
 
 PointList: TypeAlias = NDArray[np.int32]
 """Places in them."""
+
+INSIDE, OUTSIDE = 0, 1
+"""Rows of what is kept of the two regions."""
+
+EDGES, DEPTHS = (INNER, OUTER), (INTERIOR, EXTERIOR)
+"""Levels of the regions' points beside the contour, and of the others."""
 
 FEWEST = 2
 """Points that either region keeps at least: with one, its mean would be divided by nothing."""
@@ -70,15 +76,40 @@ def _drop_buried(
     return kept
 
 
+class Regions(NamedTuple):
+    """The inside and the outside of a contour, changed in place.
+
+    Attributes
+    ----------
+    edges : PointList
+        Their points beside the contour, shape (2, H W).
+    edge_sizes, sizes : IndexArray
+        How many these are, and how many points there are in all, shape (2,).
+    sums : FloatArray
+        Of the data of their points, shape (2,).
+    """
+
+    edges: PointList
+    edge_sizes: IndexArray
+    sizes: IndexArray
+    sums: FloatArray
+
+
+class SwitchingRules(NamedTuple):
+    """What a switch costs, see `switch_points`."""
+
+    by_means: bool
+    regulariser: float
+    balance: float
+    flooding: bool
+
+
 @compiled
 def switch_points(
     data: NDArray[np.float32],
     levels: Levels,
-    by_means: bool,
-    regulariser: float,
-    balance: float,
+    rules: SwitchingRules,
     most_iterations: int,
-    flooding: bool,
     changes: FloatArray,
 ) -> tuple[int, bool, int, float, float, int]:
     """Let the contour evolve; `levels` is changed in place.
@@ -89,14 +120,12 @@ def switch_points(
         Shape (H, W): intensities, or what speaks for the inside as a log-likelihood ratio.
     levels : Levels
         Start; afterwards the contour.
-    by_means : bool
-        Chan-Vese's energy of intensities, (15) and (16), or that of the log-likelihood ratio.
-    regulariser, balance : float
-        rho_1 and eps_N of (17) and (18).
+    rules : SwitchingRules
+        `by_means`: Chan-Vese's energy of intensities, (15) and (16), or that of the log-likelihood
+        ratio. `regulariser`, `balance`: rho_1 and eps_N of (17) and (18). `flooding`: look at
+        points that join a list during its scan in the same scan.
     most_iterations : int
         Limit.
-    flooding : bool
-        Look at points that join a list during its scan in the same scan.
     changes : FloatArray
         Shape (K,): takes the changes of energy of the first K switches.
 
@@ -111,116 +140,114 @@ def switch_points(
     # A margin without a side saves asking whether a neighbour is within the picture.
     sides = np.zeros((height + 2) * stride, np.int8)
     values = np.empty((height + 2) * stride, np.float32)
-    outer, inner = np.empty(height * width, np.int32), np.empty(height * width, np.int32)
-    outer_count = inner_count = inside_count = switches = 0
-    inside_sum = outside_sum = 0.0
-    for row in range(height):
-        for column in range(width):
-            level = levels[row, column]
-            value = data[row, column]
-            point = (row + 1) * stride + column + 1
-            sides[point] = level
-            values[point] = value
-            if level < 0:
-                inside_count += 1
-                inside_sum += value
-                if level == INNER:
-                    inner[inner_count] = point
-                    inner_count += 1
-            else:
-                outside_sum += value
-                if level == OUTER:
-                    outer[outer_count] = point
-                    outer_count += 1
-    outside_count = height * width - inside_count
-
-    iterations = 0
-    before = -1
+    regions = Regions(
+        np.empty((2, height * width), np.int32),
+        np.zeros(2, np.int64),
+        np.zeros(2, np.int64),
+        np.zeros(2),
+    )
+    _read(data, levels, sides, values, regions)
+    iterations, switches, before = 0, 0, -1
     while iterations < most_iterations and switches != before:
         iterations += 1
         before = switches
-        smooth = 0.0
-        if inner_count > 0 and abs(1.0 - outer_count / inner_count) > balance:
-            smooth = regulariser
-        kept, index, end = 0, 0, inner_count
-        while index < end:
-            point = inner[index]
-            index += 1
-            value = values[point]
-            change = value
-            if by_means:
-                from_inside = value - inside_sum / inside_count
-                from_outside = value - outside_sum / outside_count
-                change = from_outside * from_outside * (outside_count / (outside_count + 1.0))
-                change -= from_inside * from_inside * (inside_count / (inside_count - 1.0))
-            if smooth != 0.0:
-                change += smooth * (4 - _positive_neighbours(sides, point, stride))
-            if change >= 0.0 or inside_count <= FEWEST:
-                inner[kept] = point
-                kept += 1
-                continue
-            sides[point] = OUTER
-            outer[outer_count] = point
-            outer_count += 1
-            if switches < len(changes):
-                changes[switches] = change
-            switches += 1
-            inside_count -= 1
-            outside_count += 1
-            inside_sum -= value
-            outside_sum += value
-            for neighbour in (point - stride, point - 1, point + 1, point + stride):
-                inner_count = _join(sides, neighbour, INTERIOR, INNER, inner, inner_count)
-            if flooding:
-                end = inner_count
-        while index < inner_count:
-            inner[kept] = inner[index]
-            kept += 1
-            index += 1
-        inner_count = kept
-        outer_count = _drop_buried(sides, stride, outer, outer_count, OUTER, EXTERIOR)
-
-        smooth = 0.0
-        if outer_count > 0 and abs(1.0 - inner_count / outer_count) > balance:
-            smooth = regulariser
-        kept, index, end = 0, 0, outer_count
-        while index < end:
-            point = outer[index]
-            index += 1
-            value = values[point]
-            change = -value
-            if by_means:
-                from_inside = value - inside_sum / inside_count
-                from_outside = value - outside_sum / outside_count
-                change = from_inside * from_inside * (inside_count / (inside_count + 1.0))
-                change -= from_outside * from_outside * (outside_count / (outside_count - 1.0))
-            if smooth != 0.0:
-                change -= smooth * (4 - _positive_neighbours(sides, point, stride))
-            if change >= 0.0 or outside_count <= FEWEST:
-                outer[kept] = point
-                kept += 1
-                continue
-            sides[point] = INNER
-            inner[inner_count] = point
-            inner_count += 1
-            if switches < len(changes):
-                changes[switches] = change
-            switches += 1
-            inside_count += 1
-            outside_count -= 1
-            inside_sum += value
-            outside_sum -= value
-            for neighbour in (point - stride, point - 1, point + 1, point + stride):
-                outer_count = _join(sides, neighbour, EXTERIOR, OUTER, outer, outer_count)
-            if flooding:
-                end = outer_count
-        while index < outer_count:
-            outer[kept] = outer[index]
-            kept += 1
-            index += 1
-        outer_count = kept
-        inner_count = _drop_buried(sides, stride, inner, inner_count, INNER, INTERIOR)
+        for region in (INSIDE, OUTSIDE):
+            switches = _scan(region, sides, values, stride, regions, rules, changes, switches)
+            other = 1 - region
+            regions.edge_sizes[other] = _drop_buried(
+                sides,
+                stride,
+                regions.edges[other],
+                regions.edge_sizes[other],
+                EDGES[other],
+                DEPTHS[other],
+            )
     for row in range(height):
         for column in range(width):
             levels[row, column] = sides[(row + 1) * stride + column + 1]
-    return iterations, switches == before, inside_count, inside_sum, outside_sum, switches
+    inside, outside = regions.sums[INSIDE], regions.sums[OUTSIDE]
+    return iterations, switches == before, regions.sizes[INSIDE], inside, outside, switches
+
+
+@compiled_loop
+def _read(
+    data: NDArray[np.float32],
+    levels: Levels,
+    sides: FlatLevels,
+    values: NDArray[np.float32],
+    regions: Regions,
+) -> None:
+    """Fill in sides, values and regions from a picture and its levels."""
+    height, width = levels.shape
+    for row in range(height):
+        for column in range(width):
+            level, value = levels[row, column], data[row, column]
+            point = (row + 1) * (width + 2) + column + 1
+            sides[point] = level
+            values[point] = value
+            region = INSIDE if level < 0 else OUTSIDE
+            regions.sizes[region] += 1
+            regions.sums[region] += value
+            if level == EDGES[region]:
+                regions.edges[region, regions.edge_sizes[region]] = point
+                regions.edge_sizes[region] += 1
+
+
+@compiled_loop
+def _scan(
+    region: int,
+    sides: FlatLevels,
+    values: NDArray[np.float32],
+    stride: int,
+    regions: Regions,
+    rules: SwitchingRules,
+    changes: FloatArray,
+    switches: int,
+) -> int:
+    """Let the points of one region beside the contour go over; return the number of switches."""
+    other = 1 - region
+    sign = 1.0 if region == INSIDE else -1.0
+    edge, foreign_edge, depth = EDGES[region], EDGES[other], DEPTHS[region]
+    own, foreign = regions.edges[region], regions.edges[other]
+    size, foreign_size = regions.sizes[region], regions.sizes[other]
+    total, foreign_total = regions.sums[region], regions.sums[other]
+    count, foreign_count = regions.edge_sizes[region], regions.edge_sizes[other]
+    smooth = 0.0
+    if count > 0 and abs(1.0 - foreign_count / count) > rules.balance:
+        smooth = sign * rules.regulariser
+    kept, index, end = 0, 0, count
+    while index < end:
+        point = own[index]
+        index += 1
+        value = values[point]
+        change = sign * value
+        if rules.by_means:
+            from_own, from_other = value - total / size, value - foreign_total / foreign_size
+            change = from_other * from_other * (foreign_size / (foreign_size + 1.0))
+            change -= from_own * from_own * (size / (size - 1.0))
+        if smooth != 0.0:
+            change += smooth * (4 - _positive_neighbours(sides, point, stride))
+        if change >= 0.0 or size <= FEWEST:
+            own[kept] = point
+            kept += 1
+            continue
+        sides[point] = foreign_edge
+        foreign[foreign_count] = point
+        foreign_count += 1
+        if switches < len(changes):
+            changes[switches] = change
+        switches += 1
+        size, foreign_size = size - 1, foreign_size + 1
+        total, foreign_total = total - value, foreign_total + value
+        for neighbour in (point - stride, point - 1, point + 1, point + stride):
+            count = _join(sides, neighbour, depth, edge, own, count)
+        if rules.flooding:
+            end = count
+    while index < count:
+        own[kept] = own[index]
+        kept += 1
+        index += 1
+    regions.edge_sizes[region], regions.edge_sizes[other] = kept, foreign_count
+    regions.sizes[region], regions.sizes[other] = size, foreign_size
+    regions.sums[region], regions.sums[other] = total, foreign_total
+    return switches

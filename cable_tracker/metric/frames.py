@@ -81,12 +81,15 @@ class Attitude:
 def rotations_of(angles: FloatArray) -> FloatArray:
     """Return the rotations by roll, pitch, yaw (N, 3) [rad], shape (N, 3, 3)."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(angles).T, np.sin(angles).T
-    rows = (
-        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
-        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
-        (-sp, cp * sr, cp * cr),
-    )
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    rotations = np.empty((len(angles), 3, 3))
+    rotations[:, 0, 0], rotations[:, 1, 0], rotations[:, 2, 0] = cy * cp, sy * cp, -sp
+    rotations[:, 0, 1] = cy * sp * sr - sy * cr
+    rotations[:, 1, 1] = sy * sp * sr + cy * cr
+    rotations[:, 2, 1] = cp * sr
+    rotations[:, 0, 2] = cy * sp * cr + sy * sr
+    rotations[:, 1, 2] = sy * sp * cr - cy * sr
+    rotations[:, 2, 2] = cp * cr
+    return rotations
 
 
 def roll_and_pitch(x: float, y: float, z: float, w: float) -> tuple[float, float]:

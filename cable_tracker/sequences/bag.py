@@ -187,6 +187,9 @@ class BagSource(FrameSource):
         Image topic, with or without the leading slash; None if the bag holds just one.
     skip_bad_frames : bool
         Hand out frames that cannot be decoded, instead of raising RecordingError.
+    with_truth : bool
+        Read the ground truth that was recorded beside the images, which takes a way through the
+        whole bag.
 
     Raises
     ------
@@ -195,7 +198,12 @@ class BagSource(FrameSource):
     """
 
     def __init__(
-        self, path: Path, *, topic: str | None = None, skip_bad_frames: bool = False
+        self,
+        path: Path,
+        *,
+        topic: str | None = None,
+        skip_bad_frames: bool = False,
+        with_truth: bool = True,
     ) -> None:
         super().__init__(path, skip_bad_frames=skip_bad_frames)
         self._is_ros1 = is_ros1(path)
@@ -214,7 +222,7 @@ class BagSource(FrameSource):
             raise RecordingError(f"{path}: topic {self.topic} holds no images; record it again")
         if self._storage.note:
             self.note = f"{self._storage.note} ({chosen.count} frames)"
-        self._truth = self._read_truth()
+        self._truth = self._read_truth() if with_truth else {}
         self.has_truth = bool(self._truth)
 
     @property

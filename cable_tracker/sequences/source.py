@@ -99,17 +99,18 @@ def _file_source(
     )
 
 
-def _open_unlabelled(
+def _open_unlabelled(  # noqa: PLR0917
     path: Path,
     topic: str | None,
     rate: float | None,
     skip_bad_frames: bool,
     allow_outside: bool,
+    with_truth: bool,
 ) -> FrameSource:
     if path.is_file() and not path.stat().st_size:
         raise RecordingError(f"{path}: the file is empty; record or copy it again")
     if is_bag(path):
-        return BagSource(path, topic=topic, skip_bad_frames=skip_bad_frames)
+        return BagSource(path, topic=topic, skip_bad_frames=skip_bad_frames, with_truth=with_truth)
     if topic is not None:
         raise RecordingError(f"{path}: is no bag and has no topics; leave out --topic")
     if path.is_dir():
@@ -177,6 +178,7 @@ def open_source(
     truth: Path | None = None,
     skip_bad_frames: bool = False,
     allow_outside: bool = False,
+    with_truth: bool = True,
 ) -> Source:
     """Open a recording; what lies at the path decides its kind.
 
@@ -208,6 +210,8 @@ def open_source(
         Hand out frames that cannot be decoded, instead of raising RecordingError.
     allow_outside : bool
         Whether a sequence file may name pictures and videos outside its folder.
+    with_truth : bool
+        Whether to read the truth that a bag holds itself, which takes a way through all of it.
 
     Raises
     ------
@@ -223,7 +227,7 @@ def open_source(
             raise RecordingError(f"{path}: there is no such file or folder; check the path")
         if path.name == METADATA:
             path = path.parent
-        source = _open_unlabelled(path, topic, rate, skip_bad_frames, allow_outside)
+        source = _open_unlabelled(path, topic, rate, skip_bad_frames, allow_outside, with_truth)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
     if truth is not None and is_bag(truth):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cable_tracker.campaigns.crew import ClusterSettings
 from cable_tracker.campaigns.runner import run_campaign
+from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.campaigns.task import Outcome, TaskState, fingerprint_of_files
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.survey.merging import MergedRoute, merge
@@ -125,7 +126,18 @@ def run_survey(
         SurveyTask(path.resolve(), settings, name) for path, name in zip(paths, names, strict=True)
     ]
     root = output / RECORDINGS
-    outcomes = run_campaign(tasks, root, cluster, resume=resume, advance=advance)
+    with saying_what_stays(root):
+        outcomes = run_campaign(tasks, root, cluster, resume=resume, advance=advance)
+        return _put_together(output, outcomes, datum)
+
+
+def _put_together(
+    output: Path,
+    outcomes: Sequence[Outcome],
+    datum: tuple[float, float] | None,
+) -> SurveyResult:
+    """Merge what has come of all recordings, and write it."""
+    root = output / RECORDINGS
     dives: dict[str, SurveyedDive] = {}
     rows = []
     for outcome in outcomes:

@@ -37,8 +37,8 @@ from cable_tracker.survey.frame_table import STATUSES, CrossingSight, FrameTable
 from cable_tracker.survey.visibility import border_profile
 from cable_tracker.trackers import make_tracker
 
-POSE_WIDTH = 8
-"""x, y, z, yaw, and the variances of velocity along, aside, of the turn, and speed."""
+POSE_WIDTH = 4
+"""x, y, yaw, and speed [m, rad, m/s]."""
 
 FIX_WIDTH = 5
 """Latitude, longitude, height, variances of east and north."""
@@ -62,7 +62,7 @@ looked at every 10 cm, and each place of it several times."""
 TEXTURE_PAUSE = 0.5
 """Between two looks at the sea bed's texture while odometry agrees with it [s]."""
 
-INSTRUMENT_PAUSE = 30_000_000
+INSTRUMENT_PAUSE = 45_000_000
 """Between two readings of a fast instrument [ns]; what comes more often is passed over."""
 
 POSE_PAUSE = 90_000_000
@@ -165,7 +165,7 @@ def track_forwards(
     """
     dive = ForwardDive(path)
     with open_source(
-        path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True
+        path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True, with_truth=False
     ) as recording:
         vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
         dive.notes += [*([recording.note] if recording.note else []), *vehicle.notes]
@@ -372,15 +372,14 @@ def on_ground(flight: Overflight, points: FloatArray) -> FloatArray:
 
 
 def read_pose(message: object) -> list[float]:
-    """Read x, y, z, yaw of a nav_msgs/Odometry, variances of its velocities, and its speed."""
+    """Read x, y, yaw of a nav_msgs/Odometry, and its speed [m, rad, m/s]."""
     odometry: Any = message
     p, q = odometry.pose.pose.position, odometry.pose.pose.orientation
     x, y, z, w = (float(value) for value in (q.x, q.y, q.z, q.w))
     yaw = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    twist, covariance = odometry.twist.twist, odometry.twist.covariance
-    doubts = [float(covariance[0]), float(covariance[7]), float(covariance[35])]
+    twist = odometry.twist.twist
     speed = math.hypot(float(twist.linear.x), float(twist.linear.y), float(twist.linear.z))
-    return [float(p.x), float(p.y), float(p.z), yaw, *doubts, speed]
+    return [float(p.x), float(p.y), yaw, speed]
 
 
 def read_fix(message: object) -> list[float] | None:

@@ -1,4 +1,4 @@
-"""What a dive says frame by frame, in columns; a row takes some 300 bytes."""
+"""What a dive says frame by frame, in columns; a row takes 135 bytes."""
 
 from __future__ import annotations
 
@@ -30,18 +30,25 @@ ROW = np.dtype(
         ("sigma_heading", "f4"),
         ("diameter", "f4"),
         ("reason", "i2"),
-        ("look", "f8"),
-        ("aside", "f8"),
-        ("aside_variance", "f8"),
-        ("aside_heading", "f8"),
-        ("heading_variance", "f8"),
+        ("look", "f4"),
+        ("aside", "f4"),
+        ("aside_variance", "f4"),
+        ("aside_heading", "f4"),
+        ("heading_variance", "f4"),
         ("half_view", "f4"),
         ("altitude", "f4"),
-        ("profile_ahead", "f4", (PROFILE_BINS,)),
-        ("profile_score", "f4", (PROFILE_BINS,)),
+        ("profile_ahead", "f2", (PROFILE_BINS,)),
+        ("profile_score", "f2", (PROFILE_BINS,)),
     ]
 )
 """Columns: see `FrameTable`."""
+
+EMPTY = np.zeros((), ROW)
+"""A row of which nothing is known."""
+
+for _name in ROW.names or ():
+    if ROW[_name].base.kind == "f":
+        EMPTY[_name] = np.nan
 
 STATUSES = ("INITIALISING", "TRACKING", "LOST", "REFUSED")
 TRACKING = STATUSES.index("TRACKING")
@@ -90,27 +97,30 @@ class FrameTable:
 
     reasons: list[str] = field(default_factory=lambda: [""])
     crossings: list[CrossingSight] = field(default_factory=list)
-    _rows: Rows = field(default_factory=lambda: np.zeros(GROWTH, ROW))
-    _count: int = 0
+    _blocks: list[Rows] = field(default_factory=list)
+    _newest: Rows = field(default_factory=lambda: np.zeros(0, ROW))
+    _free: int = 0
 
     def __len__(self) -> int:
-        return self._count
+        return sum(len(block) for block in self._blocks) + len(self._newest) - self._free
 
     @property
     def rows(self) -> Rows:
         """All rows, dtype `ROW`, shape (N,)."""
-        return self._rows[: self._count]
+        if self._free < len(self._newest) or len(self._blocks) != 1:
+            used = self._newest[: len(self._newest) - self._free]
+            self._blocks = [np.concatenate((*self._blocks, used))]
+            self._newest, self._free = np.zeros(0, ROW), 0
+        return self._blocks[0]
 
     def append(self) -> Any:  # noqa: ANN401  A row of a structured array has no type.
         """Add an empty row, and return it to be filled."""
-        if self._count == len(self._rows):
-            self._rows = np.concatenate((self._rows, np.zeros(self._count, ROW)))
-        row = self._rows[self._count]
-        for name in ROW.names or ():
-            if ROW[name].base.kind == "f":
-                row[name] = np.nan
-        self._count += 1
-        return row
+        if not self._free:
+            if len(self._newest):
+                self._blocks.append(self._newest)
+            self._newest, self._free = np.full(GROWTH, EMPTY), GROWTH
+        self._free -= 1
+        return self._newest[len(self._newest) - self._free - 1]
 
     def reason_number(self, reason: str) -> int:
         """Return the number of a reason, which is remembered."""

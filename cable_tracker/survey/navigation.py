@@ -91,8 +91,8 @@ def joined_poses(samples: Samples) -> Poses:
         return Poses(stamps, np.zeros((0, 3)))
     order, jumps = _in_order(stamps)
     places = values[order, :2]
-    yaws = np.unwrap(values[order, 3])
-    stamps, speeds = stamps[order], values[order, 7]
+    yaws = np.unwrap(values[order, 2])
+    stamps, speeds = stamps[order], values[order, 3]
     seconds = np.maximum(np.diff(stamps) / NANOSECONDS, 0.0)
     steps = np.hypot(*np.diff(places, axis=0).T)
     reach = JUMP + seconds * np.minimum(np.maximum(speeds[1:], speeds[:-1]) * 2 + 0.1, FASTEST)

@@ -106,7 +106,9 @@ def find_datum(paths: Sequence[Path], settings: ForwardSettings) -> tuple[float,
     """Return the first place on the earth that any of the recordings states [deg]; None: none."""
     for path in paths:
         try:
-            with open_source(path, topic=settings.topic, rate=settings.rate) as recording:
+            with open_source(
+                path, topic=settings.topic, rate=settings.rate, with_truth=False
+            ) as recording:
                 vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
         except RecordingError:
             continue
@@ -263,7 +265,7 @@ def _write_pictures(
         return
     folder.mkdir(exist_ok=True)
     with open_source(
-        path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True
+        path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True, with_truth=False
     ) as recording:
         last = max(wanted)
         try:

@@ -33,6 +33,9 @@ ON_ROUTE = 4.0
 
 FEWEST_LOOKS = 4
 
+BLOCK = 4096
+"""So many rows of the table are looked at together."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Profile:
@@ -289,14 +292,17 @@ def _profile(
     # What is claimed of something else tells nothing about the cable.
     tells = (off <= allowed) & (cable.weights[look] > 0.0)
     used, look = used[tells], look[tells]
-    ahead = rows["profile_ahead"][used] - rows["look"][used][:, None]
-    along = cable.along[look][:, None] + ahead / np.cos(cable.states[look, 1])[:, None]
-    scores = rows["profile_score"][used]
-    place = np.floor((along - first) / PROFILE_SPACING)
-    fine = np.isfinite(place) & np.isfinite(scores) & (place >= 0) & (place < count)
-    index = place[fine].astype(np.int64)
-    total = np.bincount(index, scores[fine], minlength=count)
-    number = np.bincount(index, minlength=count)
+    total, number = np.zeros(count), np.zeros(count, np.int64)
+    for start in range(0, len(used), BLOCK):
+        some, own = used[start : start + BLOCK], look[start : start + BLOCK]
+        ahead = rows["profile_ahead"][some].astype(np.float64) - rows["look"][some][:, None]
+        along = cable.along[own][:, None] + ahead / np.cos(cable.states[own, 1])[:, None]
+        scores = rows["profile_score"][some]
+        place = np.floor((along - first) / PROFILE_SPACING)
+        fine = np.isfinite(place) & np.isfinite(scores) & (place >= 0) & (place < count)
+        index = place[fine].astype(np.int64)
+        total += np.bincount(index, scores[fine], minlength=count)
+        number += np.bincount(index, minlength=count)
     with np.errstate(invalid="ignore", divide="ignore"):
         seen = np.where(number > 0, total / number, np.nan)
     return Profile(0.0, seen, _in_view(looks, cable, rows, members, (first, count)))

@@ -98,6 +98,14 @@ class IfElseSubstitution(Substitution):
         return perform(context, self._values[chosen])
 
 
+class EqualsSubstitution(Substitution):
+    def __init__(self, left: Any, right: Any) -> None:
+        self._left, self._right = substitutions(left), substitutions(right)
+
+    def perform(self, context: LaunchContext) -> str:
+        return str(perform(context, self._left) == perform(context, self._right)).lower()
+
+
 class FindPackageShare(Substitution):
     def __init__(self, package: Any) -> None:
         self._package = substitutions(package)
@@ -391,7 +399,8 @@ MODULES: dict[str, tuple[Any, ...]] = {
     "launch.events": (Shutdown,),
     "launch.launch_description_sources": (PythonLaunchDescriptionSource,),
     "launch.substitutions": (
-        IfElseSubstitution, LaunchConfiguration, PathJoinSubstitution, TextSubstitution,
+        EqualsSubstitution, IfElseSubstitution, LaunchConfiguration, PathJoinSubstitution,
+        TextSubstitution,
     ),
     "launch_ros": (),
     "launch_ros.actions": (Node,),

@@ -98,7 +98,7 @@ def test_every_argument_is_described_and_used(play: Play, file: str) -> None:
 class TestTracker:
     def test_the_defaults_are_relative_names_and_the_default_preset(self, start: Play) -> None:
         tracker = start("tracker.launch.py")["tracker"]
-        assert tracker.files() == [ROOT / "config" / "default.yaml"]
+        assert set(tracker.files()) == {ROOT / "config" / "default.yaml"}
         assert tracker.values()["preset"] == "default"
         assert tracker.values()["use_sim_time"] is False
         assert all(target == source for source, target in tracker.remappings.items())
@@ -120,7 +120,7 @@ class TestTracker:
             preset="thesis", namespace="auv", use_sim_time="true", log_level="debug",
         )["tracker"]  # fmt: skip
         assert tracker.values()["preset"] == "thesis"
-        assert tracker.files() == [ROOT / "config" / "thesis.yaml"]
+        assert set(tracker.files()) == {ROOT / "config" / "thesis.yaml"}
         assert tracker.namespace == "auv"
         assert tracker.values()["use_sim_time"] is True
         assert tracker.ros_arguments == ("--log-level", "debug")
@@ -177,7 +177,15 @@ class TestReplay:
         for topic in ("image", "image/compressed"):
             assert len({node.remappings[topic] for node in nodes.values()}) == 1
         assert nodes["tracker"].values()["preset"] == "thesis"
-        assert nodes["tracker"].files() == [ROOT / "config" / "thesis.yaml"]
+        assert set(nodes["tracker"].files()) == {ROOT / "config" / "thesis.yaml"}
+
+    def test_both_nodes_hear_of_the_vehicle(self, start: Play, tmp_path: Path) -> None:
+        file = tmp_path / "vehicle.yaml"
+        file.write_text("/**:\n  ros__parameters:\n    camera_pitch: 70.0\n")
+        nodes = start("replay.launch.py", vehicle=str(file))
+        assert nodes["replay"].values()["vehicle"] == str(file)
+        assert nodes["tracker"].files()[-1] == file
+        assert start("replay.launch.py")["replay"].values()["vehicle"] == ""
 
     def test_a_number_for_a_name_stays_a_name(self, start: Play) -> None:
         assert start("replay.launch.py", source="2024")["replay"].values()["source"] == "2024"
@@ -213,7 +221,7 @@ class TestLoop:
     def test_all_read_the_file_that_says_how_the_camera_hangs(self, start: Play) -> None:
         file = ROOT / "config" / "loop.yaml"
         for node in start("loop.launch.py").values():
-            assert node.files() == [file]
+            assert set(node.files()) == {file}
         content = yaml.safe_load(file.read_text(encoding="utf-8"))
         for key, section in content.items():
             specs = SPECS[key.removeprefix("/**/")]

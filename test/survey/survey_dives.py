@@ -51,7 +51,7 @@ def make_dive(plan: Plan, path: Path = Path("dive")) -> ForwardDive:
         beside = plan.aside * np.sin(2 * np.pi * along / 17.0)
         x, y = place + beside * np.array([-np.sin(heading), np.cos(heading)])
         stamp = START + round(k / RATE * 1e9)
-        dive.poses.add(stamp, [x, y, 2.0, heading, 1e-4, 1e-4, 1e-6, SPEED])
+        dive.poses.add(stamp, [x, y, heading, SPEED])
         row = dive.table.append()
         row["frame"], row["stamp"], row["look"], row["half_view"] = k, stamp, LOOK, 1.0
         row["altitude"] = 2.0

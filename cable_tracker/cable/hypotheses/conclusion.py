@@ -108,17 +108,19 @@ def conclude(
     for row in range(end):
         unwrap_state(states[row], 0.0, states[row])
     densities, evidence = sample.densities, sample.evidence
-    log_prior = log_weights(0.0, sample.ratios[:end], densities.full[:end], sample.mixture[:end])
+    log_importance = log_weights(
+        0.0, sample.ratios[:end], densities.full[:end], sample.mixture[:end]
+    )
     posterior = np.empty(end)
     for row in range(end):
-        posterior[row] = log_prior[row] + sample.ratios[row]
+        posterior[row] = log_importance[row] + sample.ratios[row]
     groups, count = find_groups(states, posterior, image_width, anchors)
     if count == 0:
         return _nothing(states, posterior)
     background = _background(states, posterior, groups, count, inputs, config)
     corrected = corrected_weights(
         posterior,
-        log_prior,
+        log_importance,
         densities.full[:end],
         densities.survived[:end],
         densities.width_penalties[:end],

@@ -2,10 +2,11 @@
 
 Per frame, the particles stand for the density
 
-    f(x) = P(survived) sum_j W_j K(x | x_j) + P(born) b(x)
+    f(x) = P(survived) (sum_j W_j K(x | x_j) + r J(x)) + P(born) b(x)
 
 of a cable in view, where K is the movement with its heavy tails about the particles x_j of the
-frame before, and b the density of cables that come into view. They are not drawn from f alone but
+frame before, J the density of cables that share one border with the leading hypothesis, seldom (r)
+the right one, and b that of cables that come into view. They are not drawn from f alone but
 from a mixture of proposals: from f, about what a detector sees, and, in rounds, about the best
 particles of the same frame. A particle weighs f(x) L(x) / q(x), where q is the density of the whole
 mixture and L the likelihood ratio of the frame: no proposal is a second prior, wherever it comes
@@ -36,10 +37,10 @@ from cable_tracker.cable.hypotheses.conclusion import Conclusion, draw_and_concl
 from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.presence import (
-    inherited_odds,
+    inherited_log_odds,
     probability_of,
     thin_factor,
-    updated_odds,
+    updated_log_odds,
 )
 from cable_tracker.cable.hypotheses.prior import MINIMUM_DENSITY, Prior
 from cable_tracker.cable.hypotheses.proposals import (
@@ -61,11 +62,12 @@ from cable_tracker.cable.measure.border_responses import MINIMUM_POINTS
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
-from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, wrap_state
+from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.initialisation import search_box
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.movement import CableMovement, state_limits
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
+from cable_tracker.cable.model.statistics import turned_covariance
 from cable_tracker.cable.parameters.parameters import (
     REFERENCE_RATE,
     REFERENCE_WIDTH,
@@ -131,11 +133,6 @@ SMALLEST_HYPOTHESIS = 0.01
 """Clusters with a smaller share are not reported."""
 
 NO_ANCHOR = np.empty((0, STATE_SIZE))
-
-_SIGNS = np.ones(STATE_SIZE)
-_SIGNS[list(SIGN_CHANGING_COLUMNS)] = -1.0
-TURNED_SIGNS = np.outer(_SIGNS, _SIGNS)
-"""Factors on a covariance (8, 8) when the normal is turned round."""
 
 
 class MultiHypothesisFilter(CableFilter[Belief]):
@@ -271,7 +268,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     ) -> FloatArray:
         """Return the log-odds (K,) that the clusters are cables."""
         parameters, width = self._parameters, float(self._image_size[0])
-        inherited = inherited_odds(expected, belief.log_odds, found.clusters.means, width)
+        inherited = inherited_log_odds(expected, belief.log_odds, found.clusters.means, width)
         survival = existence.survived / max(belief.presence, MINIMUM_DENSITY)
         appearance = -math.expm1(-parameters.appearance_rate * dt)
         thin = [
@@ -280,7 +277,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         ]
         return np.array(
             [
-                updated_odds(
+                updated_log_odds(
                     odds,
                     level * factor,
                     score * factor,
@@ -464,7 +461,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         mean = wrap_state(leader)
         turns = round((leader[StateColumn.ANGLE] - mean[StateColumn.ANGLE]) / math.pi)
         if turns % 2:
-            covariance = covariance * TURNED_SIGNS
+            covariance = turned_covariance(covariance)
         factor = displacement_factor(belief.border_evidence)
         return mean, covariance + factor**2 * self._displacement
 

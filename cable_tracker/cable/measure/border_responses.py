@@ -27,7 +27,8 @@ MINIMUM_POINTS = 3.0
 """A border with fewer points inside the image shows nothing."""
 
 NOISE_FLOOR = 0.3
-"""Smallest robust scale of a frame [grey levels]: below it lies the noise of quantisation."""
+"""Smallest robust scale of a frame [grey levels per working px]: below it lies the rounding of
+pixels."""
 
 
 class BorderResponseModel:
@@ -55,7 +56,8 @@ class BorderResponseModel:
         sums, lengths = border_sums(state[None, :], image)
         if not opposed(sums)[0] or lengths.min() < MINIMUM_POINTS:
             return 0.0
-        return float((np.abs(sums) / lengths).min()) / max(image.scanned.scale, NOISE_FLOOR)
+        scale = max(image.scanned.scale, NOISE_FLOOR) * image.scale
+        return float((np.abs(sums) / lengths).min()) / scale
 
 
 def response_weights(sums: FloatArray, epsilon: float) -> FloatArray:

@@ -1,7 +1,7 @@
 """Gradients of a frame along its scan lines, worked out once and read at many points.
 
-Borders are not measured everywhere, but where they cross every tenth row of the picture or so, or
-every tenth column if they run flat: only there are the gradients worked out. Along such a line,
+Borders are not measured everywhere, but where they cross rows of the picture, `sample_spacing`
+apart, or such columns if they run flat: only there are the gradients worked out. Along such a line,
 everything that is asked of a border (is there an edge, is it here, what lies beside it) is found at
 other places of the same line.
 

@@ -11,8 +11,10 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.dead_margins import without_dead_margins
 from cable_tracker.cable.measure.scanned_gradients import ScannedFrame, scan_frame, scan_kernels
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.errors import FrameError
+
+DEFAULTS = TrackerParameters()
 
 MINIMUM_SIDE = 16
 """Smallest height and width of a frame that a cable can be measured in [px]."""
@@ -55,8 +57,8 @@ class WorkingImage:
 
     frame: Image
     size: tuple[int, int]
-    filter_sigma: float = 1.6
-    sample_spacing: float = 16.0
+    filter_sigma: float
+    sample_spacing: float
 
     @property
     def frame_size(self) -> tuple[int, int]:
@@ -131,8 +133,8 @@ def check_frame(image: Image) -> None:
 def make_working_image(
     image: Image,
     working_width: int,
-    filter_sigma: float = 1.6,
-    sample_spacing: float = 16.0,
+    filter_sigma: float = DEFAULTS.filter_sigma,
+    sample_spacing: float = DEFAULTS.sample_spacing,
 ) -> WorkingImage:
     """Fill dead margins, and reduce a wider frame to the working width by averaging over areas.
 

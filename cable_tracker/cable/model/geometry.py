@@ -46,7 +46,10 @@ class Borders:
 
 def wrap_angle(angle: FloatArray) -> FloatArray:
     """Wrap the angle of a line's normal to (-pi/2, pi/2]; any shape, any whole number of turns."""
-    return np.pi / 2 - np.mod(np.pi / 2 - angle, np.pi)
+    wrapped = angle - math.pi * np.rint(angle / math.pi)
+    # Rounding may leave it on the wrong side of either end.
+    wrapped = np.where(wrapped <= -math.pi / 2, wrapped + math.pi, wrapped)
+    return np.where(wrapped > math.pi / 2, wrapped - math.pi, wrapped)
 
 
 @compiled_inside

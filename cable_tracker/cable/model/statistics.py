@@ -40,8 +40,12 @@ def cable_mean_and_covariance(
     covariance = weighted_covariance(chart, weights, mean)
     wrapped = wrap_states(mean[None, :])[0]
     half_turns = np.rint((mean[StateColumn.ANGLE] - wrapped[StateColumn.ANGLE]) / np.pi)
-    if half_turns % 2:
-        signs = np.ones(len(mean))
-        signs[list(SIGN_CHANGING_COLUMNS)] = -1.0
-        covariance = covariance * np.outer(signs, signs)
-    return wrapped, covariance
+    return wrapped, turned_covariance(covariance) if half_turns % 2 else covariance
+
+
+def turned_covariance(covariance: FloatArray) -> FloatArray:
+    """Return the covariance (8, 8) of a cable whose normal is turned round."""
+    signs = np.ones(len(covariance))
+    signs[list(SIGN_CHANGING_COLUMNS)] = -1.0
+    turned: FloatArray = covariance * np.outer(signs, signs)
+    return turned

@@ -194,7 +194,12 @@ class TrackerParameters(ParameterSet):
         " independent.",
     )
     missing_cost: float = number(
-        0.5, "", 0.0, 1.0, "Likelihood ratio: cost of a point outside the image; 1 as if unseen."
+        0.5,
+        "",
+        0.0,
+        1.0,
+        "Likelihood ratio: cost of a point outside the image, as a share of that of a point in it"
+        " where no border shows.",
     )
     polarity_memory: float = number(
         0.98, "per frame", 0.0, 1.0, "How long the cable is remembered as bright or dark."
@@ -213,7 +218,7 @@ class TrackerParameters(ParameterSet):
         2, "", 0, 4, "Times that particles are drawn anew about the best ones of the same frame."
     )
     refinement_share: float = number(
-        0.5, "share of N", 0.0, 0.9, "Particles drawn in those rounds."
+        0.5, "share of N", 0.0, 0.9, "Particles drawn in the refinement rounds, all together."
     )
     ancestor_count: int = number(
         128, "", 8, 4096, "Particles that the next frame's are drawn about; time grows with it."
@@ -234,10 +239,20 @@ class TrackerParameters(ParameterSet):
         "Evidence for a narrower strip counts less: any bottom has thin lines.",
     )
     evidence_limit: float = number(
-        18.0, "", 0.0, 1e6, "What a new hypothesis explains better counts up to this."
+        18.0,
+        "nats",
+        0.0,
+        1e6,
+        "Most that one frame's evidence for a hypothesis counts; for a new one, how much better it"
+        " explains the frame than the heaviest known one.",
     )
     evidence_repeated: float = number(
-        0.2, "", 0.0, 1.0, "Share of the evidence that counts again; 1 if frames were independent."
+        0.2,
+        "",
+        0.0,
+        1.0,
+        "Share of a frame's evidence that counts for a hypothesis that goes on; 1 if frames were"
+        " independent.",
     )
 
     presence_gain: float = number(
@@ -254,13 +269,22 @@ class TrackerParameters(ParameterSet):
         0.05, "1/s", 0.0, 100.0, "How often a cable in the middle of the image is gone."
     )
     leaving_rate: float = number(
-        10.0, "1/s", 0.0, 100.0, "The same at the edge of the image, added."
+        10.0,
+        "1/s",
+        0.0,
+        100.0,
+        "How often a cable at the edge of the image leaves it; added to `disappearance_rate`.",
     )
     leaving_margin: float = number(
         8.0, "px", 0.1, 1e4, "How near to the edge of the image a cable begins to leave."
     )
     memory_time: float = number(
-        4.0, "s", 0.04, 600.0, "How long a lost cable is looked for near where it was, mostly."
+        4.0,
+        "s",
+        0.04,
+        600.0,
+        "Time constant with which the search for a lost cable passes from where it was lost to the"
+        " whole image.",
     )
     width_spread: float = number(
         0.3,

@@ -141,16 +141,17 @@ class ResultFolder:
             # Entered last, so that all is drawn before the video is closed.
             self._drawing = self._writers.enter_context(DrawingThread())
         except OSError as error:
-            self._abandon()
+            self._abandon(error)
             raise OutputError(f"{self.path}: cannot be written ({error.strerror})") from error
-        except BaseException:
-            self._abandon()
+        except BaseException as error:
+            self._abandon(error)
             raise
         return self
 
-    def _abandon(self) -> None:
+    def _abandon(self, error: BaseException) -> None:
+        """Close all that was opened, and let it know why: no writer is to complain of its own."""
         try:
-            self._writers.close()
+            self._writers.__exit__(type(error), error, error.__traceback__)
         finally:
             self._folder.discard()
 

@@ -229,11 +229,13 @@ class LiveSession:
             The node is gone.
         """
         self._need_node()
-        if self._prior is None:
+        # Another thread, which looks for the node's topics, may replace it.
+        publisher = self._prior
+        if publisher is None:
             raise RosError(f"{self.name} takes no initial state yet; wait until it has warmed up")
         latest = self._latest
         header = make_header(self._factory, latest.stamp if latest is not None else 0, "")
-        self._prior.publish(self._start_message(header, start))
+        publisher.publish(self._start_message(header, start))
 
     def _start_message(self, header: Message, start: AnyStart) -> Message:
         assert isinstance(start, StatePrior), "a cable is not marked with an outline"

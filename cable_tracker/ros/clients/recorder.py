@@ -102,7 +102,8 @@ class Recorder(Node):  # type: ignore[misc]
         if latest is None or all(status.message != WARMING_UP for status in latest.status):
             return False
         self.get_logger().info(
-            "waiting: the tracker is WARMING UP, which may take minutes on a cold cache",
+            "waiting: the tracker is WARMING UP; once per installation this takes about half a"
+            " minute of a laptop's processor",
             throttle_duration_sec=5.0,
         )
         return True

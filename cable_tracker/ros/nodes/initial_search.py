@@ -7,6 +7,7 @@ from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.detection.detector import CableDetector
 from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import ParameterError
 
 
@@ -17,6 +18,8 @@ class InitialSearch:
     ----------
     text : str
         ``random``, ``d,alpha,w,beta`` in px and rad, or the name of a detector.
+    limits : PairLimits
+        Widths and skews of the cables that the detector looks for.
 
     Raises
     ------
@@ -24,19 +27,24 @@ class InitialSearch:
         The text is none of these.
     """
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, limits: PairLimits = DEFAULT_LIMITS) -> None:
         self._detector: CableDetector | None = None
         self._given: StatePrior | None = None
         self._is_seeking = False
-        name = text.strip()
-        if name in DETECTORS:
-            self._detector = DETECTORS[name]()
+        self._name = text.strip()
+        if self._name in DETECTORS:
+            self.limit(limits)
             return
         try:
             state = parse_initial_state(text)
         except ParameterError as error:
             raise ParameterError(f"{error}, nor a detector ({', '.join(DETECTORS)})") from error
         self._given = StatePrior.around(state) if state is not None else None
+
+    def limit(self, limits: PairLimits) -> None:
+        """Let the detector, if there is one, look for cables of other widths and skews."""
+        if self._name in DETECTORS:
+            self._detector = DETECTORS[self._name](limits)
 
     def restart(self) -> StatePrior | None:
         """Begin anew; return the prior of the next frame, None where none is known yet."""

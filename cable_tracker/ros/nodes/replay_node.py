@@ -209,11 +209,11 @@ class ReplayNode(ProcessNode):
         """Say what is waited for; in lockstep give up some time after no tracker is warming up."""
         warming = self._warming.names()
         if warming:
-            # The compiler takes as long as it takes: minutes on a cold cache.
+            # The compiler takes as long as it takes, on a slow computer minutes.
             self._waits_since = time.monotonic()
             self.get_logger().info(
-                f"waiting: {', '.join(warming)} is WARMING UP, which may take minutes on a cold"
-                " cache",
+                f"waiting: {', '.join(warming)} is WARMING UP; once per installation this takes"
+                " about half a minute of a laptop's processor",
                 throttle_duration_sec=WARNING_PAUSE,
             )
             return

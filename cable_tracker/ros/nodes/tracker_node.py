@@ -21,6 +21,7 @@ from cable_tracker.cable.parameters.parameters import (
     TrackerParameters,
 )
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import FrameError
 from cable_tracker.metric.messages import report_metres
 from cable_tracker.node_parameter_tables import (
@@ -107,6 +108,7 @@ class TrackerNode(CameraNode):
             before = self._tracker.parameters.remarks()
             changed = self._tracker.parameters.replaced(filter_values)
             self._tracker.configure(changed, make_proposer(changed))
+            self._search.limit(pair_limits(changed))
             self._warm_up_for_change()
             self._warn_of_remarks(before)
         self._apply_runtime_values(values)
@@ -119,7 +121,8 @@ class TrackerNode(CameraNode):
 
     def _apply_runtime_values(self, values: Mapping[str, object]) -> None:
         if "initial_state" in values:
-            self._search = InitialSearch(str(values["initial_state"]))
+            limits = pair_limits(self._tracker.parameters)
+            self._search = InitialSearch(str(values["initial_state"]), limits)
         self._metric.apply(values)
         self._apply_camera_values(values)
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from cable_tracker.arrays import IndexArray
 from cable_tracker.survey.forwards import ForwardDive
 from cable_tracker.survey.frame_table import STATUSES
 from cable_tracker.survey.route import Course
@@ -25,12 +27,39 @@ UNITS = {
     "smoothed_heading": "rad", "smoothed_sigma": "m", "along": "m",
 }  # fmt: skip
 
-ROW_GROUP = 65536
+ROW_GROUP = 16384
+"""Rows that are written together."""
 
 
 def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course | None) -> None:
-    """Write the table of a dive."""
-    rows = dive.table.rows
+    """Write the table of a dive, some rows at a time."""
+    count = len(dive.table)
+    owner = _looks(count, course)
+    with ExitStack() as stack:
+        writer: pq.ParquetWriter | None = None
+        for first in range(0, max(count, 1), ROW_GROUP):
+            part = slice(first, min(first + ROW_GROUP, count))
+            table = _table(recording, dive, course, owner, part)
+            if writer is None:
+                writer = stack.enter_context(
+                    pq.ParquetWriter(path, table.schema, compression="zstd")
+                )
+            writer.write_table(table)
+
+
+def _looks(count: int, course: Course | None) -> IndexArray:
+    """Return for each row of the table its look, shape (N,); -1: none."""
+    owner = np.full(count, -1, np.int64)
+    if course is not None:
+        for k, (first, last) in enumerate(zip(course.looks.first, course.looks.last, strict=True)):
+            owner[first:last] = k
+    return owner
+
+
+def _table(
+    recording: str, dive: ForwardDive, course: Course | None, owner: IndexArray, part: slice
+) -> pa.Table:
+    rows = dive.table.rows[part]
     count = len(rows)
     columns: dict[str, pa.Array] = {
         "recording": pa.DictionaryArray.from_arrays(np.zeros(count, np.int32), [recording]),
@@ -41,15 +70,13 @@ def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course |
     columns["no_metres"] = pa.DictionaryArray.from_arrays(
         rows["reason"].astype(np.int32), dive.table.reasons
     )
-    places = np.full((count, 3), np.nan)
-    smoothed = np.full((count, 4), np.nan)
+    places, smoothed = np.full((count, 3), np.nan), np.full((count, 4), np.nan)
     if course is not None:
         places = course.poses.at(rows["stamp"])
-        cable = course.cable
-        sigma = np.sqrt(cable.covariances[:, 0, 0])
-        each = np.column_stack((cable.states[:, :2], sigma, cable.along))
-        for k, (first, last) in enumerate(zip(course.looks.first, course.looks.last, strict=True)):
-            smoothed[first:last] = each[k]
+        cable, look = course.cable, owner[part]
+        known, look = look >= 0, look[look >= 0]
+        sigma = np.sqrt(cable.covariances[look, 0, 0])
+        smoothed[known] = np.column_stack((cable.states[look, :2], sigma, cable.along[look]))
     for name, column in zip(("x", "y", "yaw"), places.T, strict=True):
         columns[name] = pa.array(column, from_pandas=True)
     names = ("smoothed_aside", "smoothed_heading", "smoothed_sigma", "along")
@@ -59,8 +86,7 @@ def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course |
         pa.field(name, column.type, metadata={"unit": UNITS[name]} if name in UNITS else None)
         for name, column in columns.items()
     ]
-    table = pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields))
-    pq.write_table(table, path, row_group_size=ROW_GROUP, compression="zstd")
+    return pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields))
 
 
 def join_frames(parts: list[Path], path: Path) -> None:

@@ -5,7 +5,17 @@
   if (!data.routes.length) return;
   const map = document.getElementById("map"), profile = document.getElementById("profile");
   const select = document.getElementById("route"), detail = document.getElementById("detail");
-  const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const style = getComputedStyle(document.documentElement);
+  let colours = {};
+  const colour = (name) => colours[name] ??= style.getPropertyValue(name).trim();
+  let pictures = null;
+  const picture = (event) => {
+    // Read when the first of them is looked at, so that the page opens without them.
+    pictures ??= JSON.parse(document.getElementById("pictures").textContent);
+    const image = document.createElement("img");
+    image.src = `data:image/jpeg;base64,${pictures[event.picture]}`;
+    return image;
+  };
   const alarming = new Set(["crossing", "bend", "dives disagree", "navigation", "width out of the ordinary"]);
   let current = 0, view = null, chosen = -1;
 
@@ -19,7 +29,15 @@
     pen.font = "12px system-ui, sans-serif";
     return [pen, box.width, box.height];
   };
-  const extent = (values) => values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+  const extent = (values) => {
+    let least = Infinity, most = -Infinity;
+    for (const value of values) {
+      if (value === null) continue;
+      if (value < least) least = value;
+      if (value > most) most = value;
+    }
+    return [least, most];
+  };
   const nice = (span) => {
     const power = 10 ** Math.floor(Math.log10(span));
     return [1, 2, 5, 10].map((f) => f * power).find((step) => step >= span);
@@ -35,29 +53,67 @@
   const toScreen = (x, y, width, height) => [
     width / 2 + (x - view.x) * view.scale, height / 2 - (y - view.y) * view.scale];
 
+  // The points that a map of this scale can show, in pieces that cross it: none nearer to the one
+  // before than a pixel, unless the cable comes or goes there, and none beyond its edges.
+  const level = (route, width, height) => {
+    const { x, y, visible } = route, pieces = [];
+    const reach = 1 / view.scale, [wide, high] = [width / 2 / view.scale + reach, height / 2 / view.scale + reach];
+    const side = (k) => (x[k] < view.x - wide) | (x[k] > view.x + wide) << 1 | (y[k] < view.y - high) << 2 | (y[k] > view.y + high) << 3;
+    let piece = null, before = 0, last = x.length - 1;
+    for (let k = 1; k <= last; k++) {
+      const near = Math.hypot(x[k] - x[before], y[k] - y[before]) < reach;
+      if (near && k < last && (visible[k] > 0.5) === (visible[k + 1] > 0.5)) continue;
+      if (side(before) & side(k)) piece = null;
+      else if (piece) piece.push(k);
+      else pieces.push(piece = [before, k]);
+      before = k;
+    }
+    return pieces;
+  };
+
+  // Events that would cover each other are one marker, with their number.
+  const markers = (width, height) => {
+    const found = [];
+    data.events.forEach((event, k) => {
+      if (event.route !== current) return;
+      const [x, y] = toScreen(event.x, event.y, width, height);
+      if (x < -20 || y < -20 || x > width + 20 || y > height + 20) return;
+      const near = found[found.length - 1];
+      if (near && Math.hypot(x - near.x, y - near.y) < 34) near.events.push(k);
+      else found.push({ x, y, events: [k] });
+    });
+    return found;
+  };
+
   const drawMap = () => {
     const [pen, width, height] = sharpened(map);
     if (!view) whole();
-    const route = data.routes[current], count = route.x.length;
-    const at = (k) => toScreen(route.x[k], route.y[k], width, height);
+    const route = data.routes[current], shown = level(route, width, height);
     pen.beginPath();
     const edge = (k, side) => {
       const half = side * 1.96 * route.sigma[k];
       return toScreen(route.x[k] - half * Math.sin(route.heading[k]),
         route.y[k] + half * Math.cos(route.heading[k]), width, height);
     };
-    for (let k = 0; k < count; k++) pen.lineTo(...edge(k, 1));
-    for (let k = count - 1; k >= 0; k--) pen.lineTo(...edge(k, -1));
+    for (const piece of shown) {
+      for (let n = 0; n < piece.length; n++) pen[n ? "lineTo" : "moveTo"](...edge(piece[n], 1));
+      for (let n = piece.length - 1; n >= 0; n--) pen.lineTo(...edge(piece[n], -1));
+      pen.closePath();
+    }
     pen.fillStyle = colour("--band");
     pen.fill();
     pen.lineWidth = 2.5;
     pen.lineJoin = "round";
     for (const seen of [true, false]) {
       pen.beginPath();
-      for (let k = 1; k < count; k++) {
-        if ((route.visible[k] > 0.5) !== seen) continue;
-        pen.moveTo(...at(k - 1));
-        pen.lineTo(...at(k));
+      for (const piece of shown) {
+        let lifted = true;
+        for (let n = 1; n < piece.length; n++) {
+          if ((route.visible[piece[n]] > 0.5) !== seen) { lifted = true; continue; }
+          if (lifted) pen.moveTo(...toScreen(route.x[piece[n - 1]], route.y[piece[n - 1]], width, height));
+          pen.lineTo(...toScreen(route.x[piece[n]], route.y[piece[n]], width, height));
+          lifted = false;
+        }
       }
       pen.setLineDash(seen ? [] : [5, 4]);
       pen.strokeStyle = colour(seen ? "--route" : "--buried");
@@ -74,19 +130,23 @@
       pen.beginPath();
       pen.arc(x, y, 3, 0, 7);
       pen.fill();
-      pen.fillText(kp(way), x + 6, y + 14);
+      pen.fillText(kp(way), x + 6, y + 24);
     });
-    data.events.forEach((event, k) => {
-      if (event.route !== current) return;
-      const [x, y] = toScreen(event.x, event.y, width, height);
+    for (const { x, y, events } of markers(width, height)) {
+      const radius = (events.length > 1 ? 9 : 5) + (events.includes(chosen) ? 3 : 0);
       pen.beginPath();
-      pen.arc(x, y, k === chosen ? 8 : 5, 0, 7);
-      pen.fillStyle = colour(alarming.has(event.kind) ? "--alarm" : "--buried");
+      pen.arc(x, y, radius, 0, 7);
+      pen.fillStyle = colour(events.some((k) => alarming.has(data.events[k].kind)) ? "--alarm" : "--buried");
       pen.fill();
       pen.strokeStyle = colour("--paper");
       pen.lineWidth = 1.5;
       pen.stroke();
-    });
+      if (events.length === 1) continue;
+      pen.fillStyle = colour("--paper");
+      pen.textAlign = "center";
+      pen.fillText(events.length, x, y + 4);
+      pen.textAlign = "start";
+    }
     const bar = nice(90 / view.scale);
     pen.strokeStyle = pen.fillStyle = colour("--ink");
     pen.lineWidth = 2;
@@ -127,24 +187,42 @@
   const rows = [
     ["diameter [m]", "diameter"], ["visible (share of dives)", "visible"],
     ["vehicle beside [m]", "aside"], ["σ across [m]", "sigma"]];
+  // A line through values; of those that share a column of pixels the least and the largest.
+  const trace = (pen, values, across, up) => {
+    let column = NaN, least = 0, most = 0, lifted = true;
+    const flush = () => {
+      if (Number.isNaN(column)) return;
+      if (lifted) pen.moveTo(column, up(least)); else pen.lineTo(column, up(least));
+      if (most > least) pen.lineTo(column, up(most));
+      lifted = false;
+    };
+    values.forEach((value, k) => {
+      if (value === null) { flush(); column = NaN; lifted = true; return; }
+      const here = Math.round(across(k));
+      if (here !== column) { flush(); column = here; least = most = value; return; }
+      least = Math.min(least, value);
+      most = Math.max(most, value);
+    });
+    flush();
+  };
   const drawProfile = () => {
     const [pen, width, height] = sharpened(profile);
     const route = data.routes[current], left = 60, right = width - 12;
     const end = route.along[route.along.length - 1], each = (height - 34) / rows.length;
     const x = (way) => left + (right - left) * way / end;
-    for (const event of data.events) {
-      if (event.route !== current) continue;
-      pen.fillStyle = colour("--band");
-      pen.fillRect(x(event.from) - 1, 4, Math.max(2, x(event.to) - x(event.from)), height - 38);
-    }
+    const own = data.events.filter((event) => event.route === current);
+    // So many would hide what they stand for: ticks above it.
+    const high = own.length > (right - left) / 10 ? 6 : height - 38;
+    pen.fillStyle = colour("--band");
+    for (const event of own) pen.fillRect(x(event.from) - 1, 4, Math.max(2, x(event.to) - x(event.from)), high);
     if (chosen >= 0 && data.events[chosen].route === current) {
       pen.fillStyle = colour("--alarm");
       pen.fillRect(x(data.events[chosen].from) - 1, 4, 2, height - 38);
     }
     rows.forEach(([title, name], place) => {
-      const values = route[name], known = values.filter((value) => value !== null);
+      const values = route[name];
       const top = 20 + place * each, bottom = top + each - 26;
-      const most = name === "visible" ? 1 : nice(Math.max(1e-3, ...extent(known).slice(1)));
+      const most = name === "visible" ? 1 : nice(Math.max(1e-3, extent(values)[1]));
       pen.strokeStyle = colour("--line");
       pen.lineWidth = 1;
       pen.strokeRect(left, top, right - left, bottom - top);
@@ -152,13 +230,7 @@
       pen.fillText(most, 8, top + 12);
       pen.fillText("0", 8, bottom);
       pen.beginPath();
-      let lifted = true;
-      values.forEach((value, k) => {
-        if (value === null) { lifted = true; return; }
-        const y = bottom - (bottom - top) * Math.min(value / most, 1);
-        if (lifted) pen.moveTo(x(route.along[k]), y); else pen.lineTo(x(route.along[k]), y);
-        lifted = false;
-      });
+      trace(pen, values, (k) => x(route.along[k]), (value) => bottom - (bottom - top) * Math.min(value / most, 1));
       pen.strokeStyle = colour("--route");
       pen.stroke();
       pen.fillStyle = colour("--ink");
@@ -176,7 +248,7 @@
     }
   };
 
-  const draw = () => { drawMap(); drawProfile(); };
+  const draw = () => { colours = {}; drawMap(); drawProfile(); };
   const choose = (k, centre = true) => {
     const event = data.events[k];
     if (!event) return;
@@ -192,13 +264,13 @@
     add("p", event.to > event.from ? `${kp(event.from)} to ${kp(event.to)}` : kp(event.from));
     add("p", event.detail);
     add("p", event.recording);
-    if (event.picture) {
-      const image = document.createElement("img");
-      image.src = event.picture;
+    if (event.picture >= 0) {
+      const image = picture(event);
       image.alt = `The camera's picture at the event: ${event.kind}`;
       detail.append(image);
     }
-    document.querySelectorAll("tr.event").forEach((row) => row.classList.toggle("chosen", Number(row.dataset.event) === k));
+    document.querySelector("tr.chosen")?.classList.remove("chosen");
+    document.querySelector(`tr.event[data-event="${k}"]`)?.classList.add("chosen");
     draw();
   };
 
@@ -256,19 +328,26 @@
     });
     if (best >= 0) choose(best);
   });
-  document.querySelectorAll("tr.event").forEach((row) => {
-    const k = Number(row.dataset.event), event = data.events[k];
-    if (!event) return;
-    if (event.picture) {
-      const image = document.createElement("img");
-      image.loading = "lazy";
-      image.src = event.picture;
-      image.alt = "";
-      row.cells[0].append(image);
-    }
-    row.addEventListener("click", () => { choose(k); map.scrollIntoView({ block: "center", behavior: "smooth" }); });
-    row.addEventListener("keydown", (e) => { if (e.key === "Enter") choose(k); });
+  const table = document.getElementById("events");
+  const eventOf = (node) => {
+    const row = node.closest("tr.event");
+    return row ? Number(row.dataset.event) : -1;
+  };
+  table.addEventListener("click", (e) => {
+    if (eventOf(e.target) < 0) return;
+    choose(eventOf(e.target));
+    map.scrollIntoView({ block: "center", behavior: "smooth" });
   });
+  table.addEventListener("keydown", (e) => { if (e.key === "Enter" && eventOf(e.target) >= 0) choose(eventOf(e.target)); });
+  // Browsers load pictures that stand in the page at once, whatever is said of loading.
+  const watcher = new IntersectionObserver((entries) => entries.forEach(({ target, isIntersecting }) => {
+    if (!isIntersecting) return;
+    watcher.unobserve(target);
+    const image = picture(data.events[eventOf(target)]);
+    image.alt = "";
+    target.append(image);
+  }), { scrollMargin: "200px" });
+  table.querySelectorAll("td.pictured").forEach((cell) => watcher.observe(cell));
   window.addEventListener("resize", draw);
   whole();
   draw();

@@ -60,13 +60,15 @@ def write_report(
     path: Path, survey: SurveyMap, recordings: Sequence[RecordingRow], title: str
 ) -> None:
     """Write the page; pictures are looked for beside it."""
+    pictures = _Pictures(path.parent)
+    events = _event_data(survey, pictures)
     data = {
         "onEarth": survey.frame is not None,
         "routes": [
             _route_data(survey, name, route)
             for name, route in zip(survey.names, survey.routes, strict=True)
         ],
-        "events": _event_data(survey, path.parent),
+        "events": events,
     }
     environment = Environment(
         loader=PackageLoader("cable_tracker.survey", "outputs"),
@@ -86,6 +88,11 @@ def write_report(
         routes=[
             _summary(name, route) for name, route in zip(survey.names, survey.routes, strict=True)
         ],
+        pictured=[
+            *(each["picture"] >= 0 for each in events),
+            *(False for _ in survey.events_in_time),
+        ],
+        pictures=json.dumps(pictures.encoded),
         # "</script>" inside a text must not end the script.
         data=json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
         script=script,
@@ -138,28 +145,39 @@ def _worst(values: FloatArray, chosen: FloatArray) -> FloatArray:
     return largest
 
 
-def _event_data(survey: SurveyMap, folder: Path) -> list[dict[str, Any]]:
-    found = []
-    left = MOST_PICTURES
-    for number, route in enumerate(survey.routes):
-        for event in route.events:
-            picture = ""
-            name = picture_name(event)
-            if name and left and (folder / name).is_file():
-                data = base64.b64encode((folder / name).read_bytes()).decode("ascii")
-                picture = f"data:image/jpeg;base64,{data}"
-                left -= 1
-            found.append(
-                {
-                    "route": number,
-                    "kind": event.kind.value,
-                    "from": round(event.along, 2),
-                    "to": round(event.end, 2),
-                    "x": round(event.place[0], 3),
-                    "y": round(event.place[1], 3),
-                    "detail": event.detail,
-                    "recording": event.recording,
-                    "picture": picture,
-                }
-            )
-    return found
+class _Pictures:
+    """Pictures of a page, each once: base64, apart from all else so that they are read late."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._numbers: dict[str, int] = {}
+        self.encoded: list[str] = []
+
+    def number(self, name: str) -> int:
+        """Return the place of a picture among all; -1: there is none, or no room for it."""
+        if name in self._numbers:
+            return self._numbers[name]
+        file = self._folder / name
+        if not name or len(self.encoded) == MOST_PICTURES or not file.is_file():
+            return -1
+        self.encoded.append(base64.b64encode(file.read_bytes()).decode("ascii"))
+        self._numbers[name] = len(self.encoded) - 1
+        return self._numbers[name]
+
+
+def _event_data(survey: SurveyMap, pictures: _Pictures) -> list[dict[str, Any]]:
+    return [
+        {
+            "route": number,
+            "kind": event.kind.value,
+            "from": round(event.along, 2),
+            "to": round(event.end, 2),
+            "x": round(event.place[0], 3),
+            "y": round(event.place[1], 3),
+            "detail": event.detail,
+            "recording": event.recording,
+            "picture": pictures.number(picture_name(event)),
+        }
+        for number, route in enumerate(survey.routes)
+        for event in route.events
+    ]

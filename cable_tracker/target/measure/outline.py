@@ -12,7 +12,7 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.compilation import compiled
 from cable_tracker.contour.evolution import ContourSettings, Window
 from cable_tracker.contour.levels import levels_of_mask
-from cable_tracker.contour.switching import FEWEST, switch_points
+from cable_tracker.contour.switching import FEWEST, SwitchingRules, switch_points
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.model.template import SIDE, UNIT, Template
 
@@ -133,10 +133,10 @@ def find_outline(
         return None
     prior = np.clip(-distances / np.float32(softness), -PRIOR_LIMIT, PRIOR_LIMIT)
     levels = levels_of_mask(expected)
+    rules = SwitchingRules(False, settings.regulariser, settings.balance, settings.flooding)
     switch_points(
-        ratios[top:bottom, left:right] + prior, levels, False, settings.regulariser,
-        settings.balance, settings.iterations, settings.flooding, np.empty(0),
-    )  # fmt: skip
+        ratios[top:bottom, left:right] + prior, levels, rules, settings.iterations, np.empty(0)
+    )
     mask = levels < 0
     overlap = float((mask & expected).sum() / max(int((mask | expected).sum()), 1))
     return Outline(mask, window, overlap)

@@ -96,7 +96,12 @@ class TargetParameters(ParameterSet):
         1.5, "", 0.0, 100.0, "Score of a region whose hues are all shared as the target's are."
     )
     grey_hue_weight: float = number(
-        4.0, "", 0.0, 100.0, "The same in grey pictures, of grey levels and texture."
+        4.0,
+        "",
+        0.0,
+        100.0,
+        "In grey pictures: score of a region whose grey levels and texture are shared as the"
+        " target's are.",
     )
     sharpness: float = number(
         10.0, "", 0.1, 1000.0, "Log-weight of a particle per unit of its region's score."
@@ -145,7 +150,11 @@ class TargetParameters(ParameterSet):
         0.01, "", 1e-6, 1.0, "Share of clutter that has any score at all, like the target's or not."
     )
     grey_clutter_share: float = number(
-        0.1, "", 1e-6, 1.0, "The same in grey pictures, where more looks like the target."
+        0.1,
+        "",
+        1e-6,
+        1.0,
+        "`clutter_share` in grey pictures, where more looks like the target.",
     )
     score_spread: float = number(
         0.15, "", 0.01, 10.0, "Least spread of the target's usual score, as a share of it."
@@ -160,7 +169,11 @@ class TargetParameters(ParameterSet):
         0.15, "", 0.001, 1.0, "Least spread of the target's likeness to itself."
     )
     grey_likeness_spread: float = number(
-        0.04, "", 0.001, 1.0, "The same in grey pictures, where much else is nearly as like."
+        0.04,
+        "",
+        0.001,
+        1.0,
+        "`likeness_spread` in grey pictures, where much else is nearly as like.",
     )
     appearance_rate: float = number(
         2.5, "1/s", 0.0, 100.0, "How often a target comes into view that was not."
@@ -169,13 +182,22 @@ class TargetParameters(ParameterSet):
         0.25, "1/s", 0.0, 100.0, "How often a target in the middle of the image is gone."
     )
     leaving_rate: float = number(
-        10.0, "1/s", 0.0, 100.0, "The same at the edge of the image, added."
+        10.0,
+        "1/s",
+        0.0,
+        100.0,
+        "How often a target at the edge of the image leaves it; added to `disappearance_rate`.",
     )
     leaving_margin: float = number(
         6.0, "px", 0.1, 1e4, "How near to the edge of the image a target begins to leave."
     )
     memory_time: float = number(
-        4.0, "s", 0.04, 600.0, "How long a lost target is looked for near where it was, mostly."
+        4.0,
+        "s",
+        0.04,
+        600.0,
+        "Time constant with which the search for a lost target passes from where it was lost to"
+        " the whole image.",
     )
     presence_to_track: float = number(
         0.95, "", 0.0, 1.0, "Presence above which a target is claimed."

@@ -10,17 +10,17 @@ from hypothesis import strategies as st
 from cable_tracker.cable.hypotheses.presence import (
     CLEAR_LEVEL,
     HIGHEST,
-    LARGEST_ODDS,
-    LEAST_ODDS,
+    LARGEST_LOG_ODDS,
+    LEAST_LOG_ODDS,
     LOWEST,
-    NEW_ODDS,
+    NEW_LOG_ODDS,
     ORDINARY_LEVEL,
-    frame_odds,
-    inherited_odds,
+    frame_log_odds,
+    inherited_log_odds,
     log_odds_of,
     probability_of,
     thin_factor,
-    updated_odds,
+    updated_log_odds,
 )
 
 NEW = math.nan
@@ -28,22 +28,22 @@ NEW = math.nan
 
 @given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(0.0, 1e3), st.floats(0.0, 1e3))
 def test_to_stand_higher_never_speaks_less_for_a_cable(level, score, more, further):
-    odds = frame_odds(level, score)
-    assert odds <= frame_odds(level + more, score + further) + 1e-9
-    assert LEAST_ODDS <= odds <= LARGEST_ODDS
+    odds = frame_log_odds(level, score)
+    assert odds <= frame_log_odds(level + more, score + further) + 1e-9
+    assert LEAST_LOG_ODDS <= odds <= LARGEST_LOG_ODDS
 
 
 def test_the_best_of_a_bare_bottom_speaks_against_a_cable_and_a_clear_cable_for_it():
-    assert frame_odds(12.0, 5.0) < 0.0 < frame_odds(12.0, 10.0)
+    assert frame_log_odds(12.0, 5.0) < 0.0 < frame_log_odds(12.0, 10.0)
 
 
 def test_what_hardly_stands_above_strips_like_it_is_no_cable_however_high_its_score():
-    assert frame_odds(ORDINARY_LEVEL - 4.0, 16.0) < 0.0
+    assert frame_log_odds(ORDINARY_LEVEL - 4.0, 16.0) < 0.0
 
 
 def test_what_stands_far_above_strips_like_it_is_one_though_the_bottom_is_coarse():
-    assert frame_odds(CLEAR_LEVEL + 8.0, 6.0) > 1.0
-    assert frame_odds(CLEAR_LEVEL, 6.0) < 0.0
+    assert frame_log_odds(CLEAR_LEVEL + 8.0, 6.0) > 1.0
+    assert frame_log_odds(CLEAR_LEVEL, 6.0) < 0.0
 
 
 @given(
@@ -55,15 +55,15 @@ def test_what_stands_far_above_strips_like_it_is_one_though_the_bottom_is_coarse
 )
 def test_log_odds_stay_where_they_can_turn(before, level, score, survival, appearance):
     for inherited in (before, NEW):
-        after = updated_odds(inherited, level, score, survival, appearance, 0.3)
+        after = updated_log_odds(inherited, level, score, survival, appearance, 0.3)
         assert LOWEST <= after <= HIGHEST
 
 
 def test_a_hypothesis_that_goes_on_gains_a_share_and_a_new_one_all():
-    odds = frame_odds(12.0, 12.0)
-    assert updated_odds(NEW, 12.0, 12.0, 1.0, 0.0, 0.3) == pytest.approx(NEW_ODDS + odds)
-    assert updated_odds(0.5, 12.0, 12.0, 1.0, 0.0, 0.3) == pytest.approx(0.5 + 0.3 * odds)
-    vanishing, staying = (updated_odds(2.0, 12.0, 12.0, s, 0.0, 0.3) for s in (0.1, 1.0))
+    odds = frame_log_odds(12.0, 12.0)
+    assert updated_log_odds(NEW, 12.0, 12.0, 1.0, 0.0, 0.3) == pytest.approx(NEW_LOG_ODDS + odds)
+    assert updated_log_odds(0.5, 12.0, 12.0, 1.0, 0.0, 0.3) == pytest.approx(0.5 + 0.3 * odds)
+    vanishing, staying = (updated_log_odds(2.0, 12.0, 12.0, s, 0.0, 0.3) for s in (0.1, 1.0))
     assert vanishing < staying
 
 
@@ -78,7 +78,7 @@ def test_a_hypothesis_inherits_from_the_nearest_that_is_near_enough():
     means = np.zeros((3, 8))
     # The last is the first, written the other way round.
     means[:, :4] = [[15.0, 0.1, 30.0, 0.0], [80.0, 0.1, 30.0, 0.0], [-10.0, 0.1 - np.pi, 30.0, 0.0]]
-    found = inherited_odds(expected, np.array([1.0, 2.0]), means, 320.0)
+    found = inherited_log_odds(expected, np.array([1.0, 2.0]), means, 320.0)
     assert found[0] == 2.0
     assert math.isnan(found[1])
     assert found[2] == 1.0

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -57,6 +58,18 @@ def test_sums_are_those_of_the_filter_of_the_thesis(draw_strip, angle):
 def test_a_strip_weighs_the_sum_of_both_and_a_step_nothing():
     sums = np.array([[5.0, -7.0], [-5.0, 7.0], [5.0, 7.0], [5.0, -1e-6], [0.0, 0.0]])
     assert response_weights(sums, 1e-3).tolist() == [12.0, 12.0, 1e-3, 1e-3, 1e-3]
+
+
+def test_evidence_does_not_depend_on_the_size_of_the_frame(draw_strip, rng):
+    picture = draw_strip(STRIP, SIZE) + rng.normal(0.0, 8.0, SIZE[::-1])
+    large = picture.astype(np.float32)
+    small = cv2.resize(large, (160, 120), interpolation=cv2.INTER_AREA)
+    half = CableState(STRIP.distance / 2, STRIP.angle, STRIP.width / 2, STRIP.skew)
+    of_small, of_large = (
+        MODEL.evidence(state.to_array(), make_working_image(image, 320))
+        for state, image in ((half, small), (STRIP, large))
+    )
+    assert of_small == pytest.approx(of_large, rel=0.25)
 
 
 def test_the_true_cable_has_more_evidence_than_another_and_one_outside_none(draw_strip):

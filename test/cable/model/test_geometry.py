@@ -16,6 +16,7 @@ from cable_tracker.cable.model.geometry import (
     unwrap_states,
     wrap_angle,
     wrap_states,
+    wrapped_angle,
 )
 
 SIZE = (320, 240)
@@ -211,3 +212,12 @@ def test_pixel_coordinates_count_from_the_centre_of_the_top_left_pixel():
     np.testing.assert_allclose(
         image_to_pixel(points, SIZE), [[159.5, 119.5], [0.0, 0.0], [319.0, 239.0]]
     )
+
+
+@pytest.mark.parametrize("turns", range(-3, 4))
+def test_no_rounding_leaves_an_angle_outside_the_range(turns):
+    right = np.pi / 2 + turns * np.pi
+    for angle in (np.nextafter(right, -100.0), right, np.nextafter(right, 100.0)):
+        wrapped = wrap_angle(np.array([angle]))[0]
+        assert -np.pi / 2 < wrapped <= np.pi / 2
+        assert wrapped == wrapped_angle(angle)

@@ -206,6 +206,17 @@ def test_a_disk_that_is_full_at_the_start_is_told_in_one_line(tmp_path, monkeypa
     assert names_in(tmp_path) == set()
 
 
+def test_a_user_who_stops_it_at_the_start_hears_of_nothing_else(tmp_path, monkeypatch):
+    def stopped():
+        raise KeyboardInterrupt
+
+    # By then the video is open, and has no frames.
+    monkeypatch.setattr(result_folder, "DrawingThread", stopped)
+    with pytest.raises(KeyboardInterrupt), ResultFolder(tmp_path / "out"):
+        pass
+    assert names_in(tmp_path) == set()
+
+
 def test_a_video_that_cannot_be_begun_leaves_nothing_behind(tmp_path, monkeypatch):
     def refuse(path):
         raise OutputError(f"{path}: videos need PyAV")

@@ -8,6 +8,7 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.detection.pair_limits import PairLimits
 from cable_tracker.errors import ParameterError
 from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS
 from cable_tracker.ros.nodes.initial_search import InitialSearch
@@ -55,6 +56,20 @@ def test_a_detector_is_asked_until_it_sees_a_cable(
     assert search.look(strip()) is None
     search.restart()
     assert search.look(strip()) is not None
+
+
+@pytest.mark.parametrize("name", DETECTORS)
+def test_a_detector_looks_for_the_widths_that_it_is_limited_to(
+    name: str, strip: Callable[..., Any], truth: CableState
+) -> None:
+    narrow, wide = PairLimits(4.0, truth.width / 2, 0.2), PairLimits(4.0, 2 * truth.width, 0.2)
+    search = InitialSearch(name, narrow)
+    search.restart()
+    found = search.look(strip())
+    assert found is None or found.state.width <= truth.width / 2
+    search.limit(wide)
+    search.restart()
+    assert search.look(strip()).state.width == pytest.approx(truth.width, abs=6.0)
 
 
 def test_what_was_found_otherwise_is_not_sought_any_more(strip: Callable[..., Any]) -> None:

