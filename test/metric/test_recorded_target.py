@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from chase_bag import write_chase_bag
 
 from cable_tracker.evaluation.targets.metrics import overlap
 from cable_tracker.metric.recorded import recorded_vehicle
@@ -17,8 +18,6 @@ from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.targets.chase import shown_size
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.tracker import TargetTracker
-
-from .chase_bag import write_chase_bag
 
 FRAMES = 24
 

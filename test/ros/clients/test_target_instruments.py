@@ -1,12 +1,11 @@
 """A bag of a vehicle that turns before a target, followed with both nodes."""
 
+from chase_bag import write_chase_bag
 from rosbags.highlevel import AnyReader
 from typer.testing import CliRunner
 
 from cable_tracker.cli import app
 from cable_tracker.sequences.typestores import typestore
-
-from ...metric.chase_bag import write_chase_bag
 
 
 def test_over_dds_instruments_count_as_they_do_without(tmp_path):
