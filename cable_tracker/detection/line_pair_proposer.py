@@ -51,6 +51,9 @@ MOST_CABLES = 8
 SHARED_SPREAD = 0.5
 """Share of the spread of all votes in what the votes at one angle are judged by."""
 
+LEAST_HEIGHT = np.float32(1e-12)
+"""Lower cells are no peaks: what does not stand above the others at its angle is 0."""
+
 NO_SPREAD = np.float32(1e-6)
 """Added to a spread: a frame without strong gradients has none."""
 
@@ -180,8 +183,9 @@ def strongest_lines(
     rows, columns = _peaks(clear, most)
     heights = clear[rows, columns]
     left, right = np.maximum(columns - 1, 0), np.minimum(columns + 1, clear.shape[1] - 1)
-    turns = _vertices(clear[rows - 1, columns], heights, clear[rows + 1, columns])
-    shifts = _vertices(clear[rows, left], heights, clear[rows, right])
+    before = clear[(rows - 1, rows), (columns, left)]
+    after = clear[(rows + 1, rows), (columns, right)]
+    turns, shifts = _vertices(before, heights, after)
     return (
         (rows - ANGLE_MARGIN + turns) * BIN,
         (columns - middle + shifts) * offset_bin,
@@ -191,27 +195,29 @@ def strongest_lines(
 
 def clearness_of(smooth: Image) -> Image:
     """Return how far votes stand above the others at their angle, in spreads; at least 0."""
-    means = smooth.mean(axis=1, keepdims=True)
-    excess = smooth - means
-    variances = np.square(excess).mean(axis=1, keepdims=True)
+    count = np.float32(smooth.shape[1])
+    means = np.einsum("ij->i", smooth) / count
+    excess = smooth - means[:, None]
+    variances = np.einsum("ij,ij->i", excess, excess) / count
     of_all = variances.mean() + means.var()
-    spreads = np.sqrt(variances) + SHARED_SPREAD * np.sqrt(of_all)
-    clear: Image = np.maximum(excess / (spreads + NO_SPREAD), np.float32(0.0))
+    spreads = np.sqrt(variances) + SHARED_SPREAD * np.sqrt(of_all) + NO_SPREAD
+    excess /= spreads[:, None]
+    clear: Image = np.maximum(excess, np.float32(0.0), out=excess)
     return clear
 
 
 def _peaks(clear: Image, most: int) -> tuple[IndexArray, IndexArray]:
     """Return rows and columns (P,) of cells that are the highest near them, highest first."""
-    inside = slice(ANGLE_MARGIN, -ANGLE_MARGIN)
-    highest = cv2.dilate(clear, PEAK_WINDOW)
-    rows, columns = np.nonzero((clear[inside] >= highest[inside]) & (clear[inside] > 0.0))
-    rows += ANGLE_MARGIN
-    first = np.argsort(-clear[rows, columns], kind="stable")[:most]
-    return rows[first], columns[first]
+    inside = clear[ANGLE_MARGIN:-ANGLE_MARGIN]
+    highest = cv2.dilate(clear, PEAK_WINDOW)[ANGLE_MARGIN:-ANGLE_MARGIN]
+    places = np.flatnonzero(inside >= np.maximum(highest, LEAST_HEIGHT))
+    first = places[np.argsort(-inside.ravel()[places], kind="stable")[:most]]
+    rows, columns = np.divmod(first, clear.shape[1])
+    return rows + ANGLE_MARGIN, columns
 
 
 def _vertices(before: Image, here: Image, after: Image) -> FloatArray:
-    """Return where parabolas through three values (P,) are highest, from -0.5 to 0.5."""
+    """Return where parabolas through three values are highest, from -0.5 to 0.5."""
     bends = 2.0 * here - before - after
     vertices = 0.5 * (after - before) / np.where(bends > 0.0, bends, np.inf)
     clipped: FloatArray = np.clip(vertices, -0.5, 0.5).astype(np.float64)

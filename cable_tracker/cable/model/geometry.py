@@ -8,16 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.state import StateColumn
-from cable_tracker.compilation import compiled_inside
-
-Angle = TypeVar("Angle", float, FloatArray)
-"""One angle in kernels, or an array of angles [rad]."""
+from cable_tracker.compilation import compiled, compiled_inside
 
 SIGN_CHANGING_COLUMNS = (
     StateColumn.DISTANCE,
@@ -79,10 +75,10 @@ def borders_cross_inside(pose: FloatArray, image_size: tuple[float, float]) -> b
 
 
 @compiled_inside
-def turn_sign(angle: Angle, wrapped: Angle) -> Angle:
+def turn_sign(angle: float, wrapped: float) -> float:
     """Return -1 if an odd number of half turns lies between two ways of writing it, else 1."""
     turns = 0.5 * np.rint((angle - wrapped) / math.pi)
-    sign: Angle = 1.0 - 4.0 * (turns - np.floor(turns))
+    sign: float = 1.0 - 4.0 * (turns - np.floor(turns))
     return sign
 
 
@@ -107,6 +103,13 @@ def unwrap_state(state: FloatArray, reference_angle: float, result: FloatArray) 
     result[7] = sign * state[7]
 
 
+@compiled
+def unwrap_in_place(states: FloatArray, reference_angles: FloatArray) -> None:
+    """Write cables (N, 8) with their normal angles within pi/2 of reference angles (N,) [rad]."""
+    for row in range(len(states)):
+        unwrap_state(states[row], reference_angles[row], states[row])
+
+
 def unwrap_states(states: FloatArray, reference_angle: float | FloatArray) -> FloatArray:
     """Write each cable with its normal angle within pi/2 of a reference angle.
 
@@ -125,11 +128,9 @@ def unwrap_states(states: FloatArray, reference_angle: float | FloatArray) -> Fl
     FloatArray
         Shape (N, 8), the same cables, angles in (reference - pi/2, reference + pi/2].
     """
+    # Copies of one kind of array, whatever comes in: for every kind, Numba compiles anew.
     chart = np.array(states, np.float64, order="C")
-    angles = chart[:, StateColumn.ANGLE] - reference_angle
-    wrapped = wrap_angle(angles)
-    chart[:, SIGN_CHANGING_COLUMNS] *= turn_sign(angles, wrapped)[:, None]
-    chart[:, StateColumn.ANGLE] = wrapped + reference_angle
+    unwrap_in_place(chart, np.full(len(chart), reference_angle, np.float64))
     return chart
 
 
