@@ -64,16 +64,6 @@ def systematic_positions(count: int, rng: np.random.Generator) -> FloatArray:
     return positions
 
 
-POSITIONS: Mapping[str, Callable[[int, np.random.Generator], FloatArray]] = MappingProxyType(
-    {
-        "multinomial": multinomial_positions,
-        "stratified": stratified_positions,
-        "systematic": systematic_positions,
-    }
-)
-"""Where the schemes that invert the cumulative weights look them up."""
-
-
 def multinomial_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
     """Draw independently, by binary search in the cumulative weights (thesis, section 3.3.3)."""
     return _invert_cumulative_weights(weights, multinomial_positions(count, rng))
