@@ -8,7 +8,7 @@ measurements are interpolated instead of held.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -82,21 +82,27 @@ class InstrumentFeed:
 
     Parameters
     ----------
-    source : InstrumentSource
-        Where they come from.
+    source : InstrumentSource or None
+        Where they come from; None: there are none.
     pauses : mapping of Instrument to int
         What comes sooner after a message of the same instrument is passed over [ns].
     """
 
     def __init__(
-        self, source: InstrumentSource, pauses: Mapping[Instrument, int] | None = None
+        self, source: InstrumentSource | None, pauses: Mapping[Instrument, int] | None = None
     ) -> None:
-        self._messages = source.messages(pauses)
+        self._messages = _no_messages() if source is None else source.messages(pauses)
         self._next: InstrumentMessage | None = next(self._messages, None)
 
-    def until(self, received: int) -> Iterator[InstrumentMessage]:
-        """Yield what has been received up to a time [ns] and was not handed out before."""
-        while self._next is not None and self._next.received <= received:
+    def up_to(self, frame: Frame) -> Iterator[InstrumentMessage]:
+        """Yield what was received up to a frame and shortly after, and was not handed out before.
+
+        Nothing for a frame of which it is not known when it was received.
+        """
+        if frame.received is None:
+            return
+        last = frame.received + LOOK_AHEAD
+        while self._next is not None and self._next.received <= last:
             message = self._next
             self._next = next(self._messages, None)
             yield message
@@ -105,6 +111,10 @@ class InstrumentFeed:
         """Read no more."""
         self._next = None
         self._messages.close()
+
+
+def _no_messages() -> Generator[InstrumentMessage]:
+    yield from ()
 
 
 class RecordedMetres:
@@ -128,7 +138,7 @@ class RecordedMetres:
     ) -> None:
         self._values = vehicle.values
         own = pauses.of_instruments()
-        self._feed = None if source is None else InstrumentFeed(source, own)
+        self._feed = InstrumentFeed(source, own)
         self._instruments = Instruments(instrument_settings(vehicle.values))
         self._odometry = Odometry()
         self._aiding = MotionAiding(self._instruments, self._odometry, pauses.texture)
@@ -150,8 +160,7 @@ class RecordedMetres:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        if self._feed is not None:
-            self._feed.close()
+        self._feed.close()
 
     @property
     def instruments(self) -> Instruments:
@@ -165,9 +174,7 @@ class RecordedMetres:
 
     def advance(self, frame: Frame) -> list[InstrumentMessage]:
         """Take what the instruments said up to a frame and shortly after it, and return it."""
-        if self._feed is None or frame.received is None:
-            return []
-        taken = list(self._feed.until(frame.received + LOOK_AHEAD))
+        taken = list(self._feed.up_to(frame))
         for message in taken:
             self._take(message)
         return taken

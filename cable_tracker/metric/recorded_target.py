@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Self
 
 from cable_tracker.metric.frames import Mounting
-from cable_tracker.metric.recorded import LOOK_AHEAD, InstrumentFeed, RecordedVehicle
+from cable_tracker.metric.recorded import InstrumentFeed, RecordedVehicle
 from cable_tracker.metric.settings import number
 from cable_tracker.metric.target_metres import TargetMetres, TargetSettings
 from cable_tracker.metric.target_sight import TargetSight
@@ -92,8 +92,7 @@ class RecordedSight:
         self._calibration = described.vehicle.calibration
         if self._calibration is not None:
             self._sight.motion.take_calibration(self._calibration)
-        source = described.source
-        self._feed = None if source is None else InstrumentFeed(source)
+        self._feed = InstrumentFeed(described.source)
 
     def __enter__(self) -> Self:
         return self
@@ -104,8 +103,7 @@ class RecordedSight:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        if self._feed is not None:
-            self._feed.close()
+        self._feed.close()
 
     @property
     def settings(self) -> TargetSettings:
@@ -119,9 +117,7 @@ class RecordedSight:
 
     def advance(self, frame: Frame) -> None:
         """Take what the instruments said up to a frame and shortly after it."""
-        if self._feed is None or frame.received is None:
-            return
-        for message in self._feed.until(frame.received + LOOK_AHEAD):
+        for message in self._feed.up_to(frame):
             self._take(message)
 
     def _take(self, given: InstrumentMessage) -> None:

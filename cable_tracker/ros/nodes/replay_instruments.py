@@ -17,7 +17,7 @@ from rclpy.publisher import Publisher
 from sensor_msgs.msg import CameraInfo, Imu, JointState, NavSatFix, Range
 
 from cable_tracker.metric.altitude import MOST_ALTITUDE
-from cable_tracker.metric.recorded import LOOK_AHEAD, InstrumentFeed, recorded_vehicle
+from cable_tracker.metric.recorded import InstrumentFeed, recorded_vehicle
 from cable_tracker.ros import qos
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import output_topics
@@ -103,7 +103,7 @@ class InstrumentReplay:
                 JointState, output_topics.INSTRUMENTS_SENT, qos.INSTRUMENTS
             )
         self._sent = dict.fromkeys(COUNTED, 0)
-        self._feed: InstrumentFeed | None = None
+        self._feed = InstrumentFeed(None)
         self._is_first = True
         for note in vehicle.notes:
             node.get_logger().warning(note)
@@ -141,7 +141,7 @@ class InstrumentReplay:
     def begin(self) -> None:
         """Go back to the beginning of the recording."""
         self.close()
-        self._feed = None if self._source is None else InstrumentFeed(self._source)
+        self._feed = InstrumentFeed(self._source)
         self._is_first = True
 
     def send_until(self, frame: Frame) -> None:
@@ -149,14 +149,14 @@ class InstrumentReplay:
         first, self._is_first = self._is_first, False
         if first and self._calibration is not None:
             self._send_calibration(frame)
-        if self._feed is not None and frame.received is not None:
-            for message in self._feed.until(frame.received + LOOK_AHEAD):
-                is_calibration = message.instrument is Instrument.CAMERA_INFO
-                if is_calibration and self._calibration is not None:
-                    continue
-                is_old = message.received < frame.received - BEGINNING
-                if is_calibration or not (first and is_old):
-                    self._send(message)
+        for message in self._feed.up_to(frame):
+            assert frame.received is not None
+            is_calibration = message.instrument is Instrument.CAMERA_INFO
+            if is_calibration and self._calibration is not None:
+                continue
+            is_old = message.received < frame.received - BEGINNING
+            if is_calibration or not (first and is_old):
+                self._send(message)
         if self._counts is not None:
             header = make_header(self._factory, frame.stamp, "")
             counts = self._factory.doubles([float(self._sent[each]) for each in COUNTED])
@@ -189,8 +189,7 @@ class InstrumentReplay:
 
     def close(self) -> None:
         """Read no more."""
-        if self._feed is not None:
-            self._feed.close()
+        self._feed.close()
 
 
 def _as_sent(given: InstrumentMessage) -> Any:  # noqa: ANN401  Messages of rosbags.
