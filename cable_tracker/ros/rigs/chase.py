@@ -36,7 +36,7 @@ from cable_tracker.ros.clients.lockstep import (
 )
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.health.diagnostics import WARMING_UP
-from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
@@ -49,9 +49,6 @@ from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.video import VideoWriter
 
 VIDEO = "chase.webm"
-
-WARM_UP_TIMEOUT = 900.0
-"""Compiling at first use may take minutes on a busy machine [s]."""
 
 SILENCE_TIMEOUT = 90.0
 """Nothing new for so long, and something is wrong [s]."""
