@@ -113,7 +113,8 @@ class ImageFolderSource(FrameSource):
         self._gap_note = self._say_gaps()
         self.note = self._gap_note
         if (path / "sequence.txt").is_file():
-            self.note = "its labels in sequence.txt are not used; name that file instead"
+            unused = "its labels in sequence.txt are not used; name that file instead"
+            self.note = "; ".join(note for note in (self._gap_note, unused) if note)
         self.nominal_rate = self._rate
         self.frame_count = len(self.pictures)
 

@@ -6,7 +6,7 @@ choice nothing is guessed, and a note says so.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Container, Generator, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
 from enum import Enum
@@ -246,15 +246,18 @@ class InstrumentSource:
         self.found.topics.pop(instrument, None)
 
     def messages(
-        self, pauses: Mapping[Instrument, int] | None = None
+        self,
+        pauses: Mapping[Instrument, int] | None = None,
+        *,
+        only: Container[Instrument] = tuple(Instrument),
     ) -> Generator[InstrumentMessage]:
-        """Yield all messages of the chosen topics, in the order of the bag.
+        """Yield the messages of the chosen topics of some instruments, in the order of the bag.
 
         It ends without a word where the bag is damaged: the source of the frames says so. A
         message that cannot be read is passed over, and so is what was received sooner after another
         of its instrument than `pauses` says [ns].
         """
-        instruments = {topic: instrument for instrument, topic in self.found.topics.items()}
+        instruments = {topic: each for each, topic in self.found.topics.items() if each in only}
         own = {topic: (pauses or {}).get(each, 0) for topic, each in instruments.items()}
         for stored, message in self._read(list(instruments), own):
             yield InstrumentMessage(

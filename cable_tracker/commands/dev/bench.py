@@ -123,7 +123,7 @@ def _run(plan: Plan, dds_frames: int) -> BenchmarkResult:
 
 
 def measure_nodes(plan: Plan, frames: int) -> tuple[NodeTiming, ...]:
-    """Measure both presets from node to node."""
+    """Measure `default` and `thesis` from node to node."""
     from cable_tracker.ros.rigs.node_latency import NodeTrial, measure_node  # noqa: PLC0415
 
     trials = [

@@ -18,6 +18,7 @@ from cable_tracker.node_parameter_tables import (
     TARGET_RUNTIME_PARAMETERS,
 )
 from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.inputs.image_input import AnyImage
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameOutcome
@@ -160,8 +161,9 @@ class TargetTrackerNode(CameraNode):
 
         return take
 
-    def _input_profiles(self) -> dict[str, Any]:
-        return super()._input_profiles() | dict.fromkeys(self._mark_topics, qos.RESULTS)
+    def _input_profiles(self) -> dict[str, InputProfile]:
+        marks = dict.fromkeys(self._mark_topics, InputProfile(qos.RESULTS))
+        return super()._input_profiles() | marks
 
     def _result_publishers(self) -> dict[Publisher, Any]:
         return self._outputs.publishers

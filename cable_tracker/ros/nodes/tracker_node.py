@@ -30,6 +30,7 @@ from cable_tracker.node_parameter_tables import (
 )
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import estimate_values
+from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameOutcome
 from cable_tracker.ros.nodes.code_variants import few_particles, variant_of
@@ -143,9 +144,11 @@ class TrackerNode(CameraNode):
         )
         self._prior_topic = str(subscription.topic_name)
 
-    def _input_profiles(self) -> dict[str, Any]:
+    def _input_profiles(self) -> dict[str, InputProfile]:
         profiles = super()._input_profiles()
-        return profiles | ({self._prior_topic: qos.RESULTS} if self._prior_topic else {})
+        if self._prior_topic:
+            profiles[self._prior_topic] = InputProfile(qos.RESULTS)
+        return profiles
 
     def _result_publishers(self) -> dict[Publisher, Any]:
         return self._outputs.publishers
