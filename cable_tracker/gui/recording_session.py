@@ -16,7 +16,7 @@ from cable_tracker.gui.tracker_memory import TrackerMemory
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_access import FrameAccess
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
 
 WARMING_UP = "WARMING UP"

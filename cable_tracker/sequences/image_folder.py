@@ -18,7 +18,7 @@ from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame
 from cable_tracker.sequences.natural_order import natural_key, positions_by_number
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.picture_header import read_picture_header
-from cable_tracker.sequences.stamps import stamp_of_frame
+from cable_tracker.stamps import stamp_of_frame
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm")
 DEFAULT_RATE = 25.0
@@ -115,7 +115,6 @@ class ImageFolderSource(FrameSource):
         if (path / "sequence.txt").is_file():
             unused = "its labels in sequence.txt are not used; name that file instead"
             self.note = "; ".join(note for note in (self._gap_note, unused) if note)
-        self.nominal_rate = self._rate
         self.frame_count = len(self.pictures)
 
     def label(self, labels: Mapping[int, CableState]) -> None:

@@ -19,9 +19,9 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
 from cable_tracker.sequences.messages import Message
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.unpacking import deserialise
+from cable_tracker.stamps import NANOSECONDS
 
 NO_TOPIC = "none"
 """A choice that leaves an instrument out."""

@@ -21,7 +21,7 @@ from cable_tracker.cable.model.state import STATE_SIZE, STATE_SYMBOLS, CableStat
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 
 Message: TypeAlias = Any
 """A message object of rclpy or of rosbags; neither has static types."""

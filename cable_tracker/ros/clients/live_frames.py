@@ -71,7 +71,6 @@ class LiveFrames:
     def __init__(self, hand_on: Callable[[AnySnapshot], None]) -> None:
         self._hand_on = hand_on
         self._parts: OrderedDict[int, _Parts] = OrderedDict()
-        self._last = -1
         self._count = 0
 
     def take_image(self, header: Message, image: RawImage | CompressedImage) -> None:

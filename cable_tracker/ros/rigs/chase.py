@@ -43,8 +43,8 @@ from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages import read_compressed_image, stamp_of
 from cable_tracker.sequences.output_folder import output_folder
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.video import VideoWriter
 

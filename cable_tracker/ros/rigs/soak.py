@@ -43,7 +43,7 @@ from cable_tracker.sequences.messages import (
     make_header,
     make_image,
 )
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
 FIRST_STAMP = 1_700_000_000 * NANOSECONDS
