@@ -415,6 +415,17 @@ def make_report(
     return factory.make("diagnostic_msgs/msg/DiagnosticArray", header=header, status=[entry])
 
 
+def report_facts(report: Message) -> dict[str, str]:
+    """Return the facts of a message that `make_report` made, by name."""
+    return {str(pair.key): str(pair.value) for pair in report.status[0].values}
+
+
+def fact_number(facts: Mapping[str, str], name: str) -> float | None:
+    """Return a fact that is a number; None: it is empty, or missing."""
+    text = facts.get(name, "")
+    return float(text) if text else None
+
+
 def report_values(estimate: CableEstimate, ms: float) -> dict[str, str]:
     """Return the facts about one tracked frame that `make_report` publishes.
 
