@@ -127,6 +127,13 @@ class TargetParameters(ParameterSet):
         10.0,
         "Distance from the expected outline at which the odds of the shape prior are e : 1.",
     )
+    grey_prior_softness: float = number(
+        0.07,
+        "root of area",
+        0.001,
+        10.0,
+        "`prior_softness` in grey pictures, where less tells the target from what is beside it.",
+    )
     shape_rate: float = number(
         0.08, "per frame", 0.0, 1.0, "How fast the remembered shape follows the contour."
     )
