@@ -90,7 +90,13 @@ TARGET_GROUPS: Groups = (
             "least_separation",
         ),
     ),
-    ("Contour", ("contour_regulariser", "contour_iterations", "prior_softness", "shape_rate")),
+    (
+        "Contour",
+        (
+            "contour_regulariser", "contour_iterations", "prior_softness", "grey_prior_softness",
+            "shape_rate",
+        ),
+    ),
     (
         "Presence",
         (

@@ -39,6 +39,7 @@ from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.births import Births
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.forecast import Forecast, Proposal, choose_columns, log_mix
+from cable_tracker.target.model.own_place import OwnPlace
 from cable_tracker.target.model.state import PLACES, POSE_SIZE, PoseColumn, wrap_angle
 from cable_tracker.target.model.template import Template, distances_about, make_template
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -80,6 +81,9 @@ WHOLE_SIZE = 0.2
 RIVAL_SCORE = 0.75
 """Another peak whose region scores at least this share of the target's usual score is like it."""
 
+OWN_REACH = 0.8
+"""The target is seen at its own place this near to where it is expected, in roots of the area."""
+
 RIVAL_NEAR, RIVAL_FAR, RIVAL_TOUCHES = 1.2, 2.6, 1.9
 """At such distances from the target it may soon cover it, or just has; one that is last seen nearer
 than the third has merged with it: in roots of the area."""
@@ -93,8 +97,11 @@ RIVAL_TIME = 1.2
 HELD_GAIN = 0.15
 """Of the usual gain of the rates while a rival is near."""
 
-MERGED_SHARPNESS = 0.05
+MERGED_SHARPNESS = 0.01
 """Of the usual weight of the score while two are one: it is best in the middle of both."""
+
+MERGED_JUMPS = 0.1
+"""Of the usual share of jumps while two are one: each of them goes on as it went."""
 
 SIZE_TAIL = 4.0
 """Degrees of freedom of the log scale about its running mean."""
@@ -147,6 +154,7 @@ class _Drawn:
     log_prior: FloatArray
     log_proposal: FloatArray
     scores: FloatArray
+    own_scores: FloatArray
     predicted: PredictedExistence
 
 
@@ -248,7 +256,8 @@ class PoseFilter:
         drawn = self._draw(look, dt)
         scores = drawn.scores
         self._judge_presence(look, drawn, scores)
-        log_weights = drawn.log_prior - drawn.log_proposal + self._sharpness() * scores
+        log_weights = drawn.log_prior - drawn.log_proposal
+        log_weights += self._sharpness() * drawn.own_scores
         log_weights -= self._crowding(drawn.states, others)
         total = log_sum_exp(log_weights)
         self._particles = Particles(drawn.states, log_weights - total)
@@ -361,8 +370,9 @@ class PoseFilter:
             parts.append(mixture[-1].draw(place_count, rng))
         parts.append(forecast.births.draw(search_count, rng)[:, :PLACES])
         drawn = self._weighed(look, np.concatenate(parts), forecast)
+        own = self._own_place(drawn, dt)
         if refined_count:
-            best = self._best(drawn)
+            best = self._best(drawn, own)
             even = np.full(len(best), 1.0 / len(best))
             spread = kernel_mixture(best, self._about(REFINED_SPREAD), DRAWN_TAIL, even)
             mixture.append(Proposal(spread, even, refined_count / p.particle_count))
@@ -376,8 +386,17 @@ class PoseFilter:
         self._choose_rates(drawn.states, drawn.kernel_values, forecast, dt)
         return _Drawn(
             drawn.states, drawn.log_prior, np.logaddexp.reduce(proposed), drawn.scores,
-            forecast.predicted,
+            own.own_scores(drawn.states, drawn.scores), forecast.predicted,
         )  # fmt: skip
+
+    def _own_place(self, drawn: Weighed, dt: float) -> OwnPlace:
+        """Return where the target is expected, and what that says about other places."""
+        assert self._known is not None
+        x, y = self._estimate[:2] + self._estimate[PLACES:] * dt
+        place = OwnPlace(float(x), float(y), OWN_REACH * self._size())
+        if self._presence < self._parameters.presence_to_track:
+            return place
+        return place.seen(drawn.states, drawn.scores, RIVAL_SCORE * self._known.usual.mean)
 
     def _weighed(self, look: _Look, places: FloatArray, forecast: Forecast) -> Weighed:
         """Return places as poses at rest, with the densities of the belief and their scores."""
@@ -411,16 +430,18 @@ class PoseFilter:
         kernels = kernel_mixture(
             centres, self._scales(frames, look), p.diffusion_degrees_of_freedom, alive
         )
-        return Forecast(kernels, rates, alive, self._known.births, predicted, p.jump_share)
+        jumps = p.jump_share * (MERGED_JUMPS if self._is_merged() else 1.0)
+        return Forecast(kernels, rates, alive, self._known.births, predicted, jumps)
 
     def _about(self, spread: tuple[float, float, float]) -> FloatArray:
         """Return scales of a kernel: position in roots of the area, log scale, angle, (4,)."""
         size = self._size()
         return np.array([spread[0] * size, spread[0] * size, spread[1], spread[2]])
 
-    def _best(self, drawn: Weighed) -> FloatArray:
+    def _best(self, drawn: Weighed, own: OwnPlace) -> FloatArray:
         """Return the best of the places that have been drawn, shape (K, 4)."""
-        worth = drawn.log_prior + self._sharpness() * drawn.scores
+        scores = own.own_scores(drawn.states, drawn.scores)
+        worth = drawn.log_prior + self._sharpness() * scores
         best: FloatArray = drawn.states[np.argsort(-worth)[:REFINED], :PLACES]
         return best
 
@@ -563,8 +584,9 @@ class PoseFilter:
         """Find the outline, learn from it, and say what was found."""
         assert self._known is not None and self._particles is not None
         p, known = self._parameters, self._known
+        softness = p.prior_softness if look.frame.is_coloured else p.grey_prior_softness
         outline = find_outline(
-            look.ratios, self._estimate, known.template, p.prior_softness, self._contours()
+            look.ratios, self._estimate, known.template, softness, self._contours()
         )
         shown = self._shown(look, outline)
         self._judge_likeness(shown, is_coloured=look.frame.is_coloured)

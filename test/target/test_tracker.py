@@ -1,8 +1,11 @@
+from itertools import islice
+
 import cv2
 import numpy as np
 import pytest
 
 from cable_tracker.errors import FrameError
+from cable_tracker.simulation.targets.sequence import simulate_target
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -101,6 +104,26 @@ def test_grey_pictures_do_as_well(draw):
         grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
         estimate = tracker.process(grey, number * STEP)
     assert overlap(estimate.box, box_of(mask)) > 0.6
+
+
+def share_on_its_own(seed, frames=50):
+    """Of the frames of a grey run with a twin, before they meet."""
+    tracker = TargetTracker(TargetParameters(seed=seed))
+    own = []
+    for frame in islice(simulate_target("crossing", seed), frames):
+        if not own:
+            tracker.initialise(TargetStart.from_box(*frame.box))
+        grey = cv2.cvtColor(frame.image, cv2.COLOR_BGR2GRAY)
+        estimate = tracker.process(grey, frame.stamp)
+        own.append(
+            estimate.box is not None
+            and overlap(estimate.box, frame.box) > overlap(estimate.box, frame.twin_box)
+        )
+    return np.mean(own)
+
+
+def test_a_twin_elsewhere_does_not_take_the_target_over():
+    assert np.mean([share_on_its_own(seed) for seed in (101, 104, 108, 111)]) > 0.75
 
 
 def test_colour_that_becomes_grey_is_no_loss(draw):

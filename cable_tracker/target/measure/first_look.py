@@ -25,6 +25,9 @@ NEARNESS = 1.0
 BOX_SOFTNESS = 0.15
 """Softness of the ellipse in a box as a prior of shape, in roots of its area."""
 
+BOX_ERROR = 0.15
+"""A target is at most so much beyond the box that marks it, in sides of the box."""
+
 
 class FirstLook(NamedTuple):
     """What is known of a target after the frame in which it was marked.
@@ -98,13 +101,17 @@ def look_first(
     state = np.zeros(POSE_SIZE)
     state[:2] = centroid(mask)
     appearance = _learn(bin_map, mask, bins, limit)
+    allowed = _widened(mask)
     for _ in range(0 if is_exact else ROUNDS):
         ratios = looked_up(bin_map, appearance.log_ratios())
         outline = find_outline(ratios, state, marked, BOX_SOFTNESS, settings)
-        if outline is None or outline.area < max(LEAST_AREA, 0.15 * mask.sum()):
+        if outline is None:
             break
-        appearance = _learn(bin_map, outline.in_picture(frame.shape), bins, limit)
-        mask = outline.in_picture(frame.shape)
+        found = outline.in_picture(frame.shape) & allowed
+        if found.sum() < max(LEAST_AREA, 0.15 * mask.sum()):
+            break
+        appearance = _learn(bin_map, found, bins, limit)
+        mask = found
     template = template_of_mask(mask, points)
     state = np.zeros(POSE_SIZE)
     state[:2] = centroid(mask)
@@ -114,6 +121,19 @@ def look_first(
         ratios, state[None], template.inside, template.around, template.size, plain
     )
     return FirstLook(template, appearance, state, float(scores[0]))
+
+
+def _widened(mask: BoolArray) -> BoolArray:
+    """Return the box around a mask, and a little more on every side."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    across = int(BOX_ERROR * (columns[-1] - columns[0] + 1)) + 1
+    down = int(BOX_ERROR * (rows[-1] - rows[0] + 1)) + 1
+    widened = np.zeros_like(mask)
+    widened[
+        max(rows[0] - down, 0) : rows[-1] + down + 1,
+        max(columns[0] - across, 0) : columns[-1] + across + 1,
+    ] = True
+    return widened
 
 
 def _learn(bin_map: BinMap, mask: BoolArray, bins: Bins, limit: float) -> Appearance:

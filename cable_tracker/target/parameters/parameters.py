@@ -127,6 +127,13 @@ class TargetParameters(ParameterSet):
         10.0,
         "Distance from the expected outline at which the odds of the shape prior are e : 1.",
     )
+    grey_prior_softness: float = number(
+        0.07,
+        "root of area",
+        0.001,
+        10.0,
+        "`prior_softness` in grey pictures, where less tells the target from what is beside it.",
+    )
     shape_rate: float = number(
         0.08, "per frame", 0.0, 1.0, "How fast the remembered shape follows the contour."
     )
@@ -147,7 +154,11 @@ class TargetParameters(ParameterSet):
         64, "", 8, 10_000, "Random places of a frame that say how its clutter scores."
     )
     clutter_share: float = number(
-        0.01, "", 1e-6, 1.0, "Share of clutter that has any score at all, like the target's or not."
+        0.006,
+        "",
+        1e-6,
+        1.0,
+        "Share of clutter that has any score at all, like the target's or not.",
     )
     grey_clutter_share: float = number(
         0.1,
@@ -160,7 +171,7 @@ class TargetParameters(ParameterSet):
         0.15, "", 0.01, 10.0, "Least spread of the target's usual score, as a share of it."
     )
     evidence_limit: float = number(
-        6.0, "", 0.0, 1e6, "A frame's evidence for one place counts up to this."
+        7.0, "", 0.0, 1e6, "A frame's evidence for one place counts up to this."
     )
     likeness_limit: float = number(
         3.0, "", 0.0, 1e6, "Evidence of the colours within the contour counts up to this a frame."

@@ -16,11 +16,12 @@ TARGET_PRESETS: Mapping[str, TargetParameters] = MappingProxyType(
         # Rigid, of known size, approached slowly.
         "docking": TargetParameters(
             shape_rate=0.02, angle_sigma=1.5, scale_sigma=0.02, prior_softness=0.06,
-            position_variance=4.0,
+            grey_prior_softness=0.06, position_variance=4.0,
         ),
         # Arms and legs move: a shape that is hardly to be relied on.
         "diver": TargetParameters(
-            shape_rate=0.25, prior_softness=0.2, angle_sigma=4.0, scale_sigma=0.05
+            shape_rate=0.25, prior_softness=0.2, grey_prior_softness=0.2, angle_sigma=4.0,
+            scale_sigma=0.05,
         ),
     }
 )  # fmt: skip

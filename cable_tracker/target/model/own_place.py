@@ -1,0 +1,68 @@
+"""Where the target is expected: what looks like it elsewhere is another one.
+
+Two of a kind never score the same, and the better one would take the target over within a few
+frames, however far away it is. While the target is seen where it is expected, the other one must be
+something else, so its score says nothing about the target.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+
+MARGIN = 0.3
+"""What is elsewhere scores less than the best here by this, while the target is seen here."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OwnPlace:
+    """The expected place of the target.
+
+    Attributes
+    ----------
+    x, y : float
+        From the image centre, y up [px].
+    reach : float
+        What is farther away is elsewhere [px].
+    handicap : float
+        Of scores elsewhere; 0 unless the target is seen here.
+    """
+
+    x: float
+    y: float
+    reach: float
+    handicap: float = 0.0
+
+    def is_elsewhere(self, states: FloatArray) -> BoolArray:
+        """Tell which poses (N, 6) are not here, shape (N,)."""
+        apart = np.hypot(states[:, 0] - self.x, states[:, 1] - self.y)
+        elsewhere: BoolArray = apart > self.reach
+        return elsewhere
+
+    def seen(self, states: FloatArray, scores: FloatArray, least: float) -> OwnPlace:
+        """Return it with the handicap that follows from a frame.
+
+        Parameters
+        ----------
+        states : FloatArray
+            Poses in the frame, shape (N, 6).
+        scores : FloatArray
+            How much they look like the target, shape (N,).
+        least : float
+            Score from which on the target is seen here.
+        """
+        elsewhere = self.is_elsewhere(states)
+        here = float(scores[~elsewhere].max(initial=-np.inf))
+        if here < least:
+            return self
+        best = float(scores[elsewhere].max(initial=here))
+        return replace(self, handicap=max(best - here, 0.0) + MARGIN)
+
+    def own_scores(self, states: FloatArray, scores: FloatArray) -> FloatArray:
+        """Return the scores (N,) of poses (N, 6), lower by the handicap elsewhere, shape (N,)."""
+        if self.handicap == 0.0:
+            return scores
+        return scores - self.handicap * self.is_elsewhere(states)
