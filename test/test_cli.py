@@ -19,8 +19,8 @@ from rosbags.highlevel import AnyReader
 from cable_tracker import __version__, cli
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.commands import dev, parameters
+from cable_tracker.commands.results import folder_beside
 from cable_tracker.commands.simulate import parse_size
-from cable_tracker.commands.track import default_output
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.convert import write_bag
@@ -412,8 +412,8 @@ def test_a_command_whose_packages_do_not_fit_keeps_none_from_help(run, monkeypat
 
 
 def test_results_of_a_bag_folder_are_named_after_it():
-    assert default_output(Path("dives/third.mcap")) == Path("third_tracked")
-    assert default_output(Path(__file__).parent) == Path("test_tracked")
+    assert folder_beside(Path("dives/third.mcap"), "tracked") == Path("third_tracked")
+    assert folder_beside(Path(__file__).parent, "tracked") == Path("test_tracked")
 
 
 def test_it_runs_as_a_process_without_ros_and_without_a_traceback(tmp_path):

@@ -27,12 +27,17 @@ from cable_tracker.commands.options import (
     find_vehicle,
     open_recording,
 )
+from cable_tracker.commands.results import (
+    folder_beside,
+    need_usable_frames,
+    print_median_time,
+    print_statuses,
+)
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, messages, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.targets.track_target import (
     TargetFolder,
-    need_usable_frames,
     parse_start,
     track_target,
 )
@@ -106,12 +111,13 @@ def target(  # noqa: PLR0917
     """
     values = read_parameter_file(params, NODE) if params is not None else {}
     parameters = chosen_target(preset_name.value if preset_name else None, values, seed)
-    parameters = parameters.replaced(_detector(init, parameters))
+    if init == DETECT:
+        parameters = parameters.with_detector()
     try:
         start = parse_start(init)
     except ParameterError as error:
         raise ParameterError(f"init: {error}") from error
-    folder = output if output is not None else _default_output(source)
+    folder = output if output is not None else folder_beside(source, "target")
     with ExitStack() as stack:
         recording = stack.enter_context(
             open_recording(source, topic, rate, None, skip_bad_frames, allow_outside)
@@ -152,7 +158,7 @@ def target(  # noqa: PLR0917
             if described.has_instruments:
                 sight = stack.enter_context(RecordedSight(described, target_size))
             damage = track_target(recording, tracker, results, lambda: advance(progress), sight)
-        need_usable_frames(recording, results.rows, damage)
+        need_usable_frames(recording.path, [row.status for row in results.rows], damage)
     _print(results)
     if damage is not None:
         raise damage
@@ -173,29 +179,11 @@ def chosen_target(
     return parameters if seed is None else parameters.replaced({"seed": seed})
 
 
-def _detector(init: str, parameters: TargetParameters) -> dict[str, object]:
-    """Return the detector to use: with `detect` one is needed."""
-    if init == DETECT and parameters.detector == "none":
-        return {"detector": "contours"}
-    return {}
-
-
-def _default_output(source: Path) -> Path:
-    resolved = source.resolve()
-    stem = resolved.name if resolved.is_dir() else resolved.stem
-    return Path(f"{stem}_target")
-
-
 def _print(results: TargetFolder) -> None:
-    statuses = [row.status for row in results.rows]
-    counts = {status: statuses.count(status) for status in dict.fromkeys(statuses)}
-    words = ", ".join(f"{count} {status}" for status, count in counts.items())
-    console.print(f"{len(results.rows)} frames: {words}", soft_wrap=True)
+    print_statuses([row.status for row in results.rows])
     for row in results.rows:
         if row.event:
             messages.print(f"note: frame {row.frame}: {row.event}", soft_wrap=True)
-    times = sorted(row.ms for row in results.rows if row.ms is not None)
-    if times:
-        console.print(f"median time in the tracker: {times[len(times) // 2]:.2f} ms per frame")
+    print_median_time([row.ms for row in results.rows])
     for name in results.names:
         console.print(f"  {results.path / name}", soft_wrap=True)

@@ -31,11 +31,16 @@ from cable_tracker.commands.options import (
     find_vehicle,
     open_recording,
 )
+from cable_tracker.commands.results import (
+    folder_beside,
+    need_usable_frames,
+    print_median_time,
+    print_statuses,
+)
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.commands.tuning import ValueOption, chosen_parameters, chosen_start, given_values
 from cable_tracker.detection.pair_limits import pair_limits
-from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.metrics import ErrorSummary, summarise_errors
 from cable_tracker.evaluation.tracking.advice import advice
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder, WantedResults
@@ -44,7 +49,6 @@ from cable_tracker.evaluation.tracking.track_recording import (
     start_from,
     track_recording,
 )
-from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.trackers import make_tracker
 
 
@@ -98,7 +102,7 @@ def track(  # noqa: PLR0917
     """
     values = given_values(params, param)
     parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
-    folder = output if output is not None else default_output(source)
+    folder = output if output is not None else folder_beside(source, "tracked")
     with ExitStack() as stack:
         recording = stack.enter_context(
             open_recording(source, topic, rate, truth, skip_bad_frames, allow_outside)
@@ -138,7 +142,7 @@ def track(  # noqa: PLR0917
             if metres is not None:
                 stack.enter_context(metres)
             damage = track_recording(recording, tracker, results, lambda: advance(progress), metres)
-        _need_usable_frames(results, damage)
+        need_usable_frames(recording.path, [row.status for row in results.rows], damage)
     _print_results(results)
     for line in advice(results.rows, results.widths, parameters):
         console.print(line, soft_wrap=True)
@@ -146,30 +150,9 @@ def track(  # noqa: PLR0917
         raise damage
 
 
-def default_output(source: Path) -> Path:
-    """Return the folder for results when the user names none."""
-    resolved = source.resolve()
-    stem = resolved.name if resolved.is_dir() else resolved.stem
-    return Path(f"{stem}_tracked")
-
-
-def _need_usable_frames(results: ResultFolder, damage: RecordingError | None) -> None:
-    if any(row.status != REFUSED for row in results.rows):
-        return
-    reason = "holds no frames"
-    if results.rows:
-        reason = f"none of the {len(results.rows)} frames can be used"
-    raise damage or RecordingError(f"the recording {reason}; record it again")
-
-
 def _print_results(results: ResultFolder) -> None:
-    statuses = [row.status for row in results.rows]
-    counts = {status: statuses.count(status) for status in dict.fromkeys(statuses)}
-    words = ", ".join(f"{count} {status}" for status, count in counts.items())
-    console.print(f"{len(results.rows)} frames: {words}", soft_wrap=True)
-    times = sorted(row.ms for row in results.rows if row.ms is not None)
-    if times:
-        console.print(f"median time in the tracker: {times[len(times) // 2]:.2f} ms per frame")
+    print_statuses([row.status for row in results.rows])
+    print_median_time([row.ms for row in results.rows])
     if results.truths:
         _print_errors(summarise_errors(results.rows, results.truths))
     for name in results.wanted.names():

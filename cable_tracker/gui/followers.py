@@ -40,9 +40,6 @@ from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
 BLANK = np.zeros((240, 320), np.uint8)
 """Shown where no frame could be decoded yet."""
 
-PROPOSER = "contours"
-"""What proposes a target where one is to be detected and the parameters name no detector."""
-
 
 class AnyTracker(Protocol):
     """What the trackers of all subjects have in common."""
@@ -274,8 +271,8 @@ class TargetFollower(Follower):
         self._start: StartText = parse_start_text(init)
         if len(self._start.boxes) > 1:
             raise ParameterError("init: the window follows one target; mark only one")
-        if self._start.detects and parameters.detector == "none":
-            parameters = parameters.replaced({"detector": PROPOSER})
+        if self._start.detects:
+            parameters = parameters.with_detector()
         self._parameters = parameters
         self._tracker = TargetTracker(parameters)
         self._image: Image = BLANK

@@ -44,6 +44,7 @@ from cable_tracker.target.model.state import PLACES, POSE_SIZE, PoseColumn, wrap
 from cable_tracker.target.model.template import Template, distances_about, make_template
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.tracking.survival import SurvivalRates, survival_probability
 
 LEAST_PRESENCE, MOST_PRESENCE = 1e-3, 1.0 - 1e-3
 """The probability of presence stays between, so that it can turn again in time."""
@@ -531,9 +532,8 @@ class PoseFilter:
         height, width = look.frame.shape
         inside = np.minimum(width / 2 - np.abs(centres[:, 0]), height / 2 - np.abs(centres[:, 1]))
         margin = p.leaving_margin * width / REFERENCE_WIDTH
-        at_edge = 1.0 / (1.0 + np.exp(np.clip(inside / margin, -700.0, 700.0)))
-        probabilities: FloatArray = np.exp(-(p.disappearance_rate + p.leaving_rate * at_edge) * dt)
-        return probabilities
+        rates = SurvivalRates(p.disappearance_rate, p.leaving_rate, margin)
+        return survival_probability(inside, rates, dt)
 
     def _judge_presence(self, look: _Look, drawn: _Drawn, scores: FloatArray) -> None:
         """Update the probability that the target is in view."""

@@ -395,19 +395,3 @@ def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[str]])
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
         writer.writerows(rows)
-
-
-def need_usable_frames(
-    source: Source, rows: list[TargetRow], damage: RecordingError | None
-) -> None:
-    """See that there is anything to keep of a run.
-
-    Raises
-    ------
-    RecordingError
-        No frame could be used.
-    """
-    if any(row.status != REFUSED for row in rows):
-        return
-    reason = f"none of the {len(rows)} frames can be used" if rows else "holds no frames"
-    raise damage or RecordingError(f"{source.path}: {reason}; record it again")

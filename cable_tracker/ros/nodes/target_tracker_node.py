@@ -40,9 +40,6 @@ from cable_tracker.tracking.status import TrackingStatus
 FILTER_PARAMETERS = parameter_table(TargetParameters)
 FILTER_SPECS = {spec.name: spec for spec in FILTER_PARAMETERS}
 
-DETECTOR = "contours"
-"""That is asked where the parameters name none and one is needed."""
-
 
 class TargetTrackerNode(CameraNode):
     """Wraps a `TargetGroup`.
@@ -107,9 +104,8 @@ class TargetTrackerNode(CameraNode):
 
     def _with_detector(self) -> TargetParameters:
         """Return the filter's parameters, with a detector where the start needs one."""
-        if self._begins.detects and self._filter_parameters.detector == "none":
-            return self._filter_parameters.replaced({"detector": DETECTOR})
-        return self._filter_parameters
+        parameters = self._filter_parameters
+        return parameters.with_detector() if self._begins.detects else parameters
 
     def _validate_parameters(self, values: Mapping[str, object]) -> None:
         own = {spec.name: spec for spec in TARGET_RUNTIME_PARAMETERS}

@@ -7,7 +7,7 @@ per frame at 25 frames per second and scale with the real time between frames.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.tracking.parameter_table import ParameterSet, number, word
@@ -248,6 +248,10 @@ class TargetParameters(ParameterSet):
         1e6,
         "Blobs: shape energy below which a contour becomes the prior (our choice).",
     )
+
+    def with_detector(self) -> Self:
+        """Return these parameters with a detector, for a start without a mark."""
+        return self.replaced({"detector": "contours"}) if self.detector == "none" else self
 
     def check_together(self) -> None:
         """Refuse shares that leave no particles to follow the target.
