@@ -10,6 +10,10 @@ import typer
 from cable_tracker.cable.model.initial_state_text import RANDOM
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.options import (
+    AltitudeOption,
+    CameraInfoOption,
+    ImuOption,
+    OdometryOption,
     OutsideOption,
     ParamsOption,
     RateOption,
@@ -17,6 +21,8 @@ from cable_tracker.commands.options import (
     SkipOption,
     TopicOption,
     TruthOption,
+    VehicleOption,
+    chosen_instruments,
 )
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.serving import (
@@ -76,6 +82,11 @@ def gui(  # noqa: PLR0917
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
+    vehicle: VehicleOption = None,
+    camera_info_topic: CameraInfoOption = None,
+    altitude_topic: AltitudeOption = None,
+    imu_topic: ImuOption = None,
+    odometry_topic: OdometryOption = None,
     host: HostOption = "127.0.0.1",
     port: PortOption = DEFAULT_PORT,
 ) -> None:
@@ -110,6 +121,8 @@ def gui(  # noqa: PLR0917
         skip_bad_frames=skip_bad_frames,
         allow_outside=allow_outside,
         init=start,
+        choice=chosen_instruments(camera_info_topic, altitude_topic, imu_topic, odometry_topic),
+        vehicle=vehicle,
     )
     listening = server.listen_on(host, port)
     desk = desks.TrackingDesk(None, request, parameters)
