@@ -33,7 +33,16 @@ class _NoEngine:
 
 
 class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
-    """A function that is linked into entries, and never run on its own."""
+    """A function that is linked into entries.
+
+    A function that is not of this package may need it too: Numba keeps what it compiled once. For
+    such a one it is made as Numba would have made it, with machine code of its own.
+    """
+
+    def __init__(self, codegen: Any, name: str) -> None:  # noqa: ANN401
+        super().__init__(codegen, name)
+        self._exported: list[str] = []
+        self._on_its_own: EntryLibrary | None = None
 
     @property
     def codegen(self) -> _NoEngine:
@@ -52,17 +61,34 @@ class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
             if not function.is_declaration and function.linkage == llvm.Linkage.external:
                 # Several entries may have it, and none keeps it that has no use for it.
                 function.linkage = llvm.Linkage.linkonce_odr
+                self._exported.append(function.name)
         self._finalize_dynamic_globals()
         self._finalized = True
 
-    def _get_module_for_linking(self) -> Any:  # noqa: ANN401
+    def translated(self) -> Any:  # noqa: ANN401
+        """Return the module of the function alone, neither optimised nor linked."""
         self._ensure_finalized()
         return self._final_module
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Return no address: there is no machine code."""
+        """Return the address of what Python calls; 0 if Python does not call this function."""
         self._ensure_finalized()
-        return 0
+        return self._compiled_alone().get_pointer_to_function(name) if name in self._exported else 0
+
+    def _get_module_for_linking(self) -> Any:  # noqa: ANN401
+        return self._compiled_alone()._get_module_for_linking()
+
+    def _compiled_alone(self) -> EntryLibrary:
+        self._ensure_finalized()
+        if self._on_its_own is None:
+            library = EntryLibrary(self._codegen, self.name)
+            library._final_module = self._final_module.clone()
+            for name in self._exported:
+                library._final_module.get_function(name).linkage = llvm.Linkage.external
+            library._linking_libraries = self._linking_libraries
+            library.finalize()
+            self._on_its_own = library
+        return self._on_its_own
 
     @classmethod
     def _unserialize(cls, codegen: Any, state: Any) -> Any:  # noqa: ANN401
@@ -79,7 +105,7 @@ class EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
         self._raise_if_finalized()
         for library in _needed_by(self):
             _inherit_initialisers(self, library)
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+            self._final_module.link_in(_linkable(library), preserve=True)
         self._optimize_final_module()
         self._final_module.verify()
         self._finalize_final_module()
@@ -91,6 +117,13 @@ class EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
                 environment = lookup_environment(variable.name)
                 if environment is not None:
                     self._codegen.set_env(variable.name, environment)
+
+
+def _linkable(library: JITCodeLibrary) -> Any:  # noqa: ANN401
+    """Return the module of a function that an entry calls; parts come without what they call."""
+    if isinstance(library, PartLibrary):
+        return library.translated()
+    return library._get_module_for_linking()
 
 
 def _needed_by(library: JITCodeLibrary) -> list[JITCodeLibrary]:

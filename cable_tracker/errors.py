@@ -3,8 +3,14 @@
 Every message is one line, says what is wrong with what, and what the user can do about it.
 """
 
+from __future__ import annotations
+
+from pathlib import Path
+
 EXIT_USER_ERROR = 2
 """Exit code of a process that ends because the user must do something."""
+
+_LONGEST_REASON = 200
 
 
 class CableTrackerError(Exception):
@@ -41,3 +47,15 @@ class RosError(CableTrackerError):
 
 class GuiError(CableTrackerError):
     """The browser's windows cannot be served."""
+
+
+def one_line(error: BaseException) -> str:
+    """Return what an exception says, on one line of bearable length."""
+    text = " ".join(str(error).split())
+    return (text or type(error).__name__)[:_LONGEST_REASON]
+
+
+def write_failure(path: Path, error: Exception) -> OutputError:
+    """Return the error that says that a file or folder cannot be written, and why."""
+    reason = getattr(error, "strerror", None) or one_line(error)
+    return OutputError(f"{path}: cannot be written ({reason}); check the folder and its free space")

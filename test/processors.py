@@ -49,11 +49,9 @@ def numpy_features() -> list[str]:
 
 
 def opencv_features() -> list[str]:
-    """Return what OpenCV chooses kernels by."""
-    for line in cv2.getBuildInformation().splitlines():
-        if "Dispatched code generation" in line:
-            return line.split(":", 1)[1].split()
-    return []
+    """Return what OpenCV chooses kernels by: it marks them with a star."""
+    names = cv2.getCPUFeaturesLine().split()
+    return [name[1:] for name in names if name.startswith("*") and not name.endswith("?")]
 
 
 def settings() -> list[Setting]:

@@ -82,6 +82,28 @@ def test_functions_of_others_are_compiled_as_ever():
     assert kind_of_libraries() is JITCodeLibrary
 
 
+def test_a_function_of_others_serves_an_entry_python_and_others_in_turn():
+    @numba.njit
+    def zeros(count):
+        if count < 0:
+            raise ValueError("negative", count)
+        return np.zeros(count).sum()
+
+    @compiled
+    def ours(count):
+        return zeros(count)
+
+    @numba.njit
+    def theirs(count):
+        return zeros(count) + 1.0
+
+    assert [ours(3), theirs(3), zeros(3)] == [0.0, 1.0, 0.0]
+    for function in (ours, theirs, zeros):
+        with pytest.raises(ValueError, match="negative") as raised:
+            function(-1)
+        assert raised.value.args == ("negative", -1)
+
+
 def test_what_does_not_compile_leaves_the_compiler_as_it_was():
     @compiled
     def entry(value):

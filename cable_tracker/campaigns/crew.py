@@ -21,7 +21,7 @@ import cv2
 
 from cable_tracker import __version__
 from cable_tracker.campaigns.stopping import saying_what_stays
-from cable_tracker.errors import OutputError, ParameterError
+from cable_tracker.errors import ParameterError, write_failure
 
 LARGEST_WORKER_COUNT = 256
 
@@ -161,9 +161,7 @@ def _keep(path: Path, result: object) -> None:
         partial.unlink(missing_ok=True)
         with suppress(OSError):  # Results of other tasks stay, for a campaign that goes on.
             path.parent.rmdir()
-        raise OutputError(
-            f"{path.parent}: cannot be written ({error.strerror or error}); check the disk"
-        ) from error
+        raise write_failure(path.parent, error) from error
 
 
 class _Kept(pickle.Unpickler):

@@ -16,7 +16,7 @@ from cable_tracker import __version__
 from cable_tracker.campaigns.cluster import connected
 from cable_tracker.campaigns.crew import ClusterSettings, Crew, Work, do_and_keep
 from cable_tracker.campaigns.task import Outcome, Task, TaskState, do, is_done
-from cable_tracker.errors import CableTrackerError, OutputError, ParameterError
+from cable_tracker.errors import CableTrackerError, ParameterError, write_failure
 
 PROGRESS = "cable_tracker progress"
 """Topic on which workers tell of their progress."""
@@ -113,7 +113,7 @@ def run_campaign(
     try:
         root.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"{root}: cannot be written ({error.strerror})") from error
+        raise write_failure(root, error) from error
     outcomes: dict[str, Outcome] = {}
 
     def end(outcome: Outcome) -> None:

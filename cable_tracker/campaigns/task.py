@@ -11,7 +11,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Protocol
 
-from cable_tracker.errors import OutputError
+from cable_tracker.errors import write_failure
 
 MARKER = "task.json"
 """Lies in the folder of a task that is done, and says of what."""
@@ -120,8 +120,6 @@ def do(task: Task, root: Path, version: str, advance: Callable[[int], None]) -> 
         shutil.rmtree(folder, ignore_errors=True)
         partial.rename(folder)
     except OSError as error:
-        raise OutputError(
-            f"{folder}: cannot be written ({error.strerror or error}); check the disk"
-        ) from error
+        raise write_failure(folder, error) from error
     finally:
         shutil.rmtree(partial, ignore_errors=True)

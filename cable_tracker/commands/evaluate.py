@@ -37,7 +37,6 @@ from cable_tracker.commands.terminal import advance, console, messages, progress
 from cable_tracker.commands.tuning import ValueOption, chosen_parameters, given_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
-from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.evaluation.judged_sequences import (
     JudgedSequence,
     RecordingSequence,
@@ -54,6 +53,7 @@ from cable_tracker.evaluation.report import (
 from cable_tracker.evaluation.runs import Start
 from cable_tracker.evaluation.tables import CSV_FILES
 from cable_tracker.evaluation.targets.target_sequences import RecordedTarget
+from cable_tracker.sequences.output_folder import output_folder
 
 TITLE = "How well the cable is followed"
 

@@ -34,7 +34,7 @@ from cable_tracker.commands.options import (
 from cable_tracker.commands.terminal import console, counted, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.folder import output_file
+from cable_tracker.sequences.output_folder import output_file
 from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.tracking.parameter_files import read_parameter_file
 

@@ -15,7 +15,6 @@ from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.target import NODE, chosen_target
 from cable_tracker.commands.terminal import advance, console, messages, progress_bar
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.evaluation.targets.comparison import (
     TargetTask,
     markdown_table,
@@ -24,6 +23,7 @@ from cable_tracker.evaluation.targets.comparison import (
 )
 from cable_tracker.evaluation.targets.peers import MISSING_PEERS, PEERS
 from cable_tracker.evaluation.targets.target_sequences import SimulatedTarget, TargetSequence
+from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_files import read_parameter_file

@@ -13,12 +13,13 @@ from typing import Protocol
 from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.evaluation.trace import UNKNOWN_VISIBILITY
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.sequence_file import Label, read_labels
-from cable_tracker.sequences.source import ChosenRecording, Source, is_bag
+from cable_tracker.sequences.source import Source, is_bag
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.scenario import simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS
@@ -179,21 +180,8 @@ class StripSequence:
 
 
 @dataclass(frozen=True, slots=True)
-class RecordingSequence(ChosenRecording):
-    """A recording of the user's, the same for every seed.
-
-    Attributes
-    ----------
-    unlabelled_is_empty : bool
-        Whether a frame without a label shows no cable. Otherwise it is not judged.
-    """
-
-    unlabelled_is_empty: bool = False
-
-    @property
-    def name(self) -> str:
-        """The name of the file or folder."""
-        return self.path.resolve().name
+class RecordingSequence(LabelledRecording):
+    """A recording of the user's, labelled with cables."""
 
     @property
     def description(self) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Protocol, Self
@@ -14,6 +15,7 @@ from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.tracking.track_recording import initial_state_for, start_from
@@ -42,32 +44,12 @@ PROPOSER = "contours"
 """What proposes a target where one is to be detected and the parameters name no detector."""
 
 
-class Follower(Protocol):
-    """A tracker, and what a session wants to know of it.
-
-    Attributes
-    ----------
-    subject : Subject
-        What is followed.
-    """
-
-    subject: Subject
+class AnyTracker(Protocol):
+    """What the trackers of all subjects have in common."""
 
     @property
     def particles(self) -> Particles | None:
         """The present belief."""
-        ...
-
-    def parameters(self) -> Mapping[str, ParameterValue]:
-        """Return the values in force, by name."""
-        ...
-
-    def warm_up(self) -> None:
-        """Compile and load what frames will need."""
-        ...
-
-    def begin(self) -> None:
-        """Be ready for the first frame of the recording, with the start that was asked for."""
         ...
 
     def reset(self) -> None:
@@ -78,6 +60,48 @@ class Follower(Protocol):
         """Return another one that goes on as this one would."""
         ...
 
+
+class Follower(ABC):
+    """A tracker, and what a session wants to know of it.
+
+    Attributes
+    ----------
+    subject : Subject
+        What is followed.
+    """
+
+    subject: Subject
+    _tracker: AnyTracker
+    _parameters: ParameterSet
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief."""
+        return self._tracker.particles
+
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        """Return the values in force, by name."""
+        return self._parameters.as_mapping()
+
+    @abstractmethod
+    def warm_up(self) -> None:
+        """Compile and load what frames will need."""
+
+    @abstractmethod
+    def begin(self) -> None:
+        """Be ready for the first frame of the recording, with the start that was asked for."""
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._tracker.reset()
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        other = self.__new__(type(self))
+        other.__dict__ = self.__dict__ | {"_tracker": self._tracker.copy()}
+        return other
+
+    @abstractmethod
     def initialise(self, start: AnyStart) -> None:
         """Start the next frame from what the user says.
 
@@ -86,7 +110,6 @@ class Follower(Protocol):
         FrameError
             It cannot be; nothing has changed.
         """
-        ...
 
     def configure(self, values: Mapping[str, object]) -> bool:
         """Change parameters, all or none; tell whether any has another value now.
@@ -96,8 +119,18 @@ class Follower(Protocol):
         ParameterError
             A value is refused.
         """
-        ...
+        parameters = self._parameters.replaced(values)
+        if parameters == self._parameters:
+            return False
+        self._configure_tracker(parameters)
+        self._parameters = parameters
+        return True
 
+    @abstractmethod
+    def _configure_tracker(self, parameters: ParameterSet) -> None:
+        """Let the tracker go on with other parameters."""
+
+    @abstractmethod
     def look(self, frame: Frame) -> None:
         """Decode a frame, which is shown from now on.
 
@@ -106,8 +139,8 @@ class Follower(Protocol):
         FrameError
             It cannot be decoded.
         """
-        ...
 
+    @abstractmethod
     def follow(self, frame: Frame, number: int) -> AnySnapshot:
         """Track the frame that was looked at last; its snapshot gets a number.
 
@@ -116,14 +149,13 @@ class Follower(Protocol):
         FrameError
             It cannot be used.
         """
-        ...
 
+    @abstractmethod
     def show(self, frame: Frame, number: int, status: str, reason: str = "") -> AnySnapshot:
         """Return a snapshot of a frame that is not tracked."""
-        ...
 
 
-class CableFollower:
+class CableFollower(Follower):
     """Follows a cable.
 
     Parameters
@@ -142,6 +174,8 @@ class CableFollower:
     """
 
     subject = CABLE
+    _tracker: CableTracker
+    _parameters: TrackerParameters
 
     def __init__(self, source: Source, init: str, parameters: TrackerParameters) -> None:
         self._start = initial_state_for(source, init, pair_limits(parameters))
@@ -149,15 +183,6 @@ class CableFollower:
         self._tracker = make_tracker(parameters)
         self._decoded: Image = BLANK
         self._grey: Image = BLANK
-
-    @property
-    def particles(self) -> Particles | None:
-        """The present belief."""
-        return self._tracker.particles
-
-    def parameters(self) -> Mapping[str, ParameterValue]:
-        """Return the values in force, by name."""
-        return self._parameters.as_mapping()
 
     def warm_up(self) -> None:
         """Compile and load what frames will need."""
@@ -167,29 +192,14 @@ class CableFollower:
         """Be ready for the first frame."""
         start_from(self._tracker, self._start)
 
-    def reset(self) -> None:
-        """Forget everything."""
-        self._tracker.reset()
-
-    def copy(self) -> Self:
-        """Return another one that goes on as this one would."""
-        other = self.__new__(type(self))
-        other.__dict__ = self.__dict__ | {"_tracker": self._tracker.copy()}
-        return other
-
     def initialise(self, start: AnyStart) -> None:
         """Start the next frame from a belief."""
         assert isinstance(start, StatePrior), "a cable is not marked with an outline"
         self._tracker.initialise(start)
 
-    def configure(self, values: Mapping[str, object]) -> bool:
-        """Change parameters, all or none."""
-        parameters = self._parameters.replaced(values)
-        if parameters == self._parameters:
-            return False
+    def _configure_tracker(self, parameters: ParameterSet) -> None:
+        assert isinstance(parameters, TrackerParameters)
         self._tracker.configure(parameters, make_proposer(parameters))
-        self._parameters = parameters
-        return True
 
     def look(self, frame: Frame) -> None:
         """Decode a frame."""
@@ -237,7 +247,7 @@ class CableFollower:
         )
 
 
-class TargetFollower:
+class TargetFollower(Follower):
     """Follows a target.
 
     Parameters
@@ -256,6 +266,8 @@ class TargetFollower:
     """
 
     subject = TARGET
+    _tracker: TargetTracker
+    _parameters: TargetParameters
 
     def __init__(self, init: str, parameters: TargetParameters, truth: BoxTruth) -> None:
         self._truth = truth
@@ -268,15 +280,6 @@ class TargetFollower:
         self._tracker = TargetTracker(parameters)
         self._image: Image = BLANK
 
-    @property
-    def particles(self) -> Particles | None:
-        """The present belief."""
-        return self._tracker.particles
-
-    def parameters(self) -> Mapping[str, ParameterValue]:
-        """Return the values in force, by name."""
-        return self._parameters.as_mapping()
-
     def warm_up(self) -> None:
         """Compile and load what frames will need."""
         warm_up_target(self._parameters)
@@ -286,16 +289,6 @@ class TargetFollower:
         for start in self._start.boxes:
             self._tracker.initialise(start)
 
-    def reset(self) -> None:
-        """Forget everything."""
-        self._tracker.reset()
-
-    def copy(self) -> Self:
-        """Return another one that goes on as this one would."""
-        other = self.__new__(type(self))
-        other.__dict__ = self.__dict__ | {"_tracker": self._tracker.copy()}
-        return other
-
     def initialise(self, start: AnyStart) -> None:
         """Follow what is marked in the next frame."""
         assert isinstance(start, TargetStart), "a target is marked with a box or an outline"
@@ -303,14 +296,9 @@ class TargetFollower:
         start.check((width, height))
         self._tracker.initialise(start)
 
-    def configure(self, values: Mapping[str, object]) -> bool:
-        """Change parameters, all or none."""
-        parameters = self._parameters.replaced(values)
-        if parameters == self._parameters:
-            return False
+    def _configure_tracker(self, parameters: ParameterSet) -> None:
+        assert isinstance(parameters, TargetParameters)
         self._tracker.configure(parameters)
-        self._parameters = parameters
-        return True
 
     def look(self, frame: Frame) -> None:
         """Decode a frame."""

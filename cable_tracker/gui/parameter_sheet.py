@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from cable_tracker.errors import GuiError, OutputError, ParameterError
+from cable_tracker.errors import GuiError, ParameterError, write_failure
 from cable_tracker.gui.parameter_groups import CABLE_GROUPS, Groups, grouped
 from cable_tracker.gui.subject import CABLE, Subject
 from cable_tracker.tracking.parameter_files import (
@@ -129,4 +129,4 @@ def write_parameter_file(path: Path, text: str, *, overwrite: bool) -> None:
     except FileExistsError as error:
         raise GuiError(f"{path}: exists already; save once more to replace it") from error
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
+        raise write_failure(path, error) from error

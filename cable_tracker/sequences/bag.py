@@ -10,16 +10,11 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import RecordingError
+from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
-from cable_tracker.sequences.frame_source import (
-    FrameSource,
-    UnreadableFrame,
-    damage,
-    one_line,
-)
+from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.unpacking import deserialise

@@ -15,7 +15,7 @@ from typing import Protocol
 from rosbags.rosbag1 import Reader as Reader1
 from rosbags.rosbag2 import Reader as Reader2
 
-from cable_tracker.errors import RecordingError
+from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences import mcap_recovery, ros1_recovery, sqlite_recovery
 from cable_tracker.sequences.bag_limits import (
     check_database,
@@ -23,7 +23,6 @@ from cable_tracker.sequences.bag_limits import (
     check_overlap,
     limit_rosbags,
 )
-from cable_tracker.sequences.frame_source import one_line
 from cable_tracker.sequences.natural_order import natural_key
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.stored_message import StoredMessage

@@ -12,9 +12,8 @@ from typing import Literal, Protocol, Self
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 
-from cable_tracker.errors import OutputError
+from cable_tracker.errors import OutputError, write_failure
 from cable_tracker.sequences.bag_storage import METADATA
-from cable_tracker.sequences.frame_source import one_line
 from cable_tracker.sequences.output_folder import PartialOutput
 from cable_tracker.sequences.typestores import typestore
 
@@ -156,9 +155,7 @@ class BagWriter:
         try:
             yield
         except (OSError, sqlite3.Error, WriterError) as error:
-            raise OutputError(
-                f"{self._path}: cannot be written ({one_line(error)}); check the disk"
-            ) from error
+            raise write_failure(self._path, error) from error
 
     def _abort(self) -> None:
         # The storage may be the very thing that failed.

@@ -16,8 +16,6 @@ from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.encodings import check_image
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 
-_LONGEST_REASON = 200
-
 
 @dataclass(frozen=True, slots=True)
 class UnreadableFrame:
@@ -36,12 +34,6 @@ class UnreadableFrame:
     index: int
     stamp: int
     reason: str
-
-
-def one_line(error: BaseException) -> str:
-    """Return what an exception says, on one line of bearable length."""
-    text = " ".join(str(error).split())
-    return (text or type(error).__name__)[:_LONGEST_REASON]
 
 
 def damage(path: Path, count: int, reason: str) -> RecordingError:

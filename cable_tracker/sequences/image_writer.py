@@ -12,7 +12,7 @@ from cable_tracker.errors import OutputError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
-from cable_tracker.sequences.output_folder import PartialOutput
+from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.sequences.sequence_file import Label, write_labels
 
 SEQUENCE_NAME = "sequence.txt"
@@ -22,10 +22,6 @@ _GREY_ENCODINGS = ("mono8", "8UC1", "mono16", "16UC1", "32FC1")
 def picture_name(index: int) -> str:
     """Return the file name of a frame."""
     return f"frame_{index:06d}.png"
-
-
-def _is_sequence(path: Path) -> bool:
-    return path.is_dir() and ((path / SEQUENCE_NAME).is_file() or not any(path.iterdir()))
 
 
 def _picture(image: RawImage | CompressedImage) -> Image:
@@ -55,7 +51,6 @@ def write_picture(path: Path, image: RawImage | CompressedImage) -> None:
 def _write_all(folder: Path, frames: Iterable[Frame]) -> int:
     labels = []
     count = 0
-    folder.mkdir()
     for frame in frames:
         name = picture_name(frame.index)
         write_picture(folder / name, frame.image)
@@ -94,16 +89,5 @@ def write_sequence(folder: Path, frames: Iterable[Frame], *, overwrite: bool = F
     FrameError
         A frame cannot be decoded.
     """
-    partial = PartialOutput(folder, overwrite=overwrite, is_ours=_is_sequence)
-    try:
-        count = _write_all(partial.content, frames)
-    except OSError as error:
-        partial.discard()
-        raise OutputError(
-            f"{folder}: cannot be written ({error.strerror}); check the disk"
-        ) from error
-    except BaseException:
-        partial.discard()
-        raise
-    partial.commit()
-    return count
+    with output_folder(folder, SEQUENCE_NAME, overwrite=overwrite) as content:
+        return _write_all(content, frames)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from cable_tracker.errors import OutputError
+from cable_tracker.errors import OutputError, write_failure
 
 
 def _delete(path: Path) -> None:
@@ -76,7 +77,7 @@ class PartialOutput:
                 _delete(self._partial)
             self._partial.mkdir(parents=True)
         except OSError as error:
-            raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
+            raise write_failure(path, error) from error
 
     def commit(self) -> None:
         """Move the content into place.
@@ -96,9 +97,67 @@ class PartialOutput:
             if replaced.exists() and not self.path.exists():
                 replaced.rename(self.path)
             self.discard()
-            raise OutputError(f"{self.path}: cannot be written ({error.strerror})") from error
+            raise write_failure(self.path, error) from error
         self.discard()
 
     def discard(self) -> None:
         """Remove the content."""
         shutil.rmtree(self._partial, ignore_errors=True)
+
+
+@contextmanager
+def output_folder(path: Path, marker: str, *, overwrite: bool) -> Iterator[Path]:
+    """Give a folder to write into, which appears at its path when the context ends well.
+
+    It is opened before anything is computed, so that a path that cannot be written is known at
+    once.
+
+    Parameters
+    ----------
+    path : Path
+        Where it is to appear.
+    marker : str
+        A file that every such folder holds; a folder without it is never replaced.
+    overwrite : bool
+        Replace an earlier folder of the kind.
+
+    Raises
+    ------
+    OutputError
+        The path is taken, or the disk does not let us write.
+    """
+
+    def is_ours(folder: Path) -> bool:
+        return folder.is_dir() and ((folder / marker).is_file() or not any(folder.iterdir()))
+
+    with output_file(path, is_ours, overwrite=overwrite) as folder:
+        folder.mkdir()
+        yield folder
+
+
+@contextmanager
+def output_file(path: Path, is_ours: Callable[[Path], bool], *, overwrite: bool) -> Iterator[Path]:
+    """Give the name of a file to write, which appears at its path when the context ends well.
+
+    Parameters
+    ----------
+    path : Path
+        Where it is to appear.
+    is_ours : callable
+        Tells whether what lies there is of the same kind; nothing else is ever replaced.
+    overwrite : bool
+        Replace an earlier file of the kind.
+
+    Raises
+    ------
+    OutputError
+        The path is taken, or the disk does not let us write.
+    """
+    partial = PartialOutput(path, overwrite=overwrite, is_ours=is_ours)
+    try:
+        yield partial.content
+        partial.commit()
+    except OSError as error:
+        raise write_failure(path, error) from error
+    finally:
+        partial.discard()

@@ -17,10 +17,10 @@ import numpy as np
 
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import FrameError, OutputError, RecordingError
+from cable_tracker.errors import FrameError, RecordingError, one_line, write_failure
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage, one_line
+from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
 from cable_tracker.sequences.image_folder import DEFAULT_RATE, load_picture
 from cable_tracker.sequences.stamps import stamp_of_frame
 from cable_tracker.sequences.video import (
@@ -167,7 +167,7 @@ def write_labels(path: Path, labels: Iterable[Label]) -> None:
         with path.open("w", encoding="utf-8", newline="\n") as file:
             file.write(format_labels(labels))
     except (OSError, ValueError) as error:
-        raise OutputError(f"{path}: cannot be written ({one_line(error)})") from error
+        raise write_failure(path, error) from error
 
 
 def format_labels(labels: Iterable[Label], *, allow_outside: bool = False) -> str:

@@ -16,18 +16,17 @@ from typing import Literal
 
 import numpy as np
 
-from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_storage
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_frame
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import one_line
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.image_writer import picture_name, write_picture
 from cable_tracker.sequences.messages import make_header, stamp_of
-from cable_tracker.sequences.output_folder import PartialOutput
+from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source, is_bag
 from cable_tracker.sequences.target_messages import box_corners, make_polygon
@@ -294,26 +293,11 @@ def write_target_pictures(
     OutputError
         The folder exists, or the disk does not let us write.
     """
-    partial = PartialOutput(folder, overwrite=overwrite, is_ours=_is_labelled)
-    try:
-        partial.content.mkdir()
-        boxes = []
+    boxes = []
+    with output_folder(folder, BOXES_NAME, overwrite=overwrite) as content:
         for frame, box in frames:
             name = picture_name(frame.index)
-            write_picture(partial.content / name, frame.image)
+            write_picture(content / name, frame.image)
             boxes.append((name, box))
-        (partial.content / BOXES_NAME).write_text(format_boxes(boxes), encoding="utf-8")
-    except OSError as error:
-        partial.discard()
-        raise OutputError(
-            f"{folder}: cannot be written ({error.strerror}); check the disk"
-        ) from error
-    except BaseException:
-        partial.discard()
-        raise
-    partial.commit()
+        (content / BOXES_NAME).write_text(format_boxes(boxes), encoding="utf-8")
     return len(boxes)
-
-
-def _is_labelled(path: Path) -> bool:
-    return path.is_dir() and ((path / BOXES_NAME).is_file() or not any(path.iterdir()))

@@ -11,7 +11,7 @@ from cable_tracker.campaigns.crew import ClusterSettings
 from cable_tracker.campaigns.runner import run_campaign
 from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.campaigns.task import Outcome, TaskState, fingerprint_of_files
-from cable_tracker.errors import OutputError, ParameterError, RecordingError
+from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.survey.merging import MergedRoute, merge
 from cable_tracker.survey.navigation import LocalFrame
 from cable_tracker.survey.outputs.frames import join_frames
@@ -154,9 +154,7 @@ def _put_together(
     try:
         routes = _write_all(output, list(dives.values()), rows, datum)
     except OSError as error:
-        raise OutputError(
-            f"{output}: cannot be written ({error.strerror or error}); check the disk"
-        ) from error
+        raise write_failure(output, error) from error
     return SurveyResult(routes, tuple(outcomes), tuple(rows))
 
 

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.errors import FrameError, OutputError, RecordingError
+from cable_tracker.errors import FrameError, RecordingError, write_failure
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.instruments import Instrument
@@ -151,7 +151,7 @@ def survey_recording(
         if settings.pictures:
             _write_pictures(path, settings.forward, folder / PICTURES, surveyed)
     except OSError as error:
-        raise OutputError(f"{folder}: cannot be written ({error.strerror or error})") from error
+        raise write_failure(folder, error) from error
     return surveyed
 
 

@@ -4,19 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cable_tracker.errors import OutputError
+from cable_tracker.errors import write_failure
 
 
 def temporary_path(path: Path) -> Path:
     """Return the name that a file has while it is being written, in the same folder."""
     return path.with_name(f".{path.name}.part")
-
-
-def write_failure(path: Path, error: Exception) -> OutputError:
-    """Return the error that says that a file cannot be written, and why, in one line."""
-    reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
-    reason = " ".join(str(reason).split())
-    return OutputError(f"{path}: cannot be written ({reason}); check the folder and its free space")
 
 
 def write_bytes(path: Path, content: bytes) -> None:

@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.errors import OutputError
-from cable_tracker.visualisation.files import temporary_path, write_failure
+from cable_tracker.errors import OutputError, write_failure
+from cable_tracker.visualisation.files import temporary_path
 
 if TYPE_CHECKING:
     from av.container import OutputContainer

@@ -148,7 +148,7 @@ def test_a_full_disk_is_an_output_error(tmp_path, image, monkeypatch, method, fa
 
     monkeypatch.setattr(Writer, method, fail)
     with (
-        pytest.raises(OutputError, match=r"out: cannot be written .*check the disk"),
+        pytest.raises(OutputError, match=r"out: cannot be written .*check the folder"),
         BagWriter(tmp_path / "out") as bag,
     ):
         bag.write("/image", IMAGE, image, 1)

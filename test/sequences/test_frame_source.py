@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, one_line
+from cable_tracker.errors import RecordingError, one_line
+from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame
 
 
 class ListSource(FrameSource):

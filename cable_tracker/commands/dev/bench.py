@@ -31,7 +31,7 @@ from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable
-from cable_tracker.evaluation.folder import output_file
+from cable_tracker.sequences.output_folder import output_file
 
 PLANS = {False: FULL, True: QUICK}
 """By whether it is to be quick."""

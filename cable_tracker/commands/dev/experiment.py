@@ -39,7 +39,7 @@ from cable_tracker.evaluation.experiments.experiment_result import (
 )
 from cable_tracker.evaluation.experiments.roc_experiment import RocExperiment
 from cable_tracker.evaluation.experiments.thesis_experiments import EXPERIMENTS, Experiment
-from cable_tracker.evaluation.folder import output_folder
+from cable_tracker.sequences.output_folder import output_folder
 
 
 def experiment(  # noqa: PLR0917

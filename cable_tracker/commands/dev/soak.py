@@ -16,9 +16,9 @@ from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.terminal import console, progress_bar
 from cable_tracker.errors import RosError
-from cable_tracker.evaluation.folder import output_file
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.output_folder import output_file
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 from cable_tracker.simulation.targets.sequence import simulate_target
 

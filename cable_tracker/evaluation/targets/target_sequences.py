@@ -8,6 +8,7 @@ from typing import Protocol
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import RecordingError
+from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.sequences.target_labels import find_boxes
@@ -83,21 +84,8 @@ class SimulatedTarget:
 
 
 @dataclass(frozen=True, slots=True)
-class RecordedTarget(ChosenRecording):
-    """A recording of the user's with boxes, the same for every seed; `truth` holds the boxes.
-
-    Attributes
-    ----------
-    unlabelled_is_empty : bool
-        Whether a frame without a label shows no target. Otherwise it is not judged.
-    """
-
-    unlabelled_is_empty: bool = False
-
-    @property
-    def name(self) -> str:
-        """The name of the file or folder."""
-        return self.path.resolve().name
+class RecordedTarget(LabelledRecording):
+    """A recording of the user's with boxes, which `truth` holds."""
 
     def frame_count(self) -> int | None:
         """Return the number of frames, and see that there is something to judge.

@@ -15,7 +15,6 @@ import cv2
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.errors import FrameError, OutputError, RecordingError
-from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.metric.recorded_target import RecordedSight
 from cable_tracker.metric.relative_state import RelativeState
 from cable_tracker.metric.target_metres import TargetMetres
@@ -33,6 +32,7 @@ from cable_tracker.sequences.messages import (
     make_header,
     make_report,
 )
+from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.sequences.output_topics import OutputTopic
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source

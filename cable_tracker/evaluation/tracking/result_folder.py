@@ -13,7 +13,7 @@ from typing import Self
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import FrameError, OutputError
+from cable_tracker.errors import FrameError, write_failure
 from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessages
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
@@ -142,7 +142,7 @@ class ResultFolder:
             self._drawing = self._writers.enter_context(DrawingThread())
         except OSError as error:
             self._abandon(error)
-            raise OutputError(f"{self.path}: cannot be written ({error.strerror})") from error
+            raise write_failure(self.path, error) from error
         except BaseException as error:
             self._abandon(error)
             raise
@@ -246,6 +246,4 @@ class ResultFolder:
                 self._sheet.write(self._content / CONTACT_SHEET)
                 plot_estimates(self._content / PLOTS, self.rows, self.truths)
         except OSError as error:
-            raise OutputError(
-                f"{self.path}: cannot be written ({error.strerror}); check the disk"
-            ) from error
+            raise write_failure(self.path, error) from error

@@ -7,11 +7,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import RecordingError
+from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.gui.labelling.label_file import write_atomically
 from cable_tracker.gui.labelling.labels import NO_CABLE, FrameLabel, Labels, flagged_label
 from cable_tracker.sequences.csv_text import csv_text
-from cable_tracker.sequences.frame_source import one_line
 
 HEADER = ("frame", "stamp", "flag", "d", "alpha", "w", "beta")
 SUFFIX = ".autosave"

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import OutputError, RecordingError
+from cable_tracker.errors import OutputError, RecordingError, one_line, write_failure
 from cable_tracker.gui.labelling.labels import (
     NO_CABLE,
     FrameLabel,
@@ -21,7 +21,6 @@ from cable_tracker.gui.labelling.labels import (
 )
 from cable_tracker.gui.labelling.names import FrameNames
 from cable_tracker.sequences.csv_text import csv_text
-from cable_tracker.sequences.frame_source import one_line
 from cable_tracker.sequences.sequence_file import (
     Label,
     format_labels,
@@ -308,7 +307,7 @@ class LabelFile:
             write_atomically(self.path, texts[0])
             write_atomically(flags_path(self.path), texts[1])
         except (OSError, ValueError) as error:
-            raise OutputError(f"{self.path}: cannot be written ({one_line(error)})") from error
+            raise write_failure(self.path, error) from error
         self._digest = digest(self.path)
 
     def _need_label_file(self) -> None:

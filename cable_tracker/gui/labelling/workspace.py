@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.errors import OutputError, ParameterError, RecordingError
+from cable_tracker.errors import OutputError, ParameterError, RecordingError, one_line
 from cable_tracker.gui.labelling.autosave import autosave_path, read_autosave, write_autosave
 from cable_tracker.gui.labelling.document import Changes, LabelDocument
 from cable_tracker.gui.labelling.label_file import FileContent, LabelFile
@@ -23,7 +23,6 @@ from cable_tracker.gui.labelling.names import names_of
 from cable_tracker.gui.labelling.pictures import Picture, Pictures
 from cable_tracker.gui.labelling.proposals import Proposal, Proposer
 from cable_tracker.sequences.frame_access import FrameAccess
-from cable_tracker.sequences.frame_source import one_line
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.sequence_file import SequenceFileSource
 from cable_tracker.sequences.source import Source

@@ -18,7 +18,6 @@ from rclpy.node import Node
 from sensor_msgs.msg import CompressedImage, JointState
 
 from cable_tracker.errors import RosError
-from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.evaluation.targets.chase_table import (
     PLOT,
     SUMMARY,
@@ -43,6 +42,7 @@ from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages import read_compressed_image, stamp_of
+from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
 from cable_tracker.tracking.parameter_table import ParameterValue

@@ -26,7 +26,6 @@ from cable_tracker.evaluation.closed_loop.loop_table import (
     write_rows,
     write_summary,
 )
-from cable_tracker.evaluation.folder import output_folder
 from cable_tracker.evaluation.methods import BASELINES
 from cable_tracker.ros.clients.lockstep import (
     EVERY_FRAME,
@@ -40,6 +39,7 @@ from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.loop_recorder import LoopRecorder, SeenFrame
+from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.dive import CABLE_RADIUS
 from cable_tracker.simulation.live_world import MOUNTING, LiveSettings, cable_course
 from cable_tracker.simulation.tube import SETTLED
