@@ -250,9 +250,10 @@ class InstrumentSource:
     ) -> Generator[InstrumentMessage]:
         """Yield all messages of the chosen topics, in the order of the bag.
 
-        What was received before `start` [ns] is left out. It ends without a word where the bag is damaged: the source of the frames says so. A
-        message that cannot be read is passed over, and so is what was received sooner after another
-        of its instrument than `pauses` says [ns].
+        What was received before `start` [ns] is left out, and a message that cannot be read is
+        passed over. So is what was received sooner after another of its instrument than `pauses`
+        says [ns]. It ends without a word where the bag is damaged: the source of the frames says
+        so.
         """
         instruments = {topic: instrument for instrument, topic in self.found.topics.items()}
         own = {topic: (pauses or {}).get(each, 0) for topic, each in instruments.items()}
