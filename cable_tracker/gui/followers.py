@@ -23,6 +23,7 @@ from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.session import AnySnapshot, AnyStart, Snapshot, TargetSnapshot
 from cable_tracker.gui.subject import CABLE, TARGET, Subject
 from cable_tracker.metric.recorded import RecordedMetres, RecordedVehicle
+from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import Frame
@@ -43,6 +44,10 @@ BLANK = np.zeros((240, 320), np.uint8)
 
 PROPOSER = "contours"
 """What proposes a target where one is to be detected and the parameters name no detector."""
+
+
+UNTRACKED = Withheld(Reason.NOT_TRACKING, "this frame was not tracked")
+"""Said in place of metres."""
 
 
 class AnyTracker(Protocol):
@@ -256,6 +261,7 @@ class CableFollower(Follower):
             status=status,
             reason=reason,
             truth=frame.truth,
+            metres=None if self._metres is None else UNTRACKED,
         )
 
     def _tracked(self, frame: Frame, number: int, estimate: CableEstimate, ms: float) -> Snapshot:
