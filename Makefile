@@ -56,7 +56,7 @@ help:
 	@echo "make test-jazzy            the tests with the versions of Ubuntu 24.04, on Python 3.12"
 	@echo "make test-processors       the whole suite as other processors and a busy one would run it"
 	@echo "make install               set up $(VENV); the others do it by themselves"
-	@echo "make docs                  write config/*.yaml and docs/parameters.md from the table"
+	@echo "make docs                  write config/*.yaml, docs/parameters.md and docs/api.md from the code"
 	@echo "make evaluation            evaluate all methods, and write the tables of docs/evaluation.md"
 	@echo "make bench                 measure speeds, and write them into docs/performance.md"
 	@echo "make table                 learn the tables of the likelihood ratio, in some minutes"

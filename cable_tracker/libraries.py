@@ -8,13 +8,10 @@ from contextlib import contextmanager
 import cv2
 import numpy as np
 
-from cable_tracker.errors import CableTrackerError
+from cable_tracker.errors import CableTrackerError, one_line
 
 REFUSALS = (cv2.error, np.linalg.LinAlgError)
 """What OpenCV and NumPy raise for data, or for a call that another version of theirs knew."""
-
-LONGEST_REASON = 200
-"""So much of a refusal is told [characters]."""
 
 
 @contextmanager
@@ -31,5 +28,4 @@ def refusals_as(kind: type[CableTrackerError], what: str) -> Iterator[None]:
     try:
         yield
     except REFUSALS as refusal:
-        words = " ".join(str(refusal).split())[:LONGEST_REASON]
-        raise kind(f"{what}: {words or type(refusal).__name__}") from refusal
+        raise kind(f"{what}: {one_line(refusal)}") from refusal

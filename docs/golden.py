@@ -1,4 +1,4 @@
-"""Freeze the estimates of both presets, and compare those of the present code with them.
+"""Freeze the estimates of `default` and `thesis`, and compare those of the present code with them.
 
     python docs/golden.py freeze FILE.npz     # before a change
     python docs/golden.py compare FILE.npz    # after it

@@ -56,13 +56,13 @@ def generate_launch_description() -> LaunchDescription:
         executable="simulator",
         namespace=LaunchConfiguration("namespace"),
         parameters=[
-            LaunchConfiguration("params_file"),
             {
                 "seed": of_type("seed", int),
                 "length": of_type("length", float),
                 "buried": of_type("buried", float),
                 "publish_clock": of_type("use_sim_time", bool),
             },
+            LaunchConfiguration("params_file"),
         ],
         ros_arguments=["--log-level", LaunchConfiguration("log_level")],
         output="screen",

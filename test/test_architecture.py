@@ -8,12 +8,13 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "cable_tracker"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
-ALL_MAY_IMPORT = {"arrays", "compilation", "errors", "libraries"}
+ALL_MAY_IMPORT = {"arrays", "compilation", "errors", "libraries", "stamps"}
 MAY_IMPORT = {
     "arrays": set(),
     "code_libraries": set(),
     "compilation": {"code_libraries"},
     "errors": set(),
+    "stamps": set(),
     "libraries": set(),
     "resources": set(),
     "particle_filter": set(),

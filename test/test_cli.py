@@ -304,6 +304,10 @@ def test_a_dive_is_simulated_as_a_bag_or_a_sequence(run):
         (("--clutter", "2"), "clutter is 2.0"),
         (("--rate", "nan"), "rate is nan"),
         (("--seed", "-3"), "seed is -3"),
+        (("--survey", "50", "--scenario", "S1"), "--survey and --scenario"),
+        (("--survey", "50", "--photographs", "p"), "--photographs covers the bottom of a scenario"),
+        (("--survey", "50", "--format", "sequence"), "leave --format out"),
+        (("--live", "--target", "buoy"), "--live and --target"),
     ],
 )
 def test_a_dive_that_cannot_be_simulated_is_refused(run, options, words):

@@ -20,7 +20,7 @@ from cable_tracker.evaluation.methods import Method
 
 SCENARIO = "S1"
 SEED = 0
-"""A dive whose first frames both presets follow."""
+"""A dive whose first frames `default` and `thesis` follow."""
 
 RENDERED_SIZE = (320, 240)
 FRAME_STEP = 40_000_000

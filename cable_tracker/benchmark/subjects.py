@@ -74,7 +74,7 @@ def copy_subjects(yardstick: Yardstick, footages: Sequence[Footage]) -> list[Sub
 
 
 def frame_subjects(footages: Sequence[Footage], particles: Sequence[int]) -> list[Subject]:
-    """Return both presets on whole frames, the fewest particles first."""
+    """Return `default` and `thesis` on whole frames, the fewest particles first."""
     return [
         filter_subject("frame", name, count, shown)
         for shown in footages
@@ -84,7 +84,7 @@ def frame_subjects(footages: Sequence[Footage], particles: Sequence[int]) -> lis
 
 
 def spacing_subjects(shown: Footage) -> list[Subject]:
-    """Return both presets with several distances between the sample points."""
+    """Return `default` and `thesis` with several distances between the sample points."""
     return [
         filter_subject("spacing", name, REFERENCE_PARTICLES, shown, spacing)
         for name in TIMED_PRESETS
@@ -139,7 +139,7 @@ def rival_subjects(shown: Footage) -> list[Subject]:
 
 
 def step_subjects(shown: Footage) -> list[Subject]:
-    """Return the steps of both presets, as far as they exist alone."""
+    """Return the steps of `default` and `thesis`, as far as they exist alone."""
     subjects = []
     for name in TIMED_PRESETS:
         parameters = preset(name).replaced({"particle_count": REFERENCE_PARTICLES})

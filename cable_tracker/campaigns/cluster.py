@@ -13,7 +13,7 @@ from distributed import Client, LocalCluster
 
 from cable_tracker import __version__
 from cable_tracker.campaigns.crew import ClusterSettings
-from cable_tracker.errors import ParameterError
+from cable_tracker.errors import ParameterError, one_line
 
 CONNECT_TIMEOUT = 20.0
 """How long to wait for a scheduler [s]."""
@@ -47,7 +47,7 @@ def connected(settings: ClusterSettings) -> Iterator[Client]:
             client = Client(settings.scheduler, timeout=CONNECT_TIMEOUT)
         except (OSError, ValueError, TimeoutError) as error:
             raise ParameterError(
-                f"scheduler: none answers at {settings.scheduler} ({_first_line(error)}); start one"
+                f"scheduler: none answers at {settings.scheduler} ({one_line(error)}); start one"
                 " with `dask scheduler`"
             ) from error
         with client:
@@ -67,11 +67,7 @@ def _local(settings: ClusterSettings) -> LocalCluster:
             dashboard_address=DASHBOARD if settings.dashboard else None,
         )
     except ValueError as error:
-        raise ParameterError(f"memory: {_first_line(error)}; give a size such as 2GiB") from error
-
-
-def _first_line(error: BaseException) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0]
+        raise ParameterError(f"memory: {one_line(error)}; give a size such as 2GiB") from error
 
 
 def _prepare(client: Client) -> None:
@@ -104,7 +100,7 @@ def check_versions(client: Client) -> None:
     except Exception as error:
         raise ParameterError(
             f"scheduler: a worker cannot load cable_tracker {__version__}"
-            f" ({_first_line(error)}); install this version on all workers"
+            f" ({one_line(error)}); install this version on all workers"
         ) from error
     if not found:
         raise ParameterError("scheduler: it has no workers; start some with `dask worker ADDRESS`")

@@ -13,7 +13,8 @@ import pickle
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
+from enum import Enum
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
@@ -21,7 +22,7 @@ import cv2
 
 from cable_tracker import __version__
 from cable_tracker.campaigns.stopping import saying_what_stays
-from cable_tracker.errors import ParameterError, write_failure
+from cable_tracker.errors import ParameterError, ResourceError, write_failure
 
 LARGEST_WORKER_COUNT = 256
 
@@ -168,15 +169,21 @@ class _Kept(pickle.Unpickler):
     """Reads results, and nothing that could do anything."""
 
     def find_class(self, module: str, name: str) -> Any:  # noqa: ANN401
-        found = super().find_class(module, name) if self._is_known(module, name) else None
-        is_array = (module, name) in ARRAYS
-        if found is None or not (is_array or isinstance(found, type)):
-            raise pickle.UnpicklingError(f"{module}.{name} is no part of a result")
-        return found
+        # A name with a dot would lead on to whatever a module imports.
+        is_own = module.split(".", maxsplit=1)[0] == "cable_tracker" and "." not in name
+        if is_own or (module, name) in ARRAYS:
+            found = super().find_class(module, name)
+            if not is_own or _is_value_class(found, module):
+                return found
+        raise pickle.UnpicklingError(f"{module}.{name} is no part of a result")
 
-    @staticmethod
-    def _is_known(module: str, name: str) -> bool:
-        return module.split(".", maxsplit=1)[0] == "cable_tracker" or (module, name) in ARRAYS
+
+def _is_value_class(found: object, module: str) -> bool:
+    """Tell whether this is a class of a module's own that only holds values."""
+    if not isinstance(found, type) or found.__module__ != module:
+        return False
+    is_named_tuple = issubclass(found, tuple) and hasattr(found, "_fields")
+    return is_dataclass(found) or issubclass(found, Enum) or is_named_tuple
 
 
 def kept_result(work: object, store: Path | None) -> tuple[Any] | None:
@@ -189,6 +196,24 @@ def kept_result(work: object, store: Path | None) -> tuple[Any] | None:
     # A file that was cut off, or is of another version, raises what it happens to raise.
     except Exception:  # noqa: BLE001
         return None
+
+
+@contextmanager
+def needing_dask() -> Iterator[None]:
+    """Import what needs Dask, which a system with ROS may lack.
+
+    Raises
+    ------
+    ResourceError
+        It is not installed.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        raise ResourceError(
+            f"several runs at once need Dask (no module {error.name}); run `pip install dask"
+            " distributed`, or give --workers 1"
+        ) from error
 
 
 def run_all(
@@ -215,6 +240,8 @@ def run_all(
     ParameterError
         The number of workers is out of range, the cluster cannot be used, or a worker was ended
         again and again.
+    ResourceError
+        Several workers are wanted, and Dask is not installed.
     CableTrackerError
         What stopped the first that failed.
     """
@@ -231,7 +258,8 @@ def run_all(
             done[number] = do_and_keep(works[number], lambda: advance(1), crew.store)
     elif left:
         # Dask takes a second to import, which a single process need not wait for.
-        from cable_tracker.campaigns.runner import run_on_cluster  # noqa: PLC0415
+        with needing_dask():
+            from cable_tracker.campaigns.runner import run_on_cluster  # noqa: PLC0415
 
         results = run_on_cluster([works[number] for number in left], crew, advance)
         done.update(zip(left, results, strict=True))

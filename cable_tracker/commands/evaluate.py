@@ -181,12 +181,20 @@ def evaluate(  # noqa: PLR0917
     sequences: Sequence[JudgedSequence]
     if source is not None and (scenario or frames):
         raise ParameterError("--source takes the place of --scenario and --frames; leave those out")
+    if source is None and truth is not None:
+        raise ParameterError("--truth labels a recording; give it with --source")
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     if targets:
         if param or table or init is not Start.TRUTH:
             raise ParameterError("--targets goes without --param, --table and --init")
         recorded = source and RecordedTarget(
-            source, topic, rate, truth, skip_bad_frames, allow_outside, unlabelled_is_empty
+            source,
+            topic,
+            rate,
+            truth,
+            skip_bad_frames,
+            allow_outside,
+            unlabelled_is_empty=unlabelled_is_empty,
         )
         tuned = tuned_targets(params)
         followed = TargetCampaign(
@@ -198,12 +206,16 @@ def evaluate(  # noqa: PLR0917
         evaluate_targets(followed, output, cluster, force=force, resume=resume)
         return
     if source is None:
-        if truth is not None:
-            raise ParameterError("--truth labels a recording; give it with --source")
         sequences = simulated_sequences(scenario or (), frames)
     else:
         recording = RecordingSequence(
-            source, topic, rate, truth, skip_bad_frames, unlabelled_is_empty, allow_outside
+            source,
+            topic,
+            rate,
+            truth,
+            skip_bad_frames,
+            allow_outside,
+            unlabelled_is_empty=unlabelled_is_empty,
         )
         sequences = (recording,)
     filters = tuned_filters(params, param, table)

@@ -102,6 +102,11 @@ def gui(  # noqa: PLR0917
     subjects = need_gui("subject")
     if ros is not None and source is not None:
         raise GuiError("give a recording or --ros NAMESPACE, not both")
+    choice = chosen_instruments(camera_info_topic, altitude_topic, imu_topic, odometry_topic)
+    if (target or ros is not None) and (vehicle is not None or choice.topics):
+        raise GuiError(
+            "--vehicle and topics of instruments are for a cable in a recording; leave them out"
+        )
     subject = subjects.TARGET if target else subjects.CABLE
     values = read_parameter_file(params, subject.node) if params is not None else {}
     parameters: ParameterSet
@@ -121,7 +126,7 @@ def gui(  # noqa: PLR0917
         skip_bad_frames=skip_bad_frames,
         allow_outside=allow_outside,
         init=start,
-        choice=chosen_instruments(camera_info_topic, altitude_topic, imu_topic, odometry_topic),
+        choice=choice,
         vehicle=vehicle,
     )
     listening = server.listen_on(host, port)

@@ -16,8 +16,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from cable_tracker.campaigns.crew import ClusterSettings
-from cable_tracker.campaigns.runner import run_campaign as run_tasks
+from cable_tracker.campaigns.crew import ClusterSettings, needing_dask
 from cable_tracker.campaigns.task import Outcome, TaskState
 from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.closed_loop.loop_campaign import LoopOutcome
@@ -175,6 +174,9 @@ def run_campaign(
     list of LoopOutcome
         By method, then seed, in the campaign's order.
     """
+    with needing_dask():
+        from cable_tracker.campaigns.runner import run_campaign as run_tasks  # noqa: PLC0415
+
     tasks = [LoopTask(*case, tuple(campaign.arguments)) for case in campaign.cases()]
     outcomes = run_tasks(
         tasks,

@@ -103,18 +103,29 @@ def simulate_command(  # noqa: PLR0912, PLR0917
 ) -> None:
     """Simulate a cable or a target, with exact ground truth."""
     image_size = parse_size(size)
+    kinds = {
+        "--live": live or None,
+        "--target": target,
+        "--survey": survey,
+        "--scenario": scenario,
+    }
+    chosen = [name for name, value in kinds.items() if value is not None]
+    if len(chosen) > 1:
+        raise ParameterError(f"{' and '.join(chosen)}: give one of these")
+    if photographs is not None and chosen not in ([], ["--scenario"]):
+        raise ParameterError(f"--photographs covers the bottom of a scenario; not of {chosen[0]}")
     if live:
         _run_live(output, seed, image_size, rate)
         return
     if output is None:
         raise ParameterError("output: name a folder to write, or give --live")
     if target is not None:
-        if (scenario, survey, photographs) != (None, None, None):
-            raise ParameterError("--target goes without --scenario, --survey and --photographs")
         seen = TargetRequest(target, frames, rate, image_size, seed)
         _simulate_target(output, seen, output_format, storage, force)
         return
     if survey is not None:
+        if output_format is not SimulationFormat.BAG:
+            raise ParameterError("--survey writes a bag, for the instruments; leave --format out")
         settings_of_survey = replace(
             usual_survey(survey, seed, cable_seed), rate=rate, image_size=image_size
         )

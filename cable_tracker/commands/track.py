@@ -135,6 +135,8 @@ def track(  # noqa: PLR0917
             tracker = make_tracker(parameters)
             start_from(tracker, state)
             metres = described.metres()
+            if metres is not None:
+                stack.enter_context(metres)
             damage = track_recording(recording, tracker, results, lambda: advance(progress), metres)
         _need_usable_frames(results, damage)
     _print_results(results)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cable_tracker.sequences.source import ChosenRecording
 
@@ -17,7 +17,7 @@ class LabelledRecording(ChosenRecording):
         Whether a frame without a label shows nothing to track. Otherwise it is not judged.
     """
 
-    unlabelled_is_empty: bool = False
+    unlabelled_is_empty: bool = field(default=False, kw_only=True)
 
     @property
     def name(self) -> str:

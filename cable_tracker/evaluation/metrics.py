@@ -15,6 +15,7 @@ from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.trace import COMPONENTS, LOST_ANGLE, Trace, spans
 from cable_tracker.sequences.estimates import EstimateRow
+from cable_tracker.stamps import NANOSECONDS
 
 ANGLE_TOLERANCE = LOST_ANGLE
 """An estimate that is turned by more is off [rad]."""
@@ -30,8 +31,6 @@ RETURN_SECONDS = 1.0
 
 REGION_NEES = 9.4877
 """95th percentile of the chi-square distribution of 4 degrees of freedom."""
-
-NANOSECONDS = 1e9
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -25,7 +25,7 @@ from cable_tracker.gui.session import AnySnapshot, Snapshot, TargetSnapshot
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.jpeg import encode_jpeg
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.visualisation.palette import PARTICLES, status_colour
 
 LARGEST_WIDTH = 1280

@@ -18,7 +18,7 @@ from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.source import Source
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
 

@@ -12,7 +12,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.gui.session import AnySnapshot, TargetSnapshot
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 
 HISTORY_TIME = 30.0
 """So much is kept [s]."""

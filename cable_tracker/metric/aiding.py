@@ -14,7 +14,6 @@ from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
 from cable_tracker.errors import MetricError
 from cable_tracker.libraries import refusals_as
-from cable_tracker.metric.history import NANOSECONDS
 from cable_tracker.metric.homography import (
     PlaneMotion,
     diffusion_covariance,
@@ -25,6 +24,7 @@ from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.motion import NoMotion, Odometry
 from cable_tracker.metric.sea_bed_texture import SeaBedTexture, TextureMotion
 from cable_tracker.metric.withheld import Withheld
+from cable_tracker.stamps import NANOSECONDS
 
 UNMODELLED = np.array([0.6, np.deg2rad(0.2), 0.5, np.deg2rad(0.1)])
 """What moves d, alpha, w, beta besides the vehicle: bends of the cable, relief of the bottom, time

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.stamps import NANOSECONDS
 
 KEPT = 512
 """Measurements kept; some seconds of the fastest instruments."""
-
-NANOSECONDS = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)

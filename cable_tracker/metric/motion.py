@@ -8,7 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.metric.history import NANOSECONDS, History
+from cable_tracker.metric.history import History
+from cable_tracker.stamps import NANOSECONDS
 
 LONGEST_HOLD = 0.2
 """A twist is held for so long after its stamp [s]; then odometry is late."""

@@ -23,6 +23,7 @@ from cable_tracker.metric.relative_state import (
     begin_without_size,
 )
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
@@ -32,8 +33,6 @@ UNSURE_RANGE = 0.3
 
 LONGEST_GAP = 5.0
 """After so long without a frame the belief about the range begins anew [s]."""
-
-NANOSECONDS = 1e9
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,6 @@ from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.unpacking import deserialise
 from cable_tracker.sequences.video_stream import (
@@ -25,6 +24,7 @@ from cable_tracker.sequences.video_stream import (
     StreamDecoder,
     read_packet,
 )
+from cable_tracker.stamps import NANOSECONDS
 
 if TYPE_CHECKING:
     from rosbags.typesys.stores.ros2_jazzy import (
@@ -211,8 +211,6 @@ class BagSource(FrameSource):
         if self._is_video:
             # Packets before the first key frame are no frames.
             self.frame_count = None
-        if chosen.count > 1 and self._storage.duration > 0.0:
-            self.nominal_rate = (chosen.count - 1) / self._storage.duration
         if not chosen.count:
             raise RecordingError(f"{path}: topic {self.topic} holds no images; record it again")
         if self._storage.note:

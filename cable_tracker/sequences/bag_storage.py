@@ -24,7 +24,6 @@ from cable_tracker.sequences.bag_limits import (
     limit_rosbags,
 )
 from cable_tracker.sequences.natural_order import natural_key
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.stored_message import StoredMessage
 
 _ROS1_SUFFIX = ".bag"
@@ -56,14 +55,11 @@ class BagStorage(Protocol):
     ----------
     topics : dict of str to Topic
         What the bag holds, by the topic's name.
-    duration : float
-        Time between the first and the last message [s].
     note : str
         Something the user should be told; empty if there is nothing.
     """
 
     topics: dict[str, Topic]
-    duration: float
     note: str
 
     def messages(self, topics: Collection[str], start: int = 0) -> Generator[StoredMessage]:
@@ -123,7 +119,6 @@ class RosbagsStorage:
                 )
                 for name, info in reader.topics.items()
             }
-            self.duration = max(0, reader.duration) / NANOSECONDS
 
     def _open(self) -> Reader1 | Reader2:
         limit_rosbags()
@@ -192,14 +187,10 @@ class RosbagsStorage:
 class _Scan:
     counts: dict[str, int] = field(default_factory=dict)
     types: dict[str, str] = field(default_factory=dict)
-    first: int | None = None
-    last: int = 0
 
     def add(self, message: StoredMessage) -> None:
         self.counts[message.topic] = self.counts.get(message.topic, 0) + 1
         self.types[message.topic] = message.msgtype
-        self.first = message.time if self.first is None else min(self.first, message.time)
-        self.last = max(self.last, message.time)
 
 
 class SalvagedStorage:
@@ -222,7 +213,6 @@ class SalvagedStorage:
         self._files = files
         self._damage = damage
         self.topics: dict[str, Topic] = {}
-        self.duration = 0.0
         self.note = ""
         if scan:
             self._scan()
@@ -235,7 +225,6 @@ class SalvagedStorage:
         except RecordingError as error:
             self._damage = self._damage or error
         self.topics = {name: Topic(scan.types[name], count) for name, count in scan.counts.items()}
-        self.duration = (scan.last - (scan.first or 0)) / NANOSECONDS
         if not self.topics and self._damage:
             raise self._damage
 

@@ -53,7 +53,6 @@ class FrameSource(ABC):
     def __init__(self, path: Path, *, skip_bad_frames: bool = False) -> None:
         self.path = path
         self.frame_count: int | None = None
-        self.nominal_rate: float | None = None
         self.has_truth = False
         self.compressed = False
         self.note = ""

@@ -18,7 +18,7 @@ from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame
 from cable_tracker.sequences.natural_order import natural_key, positions_by_number
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.picture_header import read_picture_header
-from cable_tracker.sequences.stamps import stamp_of_frame
+from cable_tracker.stamps import stamp_of_frame
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm")
 DEFAULT_RATE = 25.0
@@ -113,8 +113,8 @@ class ImageFolderSource(FrameSource):
         self._gap_note = self._say_gaps()
         self.note = self._gap_note
         if (path / "sequence.txt").is_file():
-            self.note = "its labels in sequence.txt are not used; name that file instead"
-        self.nominal_rate = self._rate
+            unused = "its labels in sequence.txt are not used; name that file instead"
+            self.note = "; ".join(note for note in (self._gap_note, unused) if note)
         self.frame_count = len(self.pictures)
 
     def label(self, labels: Mapping[int, CableState]) -> None:

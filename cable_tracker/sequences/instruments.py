@@ -6,7 +6,7 @@ choice nothing is guessed, and a note says so.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Container, Generator, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
 from enum import Enum
@@ -19,9 +19,9 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
 from cable_tracker.sequences.messages import Message
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.unpacking import deserialise
+from cable_tracker.stamps import NANOSECONDS
 
 NO_TOPIC = "none"
 """A choice that leaves an instrument out."""
@@ -246,16 +246,20 @@ class InstrumentSource:
         self.found.topics.pop(instrument, None)
 
     def messages(
-        self, pauses: Mapping[Instrument, int] | None = None, start: int = 0
+        self,
+        pauses: Mapping[Instrument, int] | None = None,
+        start: int = 0,
+        *,
+        only: Container[Instrument] = tuple(Instrument),
     ) -> Generator[InstrumentMessage]:
-        """Yield all messages of the chosen topics, in the order of the bag.
+        """Yield the messages of the chosen topics of some instruments, in the order of the bag.
 
         What was received before `start` [ns] is left out, and a message that cannot be read is
         passed over. So is what was received sooner after another of its instrument than `pauses`
         says [ns]. It ends without a word where the bag is damaged: the source of the frames says
         so.
         """
-        instruments = {topic: instrument for instrument, topic in self.found.topics.items()}
+        instruments = {topic: each for each, topic in self.found.topics.items() if each in only}
         own = {topic: (pauses or {}).get(each, 0) for topic, each in instruments.items()}
         for stored, message in self._read(list(instruments), own, start):
             yield InstrumentMessage(

@@ -21,7 +21,7 @@ from cable_tracker.cable.model.state import STATE_SIZE, STATE_SYMBOLS, CableStat
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 
 Message: TypeAlias = Any
 """A message object of rclpy or of rosbags; neither has static types."""
@@ -413,6 +413,17 @@ def make_report(
         values=pairs,
     )
     return factory.make("diagnostic_msgs/msg/DiagnosticArray", header=header, status=[entry])
+
+
+def report_facts(report: Message) -> dict[str, str]:
+    """Return the facts of a message that `make_report` made, by name."""
+    return {str(pair.key): str(pair.value) for pair in report.status[0].values}
+
+
+def fact_number(facts: Mapping[str, str], name: str) -> float | None:
+    """Return a fact that is a number; None: it is empty, or missing."""
+    text = facts.get(name, "")
+    return float(text) if text else None
 
 
 def report_values(estimate: CableEstimate, ms: float) -> dict[str, str]:

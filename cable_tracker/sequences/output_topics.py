@@ -51,7 +51,3 @@ BEARING = OutputTopic("bearing", "geometry_msgs/msg/Vector3Stamped")
 RELATIVE_POSE = OutputTopic("relative_pose", "geometry_msgs/msg/PoseWithCovarianceStamped")
 TARGET_OVERLAY = OutputTopic("target_tracker/overlay/compressed", "sensor_msgs/msg/CompressedImage")
 TARGET_REPORT = OutputTopic("target_tracker/frame_report", "diagnostic_msgs/msg/DiagnosticArray")
-
-TARGET_USABLE_FRAME = (PARTICLES, MARKERS, TARGET_OVERLAY)
-"""Of the target tracker: published for every frame that was not refused, while a target is
-followed."""

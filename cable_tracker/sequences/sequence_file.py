@@ -22,7 +22,6 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
 from cable_tracker.sequences.image_folder import DEFAULT_RATE, load_picture
-from cable_tracker.sequences.stamps import stamp_of_frame
 from cable_tracker.sequences.video import (
     VIDEO_SUFFIXES,
     frame_rate,
@@ -30,6 +29,7 @@ from cable_tracker.sequences.video import (
     opened_video,
     pass_over,
 )
+from cable_tracker.stamps import stamp_of_frame
 
 SEQUENCE_SUFFIXES = (".txt", ".seq")
 _HEADER = "# CableDistance CableAngle CableWidth CableSkew # Filename\n"
@@ -276,11 +276,6 @@ class SequenceFileSource(FrameSource):
         }
         self.frame_count = len(self._entries)
         self.has_truth = True
-        self.nominal_rate = self._rate
-        first = self._entries[0]
-        if first.frame is not None:
-            with opened_video(self._files[first.filename]) as capture:
-                self.nominal_rate = frame_rate(capture)
 
     @property
     def entries(self) -> tuple[Label, ...]:

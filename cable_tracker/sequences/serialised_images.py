@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from cable_tracker.errors import FrameError
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 
 _ENCAPSULATION = 4
 _BYTE_ORDERS = {b"\x00\x00": ">", b"\x00\x01": "<"}

@@ -35,8 +35,6 @@ class Source(Protocol):
         What the user asked for.
     frame_count : int or None
         Number of frames; None when it is unknown before all have been read.
-    nominal_rate : float or None
-        Frames per second; None when the recording does not say.
     has_truth : bool
         Whether any frame is labelled.
     compressed : bool
@@ -47,7 +45,6 @@ class Source(Protocol):
 
     path: Path
     frame_count: int | None
-    nominal_rate: float | None
     has_truth: bool
     compressed: bool
     note: str

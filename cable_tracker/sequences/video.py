@@ -17,7 +17,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.picture_header import MAX_PIXELS
-from cable_tracker.sequences.stamps import stamp_of_frame
+from cable_tracker.stamps import stamp_of_frame
 
 VIDEO_SUFFIXES = (".mp4", ".avi", ".mkv", ".mov", ".webm", ".mpg", ".m4v", ".ts")
 
@@ -113,7 +113,6 @@ class VideoSource(FrameSource):
         with opened_video(path) as capture:
             self._rate = frame_rate(capture)
             self.frame_count = _frame_count(path, capture)
-        self.nominal_rate = self._rate
 
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
         with opened_video(self.path) as capture:

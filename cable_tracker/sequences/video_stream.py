@@ -16,8 +16,8 @@ from av.error import FFmpegError
 from cable_tracker.arrays import Image
 from cable_tracker.sequences.messages import Message
 from cable_tracker.sequences.picture_header import MAX_PIXELS
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.typestores import add_definition
+from cable_tracker.stamps import NANOSECONDS
 
 FOXGLOVE = "foxglove_msgs/msg/CompressedVideo"
 FFMPEG = "ffmpeg_image_transport_msgs/msg/FFMPEGPacket"

@@ -12,7 +12,6 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.borders import (
     ProjectedBorders,
     fit_states,
@@ -30,6 +29,7 @@ from cable_tracker.simulation.steering import steer
 from cable_tracker.simulation.texture import TiledTexture
 from cable_tracker.simulation.trajectory import Trajectory
 from cable_tracker.simulation.tube import Tube
+from cable_tracker.stamps import NANOSECONDS
 
 FIRST_STAMP = 1_000_000_000
 """Stamp of the first frame [ns]; not 0, which ROS takes for "no time"."""

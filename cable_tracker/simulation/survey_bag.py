@@ -22,7 +22,6 @@ from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages import make_header, make_image, make_state
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import FIRST_STAMP
 from cable_tracker.simulation.instrument_messages import (
@@ -47,6 +46,7 @@ from cable_tracker.simulation.survey_dive import (
     SurveySettings,
     Tick,
 )
+from cable_tracker.stamps import NANOSECONDS
 
 ORIGIN = (54.25, 7.9)
 """Latitude and longitude of the world's origin [deg]."""

@@ -10,9 +10,8 @@ from pyproj import Transformer
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.errors import ParameterError
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_table import Samples
-
-NANOSECONDS = 1_000_000_000
 
 LONGEST_GAP = 1.0
 """Over a longer silence of odometry no pose is interpolated [s]."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -114,8 +115,8 @@ def find_datum(paths: Sequence[Path], settings: ForwardSettings) -> tuple[float,
             continue
         if vehicle.source is None or Instrument.FIX not in vehicle.source.found.topics:
             continue
-        for message in vehicle.source.messages():
-            if message.instrument is Instrument.FIX:
+        with closing(vehicle.source.messages(only={Instrument.FIX})) as messages:
+            for message in messages:
                 fix = read_fix(message.message)
                 if fix is not None:
                     return fix[0], fix[1]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import yaml
 
-from cable_tracker.errors import ParameterError
+from cable_tracker.errors import ParameterError, one_line
 from cable_tracker.tracking.parameter_table import (
     Parameters,
     ParameterSet,
@@ -91,8 +91,7 @@ def parse_parameters(text: str, path: str, node: str = "tracker") -> dict[str, o
 
 
 def _unreadable(path: str, error: Exception) -> ParameterError:
-    reason = " ".join(str(error).split())
-    return ParameterError(f"{path}: cannot be read as YAML ({reason})")
+    return ParameterError(f"{path}: cannot be read as YAML ({one_line(error)})")
 
 
 def _is_for(node: str, section: str) -> bool:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cable_tracker.errors import FrameError
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE
-
-NANOSECONDS = 1e9
 
 LATE = 0.2
 """A frame that is older than the one before by no more was overtaken on the way [s]."""

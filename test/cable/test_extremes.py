@@ -1,4 +1,7 @@
-"""Both presets at the limits: a cable outside, wider than the image, across it, at the wrap."""
+"""Presets `default` and `thesis` at the limits.
+
+A cable outside, wider than the image, across it, at the wrap of alpha.
+"""
 
 from __future__ import annotations
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import cv2
 import pytest
 
 from cable_tracker.campaigns.crew import ClusterSettings, Crew, fingerprint_of, run_all
-from cable_tracker.errors import ParameterError
+from cable_tracker.errors import ParameterError, ResourceError
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,31 @@ def test_a_kept_result_runs_no_code(tmp_path):
     (store / fingerprint_of(work)).write_bytes(attack)
     assert run_all([work], workers=Crew(ClusterSettings(), store, resume=True)) == [1]
     assert not victim.exists()
+
+
+def test_a_kept_result_reaches_nothing_that_a_module_imports(tmp_path):
+    work, victim = Counting(1, tmp_path / "notes"), tmp_path / "victim"
+    store = tmp_path / "store"
+    store.mkdir()
+    module = "cable_tracker.ros.process.child_process"
+    attack = (
+        b"\x80\x04" + pickle_text(module) + pickle_text("subprocess.Popen") + b"\x93"
+        b"]" + b"(" + pickle_text("touch") + pickle_text(str(victim)) + b"e\x85R."
+    )
+    (store / fingerprint_of(work)).write_bytes(attack)
+    assert run_all([work], workers=Crew(ClusterSettings(), store, resume=True)) == [1]
+    assert not victim.exists()
+
+
+def pickle_text(text):
+    return pickle.BINUNICODE + len(text).to_bytes(4, "little") + text.encode()
+
+
+def test_several_workers_without_dask_are_refused_with_what_to_do(monkeypatch):
+    monkeypatch.delitem(sys.modules, "cable_tracker.campaigns.runner", raising=False)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ResourceError, match="pip install dask distributed"):
+        run_all([Doubling(1), Doubling(2)], workers=2)
 
 
 class Attack:

@@ -55,6 +55,25 @@ def test_parameters_of_ones_own_are_judged_beside_the_default(command, tmp_path,
     assert len(rows) == 2
 
 
+def test_pictures_without_labels_are_judged_as_empty_when_that_is_said(command, tmp_path, labels):
+    labels.unlink()
+    judged = ("evaluate", "--source", labels.parent, "--seeds", 1, "--workers", 1)
+    code, _, error = command(
+        *judged, "--method", "thesis", "--output", tmp_path / "out", "--unlabelled-is-empty"
+    )
+    assert (code, error) == (0, "")
+    code, _, error = command(*judged, "--output", tmp_path / "other")
+    assert code == 2
+    assert "has no ground truth" in error
+
+
+@pytest.mark.parametrize("options", [(), ("--targets",)])
+def test_labels_without_a_recording_are_refused(command, tmp_path, options):
+    code, _, error = command("evaluate", "--truth", tmp_path / "boxes.txt", *options)
+    assert code == 2
+    assert "give it with --source" in error
+
+
 def test_trackers_with_parameters_of_ones_own_are_named_after_their_files(tmp_path):
     for name in ("a", "b", "default"):
         (tmp_path / f"{name}.yaml").write_text("preset: thesis\nloss_time: 2.0\n")

@@ -136,7 +136,6 @@ class Recording:
 
     compressed = False
     note = ""
-    nominal_rate = 25.0
 
     def __init__(self, path, frames, damage=None) -> None:
         self.path = path

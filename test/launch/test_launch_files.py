@@ -218,6 +218,10 @@ class TestLoop:
         assert nodes["simulator"].values()["seed"] == 3
         assert nodes["simulator"].values()["length"] == 20.0
 
+    def test_a_file_of_the_users_counts_for_more_than_the_arguments(self, start: Play) -> None:
+        simulator = start("loop.launch.py")["simulator"]
+        assert simulator.parameters[-1] == ROOT / "config" / "loop.yaml"
+
     def test_all_read_the_file_that_says_how_the_camera_hangs(self, start: Play) -> None:
         file = ROOT / "config" / "loop.yaml"
         for node in start("loop.launch.py").values():

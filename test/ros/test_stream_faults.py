@@ -407,6 +407,18 @@ class TestMismatchedQos:
         world.me.destroy_publisher(camera)
         world.spin(lambda: values_of(diagnostics, node)["QoS mismatch"] == "")
 
+    def test_no_parameter_is_named_for_a_topic_that_has_none(
+        self, world: Any, diagnostics: Make
+    ) -> None:
+        node = world.tracker(diagnostics_period=0.1)
+        prior = world.me.create_publisher(
+            PoseWithCovarianceStamped, "initial_state", camera_profile()
+        )
+        words = "set the publisher's reliability to reliable"
+        world.spin(lambda: words in values_of(diagnostics, node).get("QoS mismatch", ""))
+        assert "image_reliability" not in values_of(diagnostics, node)["QoS mismatch"]
+        world.me.destroy_publisher(prior)
+
     def test_a_reader_that_cannot_hear_us_is_named_with_what_to_set(
         self, world: Any, diagnostics: Make
     ) -> None:

@@ -98,7 +98,6 @@ def test_a_ros2_bag_may_be_called_like_a_ros1_bag(make_bag, picture, state, firs
 def test_the_source_says_what_it_holds(make_bag):
     source = BagSource(make_bag(frames=20))
     assert source.frame_count == 20
-    assert source.nominal_rate == pytest.approx(25.0, rel=1e-3)
     assert source.has_truth
     assert not source.compressed
     assert source.note == ""

@@ -17,7 +17,7 @@ from cable_tracker.sequences.sequence_file import (
     read_labels,
     write_labels,
 )
-from cable_tracker.sequences.stamps import FIRST_STAMP
+from cable_tracker.stamps import FIRST_STAMP
 
 numbers = st.floats(-1e6, 1e6)
 angles = st.floats(-math.pi / 2, math.pi / 2, exclude_min=True)
@@ -146,7 +146,6 @@ def test_pictures_are_read_in_the_order_of_the_list(write, tmp_path, picture):
     assert [frame.truth.distance for frame in frames] == [2.0, 0.0, 1.0]
     assert source.has_truth
     assert source.frame_count == 3
-    assert source.nominal_rate == 10.0
 
 
 def test_frames_of_a_video_are_picked(write, make_video):

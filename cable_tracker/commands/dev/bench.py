@@ -28,8 +28,8 @@ from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES, TIMED_PRESETS
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.options import ForceOption
+from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, progress_bar
-from cable_tracker.errors import RosError
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable
 from cable_tracker.sequences.output_folder import output_file
 
@@ -80,7 +80,7 @@ def bench(  # noqa: PLR0917
     if markdown is not None:
         check_page(markdown)
     if dds:
-        need_ros()
+        need_ros("rigs.node_latency")
     with output_file(output, is_benchmark, overwrite=force) as file:
         result = _run(plan, dds_frames if dds else 0)
         file.write_text(to_json(result), encoding="utf-8")
@@ -123,7 +123,7 @@ def _run(plan: Plan, dds_frames: int) -> BenchmarkResult:
 
 
 def measure_nodes(plan: Plan, frames: int) -> tuple[NodeTiming, ...]:
-    """Measure both presets from node to node."""
+    """Measure `default` and `thesis` from node to node."""
     from cable_tracker.ros.rigs.node_latency import NodeTrial, measure_node  # noqa: PLC0415
 
     trials = [
@@ -143,23 +143,6 @@ def measure_nodes(plan: Plan, frames: int) -> tuple[NodeTiming, ...]:
         with progress_bar(words, None) as progress:
             timings.append(measure_node(trial, partial(advance, progress)))
     return tuple(timings)
-
-
-def need_ros() -> None:
-    """See that there is ROS before anything is measured.
-
-    Raises
-    ------
-    RosError
-        There is none.
-    """
-    try:
-        import cable_tracker.ros.rigs.node_latency  # noqa: F401, PLC0415
-    except ModuleNotFoundError as error:
-        raise RosError(
-            f"--dds needs ROS, and {error.name} is not installed; run `pip install '.[ros]'` in"
-            " the package's folder, or source /opt/ros/jazzy/setup.bash"
-        ) from error
 
 
 def _for_terminal(shown: ResultTable) -> Table:

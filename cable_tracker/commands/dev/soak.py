@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -13,9 +12,9 @@ from rich.table import Table
 
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.options import ForceOption
+from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.terminal import console, progress_bar
-from cable_tracker.errors import RosError
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.output_folder import output_file
@@ -60,7 +59,7 @@ def soak(  # noqa: PLR0917
     quality of service; tracker and replay are killed and started again. The report holds faults,
     recoveries, latency and memory over time. Exit code 1 if a promise was broken.
     """
-    module = _ros_soak()
+    module = need_ros("rigs.soak")
     settings = module.SoakSettings(
         minutes=minutes,
         seed=seed,
@@ -102,18 +101,6 @@ def _pictures(size: tuple[int, int], seed: int, *, target: bool) -> list[Frame]:
 
 def _is_report(path: Path) -> bool:
     return path.is_file() and MARK in path.read_bytes()
-
-
-def _ros_soak() -> ModuleType:
-    """Import the ROS part only when it is asked for: everything else works without ROS."""
-    try:
-        from cable_tracker.ros.rigs import soak as module  # noqa: PLC0415
-    except ModuleNotFoundError as error:
-        raise RosError(
-            f"ROS 2 is not installed (no module {error.name}); run"
-            " `pip install '.[ros]'` in the package's folder, or source /opt/ros/jazzy/setup.bash"
-        ) from error
-    return module
 
 
 def _print(record: SoakRecord) -> None:

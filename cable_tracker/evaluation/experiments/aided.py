@@ -12,7 +12,6 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.experiments.flights import (
-    NANOSECONDS,
     InstrumentNoise,
     SimulatedVehicle,
     simulated_vehicle,
@@ -20,6 +19,7 @@ from cable_tracker.evaluation.experiments.flights import (
 from cable_tracker.evaluation.methods import Method, ParticleFilterMethod
 from cable_tracker.metric.aiding import MotionAiding
 from cable_tracker.metric.motion import Odometry
+from cable_tracker.stamps import NANOSECONDS
 
 FAULT_AFTER = 1.0
 """Faults begin so long after the first twist [s]."""

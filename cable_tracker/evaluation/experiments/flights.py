@@ -19,8 +19,8 @@ from cable_tracker.simulation.dive import FIRST_STAMP, Dive
 from cable_tracker.simulation.flight import Flight, flight_at, twists_at
 from cable_tracker.simulation.scenario import SCENARIO_SIZE, scenario_dive
 from cable_tracker.simulation.scenarios import SCENARIO_RATE, find_scenario
+from cable_tracker.stamps import NANOSECONDS
 
-NANOSECONDS = 1_000_000_000
 ODOMETRY_RATE = 50.0
 """Twists per second."""
 

@@ -88,7 +88,7 @@ SETTINGS = (
         for fault in (None, OdometryFault.NONE)
     ),
 )
-"""Sound odometry against none, with both presets, and with `default` all that may be wrong."""
+"""Sound odometry against none with `default` and `thesis`; with `default` all that may be wrong."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from cable_tracker.errors import FrameError, write_failure
 from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessages
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
-from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.output_folder import PartialOutput
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.drawing_thread import DrawingThread
@@ -183,6 +183,7 @@ class ResultFolder:
         row: EstimateRow,
         cloud: FloatArray | None,
         hypotheses: Sequence[Hypothesis] = (),
+        image_width: int = 0,
     ) -> None:
         """Add one frame.
 
@@ -196,12 +197,14 @@ class ResultFolder:
             Its particles, shape (N, 9): eight state columns and the weight.
         hypotheses : sequence of Hypothesis
             Where the cable may be, as far as it is known; for the pictures.
+        image_width : int
+            Of the frame [px]; needed with hypotheses.
         """
         self.rows.append(row if self._timing else replace(row, ms=None))
         if frame.truth is not None:
             self.truths[frame.index] = frame.truth
-        if hypotheses and isinstance(frame.image, RawImage):
-            self.widths.append((hypotheses[0].state.width, frame.image.width))
+        if hypotheses:
+            self.widths.append((hypotheses[0].state.width, image_width))
         if self._video is None and self._sheet is None:
             return
         self._drawing.do(lambda: self._draw(frame, row, cloud, hypotheses))

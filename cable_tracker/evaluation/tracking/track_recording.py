@@ -201,7 +201,8 @@ def _track_frame(
         known = metres.measure(estimate)
     if output is not None:
         output.write_estimate(estimate, grey, cloud, ms, known)
-    results.add(frame, row_of(frame, estimate, ms, known), cloud, estimate.hypotheses)
+    row = row_of(frame, estimate, ms, known)
+    results.add(frame, row, cloud, estimate.hypotheses, estimate.image_size[0])
 
 
 class _FrameOutput:

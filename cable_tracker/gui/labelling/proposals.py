@@ -17,7 +17,7 @@ from cable_tracker.errors import FrameError
 from cable_tracker.gui.labelling.labels import Labels
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.trackers import make_tracker
 
 MOST_FRAMES = 250

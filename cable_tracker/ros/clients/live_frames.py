@@ -19,9 +19,11 @@ from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.messages import (
     Message,
+    fact_number,
     read_cloud,
     read_sigma,
     read_state,
+    report_facts,
     stamp_of,
 )
 from cable_tracker.sequences.target_messages import TARGET_STATE_NAMES, read_target_particles
@@ -50,9 +52,7 @@ class _Parts:
 
     def facts(self) -> dict[str, str]:
         """Return what the report says by name; nothing without one."""
-        if self.report is None:
-            return {}
-        return {str(pair.key): str(pair.value) for pair in self.report.status[0].values}
+        return {} if self.report is None else report_facts(self.report)
 
     def status(self) -> str | None:
         """Return what the report says."""
@@ -71,7 +71,6 @@ class LiveFrames:
     def __init__(self, hand_on: Callable[[AnySnapshot], None]) -> None:
         self._hand_on = hand_on
         self._parts: OrderedDict[int, _Parts] = OrderedDict()
-        self._last = -1
         self._count = 0
 
     def take_image(self, header: Message, image: RawImage | CompressedImage) -> None:
@@ -163,7 +162,7 @@ class LiveTargetFrames(LiveFrames):
         assert parts.image is not None
         assert parts.state is not None
         facts = parts.facts()
-        scale = _number(facts, "scale")
+        scale = fact_number(facts, "scale")
         state = sigma = None
         if len(parts.state.position) == len(TARGET_STATE_NAMES) and scale is not None:
             state, sigma = _pose(parts.state, scale)
@@ -180,12 +179,12 @@ class LiveTargetFrames(LiveFrames):
             sigma=sigma,
             box=(sides[0], sides[1], sides[2], sides[3]) if len(sides) == 4 else None,
             outline=_corners(parts.contour) if is_whole else np.empty((0, 2)),
-            area=_number(facts, "area"),
+            area=fact_number(facts, "area"),
             cloud=read_target_particles(parts.cloud) if parts.cloud is not None else None,
-            score=_number(facts, "score"),
-            presence=_number(facts, "presence"),
-            n_eff=_number(facts, "n_eff"),
-            ms=_number(facts, "ms"),
+            score=fact_number(facts, "score"),
+            presence=fact_number(facts, "presence"),
+            n_eff=fact_number(facts, "n_eff"),
+            ms=fact_number(facts, "ms"),
         )
 
 
@@ -222,18 +221,13 @@ def _snapshot(number: int, stamp: int, parts: _Parts) -> Snapshot:
         sigma=np.array(sigma) if state is not None and sigma is not None else None,
         cloud=cloud if cloud is not None and len(cloud) else None,
         hypothesis_count=len(facts.get("hypotheses", "").split()),
-        presence=_number(facts, "presence"),
-        evidence=_number(facts, "evidence"),
-        n_eff=_number(facts, "n_eff"),
-        ms=_number(facts, "ms"),
+        presence=fact_number(facts, "presence"),
+        evidence=fact_number(facts, "evidence"),
+        n_eff=fact_number(facts, "n_eff"),
+        ms=fact_number(facts, "ms"),
         truth=_truth(parts.truth),
     )
 
 
 def _truth(message: Message | None) -> CableState | None:
     return read_state(message) if message is not None else None
-
-
-def _number(facts: dict[str, str], key: str) -> float | None:
-    text = facts.get(key, "")
-    return float(text) if text else None

@@ -28,7 +28,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.initialisation import StatePrior, usual_sigma
-from cable_tracker.errors import ParameterError, RosError
+from cable_tracker.errors import ParameterError, RosError, one_line
 from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener, Snapshot
 from cable_tracker.gui.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
@@ -131,8 +131,9 @@ class LiveSession:
             self._node = Node("cable_tracker_window", context=self._context)
         except RuntimeError as error:
             rclpy.try_shutdown(context=self._context)
-            reason = " ".join(str(error).split())
-            raise RosError(f"ROS does not start ({reason}); look at its environment") from error
+            raise RosError(
+                f"ROS does not start ({one_line(error)}); look at its environment"
+            ) from error
         self._parameters = AsyncParameterClient(self._node, self.name)
         self._reset = self._node.create_client(Trigger, f"{self.name}/reset")
         self._enable = self._node.create_client(SetBool, f"{self.name}/enable")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import cast
 
 from cable_tracker.cable.model.initial_state_text import RANDOM, format_initial_state
@@ -26,9 +27,11 @@ from cable_tracker.sequences.estimates import EstimateRow, RowMetres
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages import (
     Message,
+    fact_number,
     read_cloud,
     read_sigma,
     read_state,
+    report_facts,
 )
 from cable_tracker.sequences.source import Source
 
@@ -123,12 +126,8 @@ def _vehicle_parameters(vehicle: RecordedVehicle | None) -> dict[str, ParameterV
 
 
 def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
-    report = recorded.read(output_topics.FRAME_REPORT)
-    values = {pair.key: pair.value for pair in report.status[0].values}
-
-    def number(key: str) -> float | None:
-        return float(values[key]) if values.get(key) else None
-
+    values = report_facts(recorded.read(output_topics.FRAME_REPORT))
+    number = partial(fact_number, values)
     claimed = read_state(state)
     return EstimateRow(
         frame=frame.index,

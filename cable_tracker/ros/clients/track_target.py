@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import ClassVar
 
 from cable_tracker.errors import RecordingError
@@ -13,7 +14,12 @@ from cable_tracker.ros.clients.recorder import RecordedFrame, Recorder
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages import Message, read_compressed_image
+from cable_tracker.sequences.messages import (
+    Message,
+    fact_number,
+    read_compressed_image,
+    report_facts,
+)
 from cable_tracker.sequences.output_topics import OutputTopic
 from cable_tracker.sequences.source import Source
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -63,7 +69,7 @@ class TargetRecorder(Recorder):
 
     def _topics_of(self, report: Message) -> list[OutputTopic]:
         topics = [output_topics.STATE, output_topics.TARGET_REPORT]
-        values = _values_of(report)
+        values = report_facts(report)
         if str(report.status[0].message) not in {status.value for status in TrackingStatus}:
             return topics
         topics += [output_topics.MARKERS, output_topics.TARGET_OVERLAY]
@@ -130,11 +136,8 @@ def track_target_over_ros(
 
 def row_of_messages(frame: Frame, recorded: RecordedFrame, state: Message) -> TargetRow:
     """Return the row of the table that the node's messages about a frame make."""
-    values = _values_of(recorded.read(output_topics.TARGET_REPORT))
-
-    def number(key: str) -> float | None:
-        return float(values[key]) if values.get(key) else None
-
+    values = report_facts(recorded.read(output_topics.TARGET_REPORT))
+    number = partial(fact_number, values)
     claim = None
     scale, area = number("scale"), number("area")
     if scale is not None and area is not None:
@@ -148,7 +151,3 @@ def row_of_messages(frame: Frame, recorded: RecordedFrame, state: Message) -> Ta
         frame.index, frame.stamp, recorded.status, claim, number("presence"), number("n_eff"),
         number("ms"), values.get("event", ""),
     )  # fmt: skip
-
-
-def _values_of(report: Message) -> dict[str, str]:
-    return {str(pair.key): str(pair.value) for pair in report.status[0].values}

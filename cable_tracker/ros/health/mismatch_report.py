@@ -7,7 +7,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from cable_tracker.ros.health.qos_mismatch import input_mismatches, output_mismatches
+from cable_tracker.ros.health.qos_mismatch import InputProfile, input_mismatches, output_mismatches
 
 
 class MismatchReport:
@@ -24,7 +24,7 @@ class MismatchReport:
     def __init__(
         self,
         node: Node,
-        inputs: Callable[[], Mapping[str, Any]],
+        inputs: Callable[[], Mapping[str, InputProfile]],
         outputs: Callable[[], Mapping[str, Any]],
     ) -> None:
         self._node = node

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-NANOSECONDS = 1e9
+from cable_tracker.stamps import NANOSECONDS
 
 LONGEST_WAIT = 60.0
 """A message that seems to have waited longer has not: the clock was set meanwhile [s]."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import Image
-
-NANOSECONDS = 1e9
+from cable_tracker.stamps import NANOSECONDS
 
 LOOK_AT_EVERY = 16
 """Pixels apart that are compared first, each way; noise alone makes some of them differ."""

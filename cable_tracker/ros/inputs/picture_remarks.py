@@ -16,12 +16,13 @@ MOST = 0.9
 def remark_on(picture: Image | None) -> str:
     """Say what is odd about a picture; empty where nothing is.
 
-    Such pictures are not refused: the filter finds no border in them and says LOST by itself.
+    Such pictures are not refused: the filters find nothing in them, and say so.
 
     Parameters
     ----------
     picture : Image or None
-        Grey levels 0..255, shape (H, W); None before the first.
+        Grey levels 0..255, shape (H, W), or colours (H, W, 3), whose channels are looked at
+        together; None before the first.
     """
     if picture is None:
         return ""

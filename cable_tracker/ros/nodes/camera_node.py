@@ -28,6 +28,7 @@ from cable_tracker.ros.health.diagnostics import (
     make_diagnostics,
 )
 from cable_tracker.ros.health.mismatch_report import MismatchReport
+from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.inputs.frame_hold import FrameHold
 from cable_tracker.ros.inputs.image_input import AnyImage, CameraFrame, ImageInput
@@ -159,9 +160,11 @@ class CameraNode(ProcessNode):
     def _subscribe_more(self) -> None:
         """Subscribe to what belongs to the camera's frames; called when the node is warm."""
 
-    def _input_profiles(self) -> dict[str, Any]:
+    def _input_profiles(self) -> dict[str, InputProfile]:
         """Return the QoS profiles of the subscriptions, by full name; to be extended."""
-        return {self._input.topic: self._input.profile} if self._input.is_open else {}
+        if not self._input.is_open:
+            return {}
+        return {self._input.topic: InputProfile(self._input.profile, "image_reliability")}
 
     def _instrument_wait(self) -> float:
         """Return for how long a frame may be held back for the instruments [s]."""

@@ -18,7 +18,7 @@ from cable_tracker.node_parameter_tables import FOLLOWER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences.messages import Message, stamp_of
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 
 
 class FollowerNode(GuidanceNode):

@@ -15,7 +15,7 @@ from sensor_msgs.msg import JointState
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences.messages import Message, stamp_of
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec
 
 Kept = TypeVar("Kept")

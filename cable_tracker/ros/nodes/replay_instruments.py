@@ -31,8 +31,8 @@ from cable_tracker.sequences.instruments import (
 )
 from cable_tracker.sequences.messages import MessageFactory, make_header
 from cable_tracker.sequences.source import Source
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.sequences.typestores import typestore
+from cable_tracker.stamps import NANOSECONDS
 
 KINDS: dict[Instrument, type[Any]] = {
     Instrument.CAMERA_INFO: CameraInfo,

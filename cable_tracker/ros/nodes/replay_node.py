@@ -34,7 +34,7 @@ from cable_tracker.sequences.messages import (
     stamp_of,
 )
 from cable_tracker.sequences.source import open_source
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 
 PATIENCE = 3.0
 """Discovery may take so long; only then a missing subscriber is worth a warning [s]."""

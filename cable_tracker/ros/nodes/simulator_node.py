@@ -31,7 +31,6 @@ from cable_tracker.sequences.messages import (
     make_state,
     make_time,
 )
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import FIRST_STAMP
 from cable_tracker.simulation.instrument_messages import (
@@ -47,6 +46,7 @@ from cable_tracker.simulation.instrument_messages import (
 from cable_tracker.simulation.instruments import InstrumentSet
 from cable_tracker.simulation.live_world import LiveSettings, LiveWorld
 from cable_tracker.simulation.vehicle import Motion, VelocityCommand
+from cable_tracker.stamps import NANOSECONDS
 
 TICKS = 2
 """Readings of odometry and imu for each frame."""

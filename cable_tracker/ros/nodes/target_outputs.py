@@ -8,7 +8,6 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PolygonStamped, PoseWithCovarianceStamped, Vector3Stamped
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
@@ -21,6 +20,7 @@ from cable_tracker.metric.target_metres import TargetMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
+from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.jpeg import encode_jpeg
@@ -67,54 +67,29 @@ class TargetAnswer:
     particles: Particles | None
 
 
-class Creator:
-    """Creates publishers that notice whom they cannot reach, and remembers their profiles.
-
-    Parameters
-    ----------
-    node : Node
-        Publishes.
-    on_mismatch : callable
-        Called when a subscription is found that cannot hear us.
-    """
-
-    def __init__(self, node: Node, on_mismatch: Callable[[Any], None]) -> None:
-        self._node = node
-        self._on_mismatch = on_mismatch
-        self.publishers: dict[Publisher, Any] = {}
-
-    def __call__(self, kind: type[Any], topic: str, profile: Any) -> Publisher:  # noqa: ANN401
-        """Create one."""
-        # Without the defaults: the executor looks at each event in every turn.
-        events = PublisherEventCallbacks(
-            incompatible_qos=self._on_mismatch, use_default_callbacks=False
-        )
-        publisher = self._node.create_publisher(kind, topic, profile, event_callbacks=events)
-        self.publishers[publisher] = profile
-        return publisher
-
-
 class OneTarget:
     """The publishers of one target.
 
     Parameters
     ----------
-    create : Creator
-        Makes them.
+    publishers : WatchedPublishers
+        Creates them.
     prefix : str
         Before the names of the topics: empty, or `target_0/`.
     """
 
-    def __init__(self, create: Creator, prefix: str) -> None:
+    def __init__(self, publishers: WatchedPublishers, prefix: str) -> None:
         self._factory = RclpyMessages()
-        self._state = create(JointState, f"{prefix}state", qos.LATEST_RESULT)
-        self._target = create(PoseWithCovarianceStamped, f"{prefix}target", qos.RESULTS)
-        self._contour = create(PolygonStamped, f"{prefix}contour", qos.RESULTS)
-        self._box = create(PolygonStamped, f"{prefix}box", qos.RESULTS)
-        self._bearing = create(Vector3Stamped, f"{prefix}bearing", qos.RESULTS)
-        self._relative = create(PoseWithCovarianceStamped, f"{prefix}relative_pose", qos.RESULTS)
-        self._particles = create(PointCloud2, f"{prefix}particles", qos.PICTURES)
-        self._markers = create(MarkerArray, f"{prefix}markers", qos.PICTURES)
+        self._state = publishers.create(JointState, f"{prefix}state", qos.LATEST_RESULT)
+        self._target = publishers.create(PoseWithCovarianceStamped, f"{prefix}target", qos.RESULTS)
+        self._contour = publishers.create(PolygonStamped, f"{prefix}contour", qos.RESULTS)
+        self._box = publishers.create(PolygonStamped, f"{prefix}box", qos.RESULTS)
+        self._bearing = publishers.create(Vector3Stamped, f"{prefix}bearing", qos.RESULTS)
+        self._relative = publishers.create(
+            PoseWithCovarianceStamped, f"{prefix}relative_pose", qos.RESULTS
+        )
+        self._particles = publishers.create(PointCloud2, f"{prefix}particles", qos.PICTURES)
+        self._markers = publishers.create(MarkerArray, f"{prefix}markers", qos.PICTURES)
 
     def publish_results(
         self, header: Message, answer: TargetAnswer, base_frame: str, camera_place: FloatArray
@@ -167,18 +142,18 @@ class TargetOutputs:
         self, node: Node, prefixes: Sequence[str], on_mismatch: Callable[[Any], None]
     ) -> None:
         self._factory = RclpyMessages()
-        self._create = Creator(node, on_mismatch)
-        self._targets = [OneTarget(self._create, prefix) for prefix in prefixes]
-        self._overlay = self._create(Image, "~/overlay", qos.PICTURES)
-        self._overlay_compressed = self._create(
+        self._publishers = WatchedPublishers(node, on_mismatch)
+        self._targets = [OneTarget(self._publishers, prefix) for prefix in prefixes]
+        self._overlay = self._publishers.create(Image, "~/overlay", qos.PICTURES)
+        self._overlay_compressed = self._publishers.create(
             CompressedImage, "~/overlay/compressed", qos.PICTURES
         )
-        self._report = self._create(DiagnosticArray, "~/frame_report", qos.RESULTS)
+        self._report = self._publishers.create(DiagnosticArray, "~/frame_report", qos.RESULTS)
 
     @property
     def publishers(self) -> dict[Publisher, Any]:
         """All publishers, with their profiles."""
-        return self._create.publishers
+        return self._publishers.profiles
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""

@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import PolygonStamped
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.publisher import Publisher
 
 from cable_tracker.arrays import Image
@@ -18,7 +17,9 @@ from cable_tracker.node_parameter_tables import (
     TARGET_RUNTIME_PARAMETERS,
 )
 from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
+from cable_tracker.ros.health.watched_endpoints import create_watched_subscription
 from cable_tracker.ros.inputs.image_input import AnyImage
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameOutcome
 from cable_tracker.ros.nodes.target_inputs import TargetInputs
@@ -142,14 +143,13 @@ class TargetTrackerNode(CameraNode):
     def _subscribe_more(self) -> None:
         self._metric.subscribe(self._instrument_reliability, self._hold.release_if_due)
         for number, prefix in enumerate(self._prefixes):
-            subscription = self.create_subscription(
+            subscription = create_watched_subscription(
+                self,
                 PolygonStamped,
                 f"{prefix}initial_target",
                 self._marking(number),
                 qos.RESULTS,
-                event_callbacks=SubscriptionEventCallbacks(
-                    incompatible_qos=self._mismatches.on_event, use_default_callbacks=False
-                ),
+                self._mismatches.on_event,
             )
             self._mark_topics.append(str(subscription.topic_name))
 
@@ -160,8 +160,9 @@ class TargetTrackerNode(CameraNode):
 
         return take
 
-    def _input_profiles(self) -> dict[str, Any]:
-        return super()._input_profiles() | dict.fromkeys(self._mark_topics, qos.RESULTS)
+    def _input_profiles(self) -> dict[str, InputProfile]:
+        marks = dict.fromkeys(self._mark_topics, InputProfile(qos.RESULTS))
+        return super()._input_profiles() | marks
 
     def _result_publishers(self) -> dict[Publisher, Any]:
         return self._outputs.publishers

@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.publisher import Publisher
 
 from cable_tracker.arrays import Image
@@ -30,7 +29,9 @@ from cable_tracker.node_parameter_tables import (
 )
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import estimate_values
+from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
+from cable_tracker.ros.health.watched_endpoints import create_watched_subscription
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameOutcome
 from cable_tracker.ros.nodes.code_variants import few_particles, variant_of
 from cable_tracker.ros.nodes.frame_tracker import FrameTracker
@@ -132,20 +133,21 @@ class TrackerNode(CameraNode):
 
     def _subscribe_more(self) -> None:
         self._metric.subscribe(self._instrument_reliability, self._hold.release_if_due)
-        subscription = self.create_subscription(
+        subscription = create_watched_subscription(
+            self,
             PoseWithCovarianceStamped,
             "initial_state",
             self.on_initial_state,
             qos.RESULTS,
-            event_callbacks=SubscriptionEventCallbacks(
-                incompatible_qos=self._mismatches.on_event, use_default_callbacks=False
-            ),
+            self._mismatches.on_event,
         )
         self._prior_topic = str(subscription.topic_name)
 
-    def _input_profiles(self) -> dict[str, Any]:
+    def _input_profiles(self) -> dict[str, InputProfile]:
         profiles = super()._input_profiles()
-        return profiles | ({self._prior_topic: qos.RESULTS} if self._prior_topic else {})
+        if self._prior_topic:
+            profiles[self._prior_topic] = InputProfile(qos.RESULTS)
+        return profiles
 
     def _result_publishers(self) -> dict[Publisher, Any]:
         return self._outputs.publishers

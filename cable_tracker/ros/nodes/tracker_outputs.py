@@ -7,7 +7,6 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
@@ -19,6 +18,7 @@ from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
+from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.jpeg import encode_jpeg
@@ -55,14 +55,8 @@ class TrackerOutputs:
 
     def __init__(self, node: Node, on_mismatch: Callable[[Any], None]) -> None:
         self._factory = RclpyMessages()
-
-        def create(kind: type[Any], topic: str, profile: Any) -> Publisher:  # noqa: ANN401
-            # Without the defaults: the executor looks at each event in every turn.
-            events = PublisherEventCallbacks(
-                incompatible_qos=on_mismatch, use_default_callbacks=False
-            )
-            return node.create_publisher(kind, topic, profile, event_callbacks=events)
-
+        self._publishers = WatchedPublishers(node, on_mismatch)
+        create = self._publishers.create
         self._state = create(JointState, "state", qos.LATEST_RESULT)
         self._centreline = create(PoseWithCovarianceStamped, "centreline", qos.RESULTS)
         self._particles = create(PointCloud2, "particles", qos.PICTURES)
@@ -74,15 +68,7 @@ class TrackerOutputs:
     @property
     def publishers(self) -> dict[Publisher, Any]:
         """All publishers, with their profiles."""
-        return {
-            self._state: qos.LATEST_RESULT,
-            self._centreline: qos.RESULTS,
-            self._particles: qos.PICTURES,
-            self._markers: qos.PICTURES,
-            self._overlay: qos.PICTURES,
-            self._overlay_compressed: qos.PICTURES,
-            self._report: qos.RESULTS,
-        }
+        return self._publishers.profiles
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""

@@ -13,6 +13,9 @@ from typing import Self
 START_TIMEOUT = 120.0
 """Within so long nodes have found each other; the compiling at first use is included [s]."""
 
+WARM_UP_TIMEOUT = 900.0
+"""Compiling at first use may take minutes on a busy machine; no frame is used before [s]."""
+
 ENTRY = "cable_tracker.ros.entry"
 """Module that runs the node whose name it is given."""
 

@@ -15,7 +15,13 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError, ParameterError, RosError
+from cable_tracker.errors import (
+    EXIT_USER_ERROR,
+    CableTrackerError,
+    ParameterError,
+    RosError,
+    one_line,
+)
 from cable_tracker.ros.process.environment import check_profile
 from cable_tracker.ros.process.shared_memory import remove_dead_segments
 from cable_tracker.ros.process.stop_request import StopRequest
@@ -65,7 +71,7 @@ def run_node(
         return _tell(error)
     except ParameterException as error:
         # Of rclpy's own parameters, such as use_sim_time; those of our tables raise ParameterError.
-        return _tell(ParameterError(" ".join(str(error).split())))
+        return _tell(ParameterError(one_line(error)))
     except ExternalShutdownException:
         pass  # The context was shut down from elsewhere; that is an orderly end.
     finally:
@@ -100,8 +106,8 @@ def _initialised_context(arguments: Sequence[str] | None) -> Context:
         )
     except RuntimeError as error:
         # rclpy's own errors derive from it: a bad parameter file, unknown arguments.
-        reason = " ".join(str(error).split())
-        raise RosError(f"ROS does not start; look at the --ros-args ({reason})") from error
+        words = f"ROS does not start; look at the --ros-args ({one_line(error)})"
+        raise RosError(words) from error
     return context
 
 

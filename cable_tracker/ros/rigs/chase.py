@@ -36,22 +36,19 @@ from cable_tracker.ros.clients.lockstep import (
 )
 from cable_tracker.ros.clients.recorder import spin_until
 from cable_tracker.ros.health.diagnostics import WARMING_UP
-from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages import read_compressed_image, stamp_of
 from cable_tracker.sequences.output_folder import output_folder
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.video import VideoWriter
 
 VIDEO = "chase.webm"
-
-WARM_UP_TIMEOUT = 900.0
-"""Compiling at first use may take minutes on a busy machine [s]."""
 
 SILENCE_TIMEOUT = 90.0
 """Nothing new for so long, and something is wrong [s]."""

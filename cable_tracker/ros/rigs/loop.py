@@ -34,7 +34,7 @@ from cable_tracker.ros.clients.lockstep import (
     READY_SOON,
 )
 from cable_tracker.ros.clients.recorder import spin_until
-from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
@@ -47,9 +47,6 @@ from cable_tracker.visualisation.overlay import draw_overlay
 from cable_tracker.visualisation.video import VideoWriter
 
 WAY, ERRORS, VIDEO = "way.png", "cross_track.png", "loop.webm"
-
-WARM_UP_TIMEOUT = 900.0
-"""Compiling at first use may take minutes on a busy machine; no frame is sent before [s]."""
 
 SILENCE_TIMEOUT = 90.0
 """Nothing new for so long, and something is wrong [s]."""

@@ -22,7 +22,7 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.health.diagnostics import WARMING_UP
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages import Message, read_image, read_state, stamp_of
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 
 
 @dataclass(slots=True)

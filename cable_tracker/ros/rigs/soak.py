@@ -23,7 +23,7 @@ from std_srvs.srv import SetBool, Trigger
 from cable_tracker.errors import ParameterError, RosError
 from cable_tracker.ros.health.diagnostics import STALE_INPUT
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.ros.process.child_process import NodeProcess
+from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.environment import local_environment, use_local_environment
 from cable_tracker.ros.rigs.soak_camera import SoakCamera
 from cable_tracker.ros.rigs.soak_faults import (
@@ -43,7 +43,7 @@ from cable_tracker.sequences.messages import (
     make_header,
     make_image,
 )
-from cable_tracker.sequences.stamps import NANOSECONDS
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
 FIRST_STAMP = 1_700_000_000 * NANOSECONDS
@@ -54,7 +54,7 @@ LONG_AGO = 100 * NANOSECONDS
 FAR_AHEAD = 3600 * NANOSECONDS
 END_OF_TIME = (2**31 - 1) * NANOSECONDS
 
-START_PATIENCE = 60.0
+REPLAY_PATIENCE = 60.0
 PATIENCE = 10.0
 """What has not come after this long will not come [s]."""
 
@@ -332,7 +332,7 @@ class _Soak:
 
     def _await_first_answer(self) -> None:
         """Send frames until one is answered: processes take a while to find each other."""
-        deadline = time.monotonic() + START_PATIENCE
+        deadline = time.monotonic() + START_TIMEOUT + WARM_UP_TIMEOUT
         answers = self._camera.answers
         while self._camera.answers == answers:
             if time.monotonic() > deadline or not self._running:
@@ -489,12 +489,12 @@ class _Soak:
         with self._replay(bag, loop=True) as killed:
             answers = self._camera.answers
             if not self._camera.spin_until(
-                lambda: self._camera.answers > answers + REPLAYED_FRAMES, START_PATIENCE
+                lambda: self._camera.answers > answers + REPLAYED_FRAMES, REPLAY_PATIENCE
             ):
                 self.record.broken(f"a replay was not answered: {killed.last_line()}")
             killed.kill()
         with self._replay(bag, loop=False) as other:
-            self._camera.spin_until(lambda: not other.running, START_PATIENCE)
+            self._camera.spin_until(lambda: not other.running, REPLAY_PATIENCE)
             code = other.wait(0.0)
             if code != 0:
                 self.record.broken(

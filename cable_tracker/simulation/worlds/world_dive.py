@@ -12,7 +12,6 @@ from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.sequences.stamps import NANOSECONDS
 from cable_tracker.simulation.dive import FIRST_STAMP, SimulatedFrame
 from cable_tracker.simulation.texture import smooth_step
 from cable_tracker.simulation.worlds.cable_look import (
@@ -37,6 +36,7 @@ from cable_tracker.simulation.worlds.strip import (
     view_strip,
 )
 from cable_tracker.simulation.worlds.world import World
+from cable_tracker.stamps import NANOSECONDS
 
 ROW = 512
 """Pixels near a cable are gathered into rows of this length."""

@@ -82,7 +82,7 @@ def test_from_node_to_node_if_asked_for(run, tmp_path, monkeypatch):
         asked.append((plan, frames))
         return (node,)
 
-    monkeypatch.setattr(bench, "need_ros", lambda: None)
+    monkeypatch.setattr(bench, "need_ros", lambda _name: None)
     monkeypatch.setattr(bench, "measure_nodes", measure_nodes)
     result = run("--dds", "--dds-frames", 12, "--markdown", "page.md")
     assert result.exit_code == 0, result.exception

@@ -31,7 +31,7 @@ def run(monkeypatch, tmp_path):
             check_settings=check_settings,
             run_soak=lambda _frames, _settings, _advance: record,
         )
-        monkeypatch.setattr(command, "_ros_soak", lambda: done)
+        monkeypatch.setattr(command, "need_ros", lambda _name: done)
         words = ["cable-tracker", "dev", "soak", "--size", "64x48", *arguments]
         monkeypatch.setattr(sys, "argv", words)
         try:

@@ -1,4 +1,4 @@
-"""Times of frames that have none of their own."""
+"""Times in nanoseconds, and those of frames that have none of their own."""
 
 NANOSECONDS = 1_000_000_000
 

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from cable_tracker.sequences.stamps import FIRST_STAMP, stamp_of_frame
+from cable_tracker.stamps import FIRST_STAMP, stamp_of_frame
 
 
 def test_frames_without_times_begin_at_one_second():
