@@ -385,6 +385,13 @@ def test_a_port_that_is_taken_is_said():
 
 
 @pytest.mark.slow
+def test_instruments_that_would_not_be_read_are_refused(tmp_path):
+    ended = run_to_its_end(tmp_path, "--target", "--imu-topic", "none")
+    assert ended.returncode == 2
+    assert "leave them out" in ended.stderr
+
+
+@pytest.mark.slow
 def test_a_missing_recording_is_said(tmp_path):
     ended = run_to_its_end(tmp_path / "no.bag", "--port", 0)
     assert ended.returncode == 2
