@@ -38,8 +38,8 @@ MAY_IMPORT = {
         "cable", "target", "tracking", "particle_filter",
     },
     "gui": {
-        "trackers", "evaluation", "detection", "visualisation", "sequences",
-        "node_parameter_tables", "cable", "target", "tracking", "particle_filter",
+        "trackers", "evaluation", "detection", "visualisation", "metric",
+        "sequences", "node_parameter_tables", "cable", "target", "tracking", "particle_filter",
     },
     "benchmark": {
         "contour", "evaluation", "trackers", "detection", "visualisation", "sequences", "cable",

@@ -10,6 +10,10 @@ import typer
 from cable_tracker.cable.model.initial_state_text import RANDOM
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.options import (
+    AltitudeOption,
+    CameraInfoOption,
+    ImuOption,
+    OdometryOption,
     OutsideOption,
     ParamsOption,
     RateOption,
@@ -17,6 +21,8 @@ from cable_tracker.commands.options import (
     SkipOption,
     TopicOption,
     TruthOption,
+    VehicleOption,
+    chosen_instruments,
 )
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.serving import (
@@ -76,6 +82,11 @@ def gui(  # noqa: PLR0917
     truth: TruthOption = None,
     skip_bad_frames: SkipOption = False,
     allow_outside: OutsideOption = False,
+    vehicle: VehicleOption = None,
+    camera_info_topic: CameraInfoOption = None,
+    altitude_topic: AltitudeOption = None,
+    imu_topic: ImuOption = None,
+    odometry_topic: OdometryOption = None,
     host: HostOption = "127.0.0.1",
     port: PortOption = DEFAULT_PORT,
 ) -> None:
@@ -91,6 +102,11 @@ def gui(  # noqa: PLR0917
     subjects = need_gui("subject")
     if ros is not None and source is not None:
         raise GuiError("give a recording or --ros NAMESPACE, not both")
+    choice = chosen_instruments(camera_info_topic, altitude_topic, imu_topic, odometry_topic)
+    if (target or ros is not None) and (vehicle is not None or choice.topics):
+        raise GuiError(
+            "--vehicle and topics of instruments are for a cable in a recording; leave them out"
+        )
     subject = subjects.TARGET if target else subjects.CABLE
     values = read_parameter_file(params, subject.node) if params is not None else {}
     parameters: ParameterSet
@@ -110,6 +126,8 @@ def gui(  # noqa: PLR0917
         skip_bad_frames=skip_bad_frames,
         allow_outside=allow_outside,
         init=start,
+        choice=choice,
+        vehicle=vehicle,
     )
     listening = server.listen_on(host, port)
     desk = desks.TrackingDesk(None, request, parameters)

@@ -22,6 +22,8 @@ from cable_tracker.evaluation.tracking.track_recording import initial_state_for,
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.session import AnySnapshot, AnyStart, Snapshot, TargetSnapshot
 from cable_tracker.gui.subject import CABLE, TARGET, Subject
+from cable_tracker.metric.recorded import RecordedMetres, RecordedVehicle
+from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import Frame
@@ -39,6 +41,10 @@ from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
 
 BLANK = np.zeros((240, 320), np.uint8)
 """Shown where no frame could be decoded yet."""
+
+
+UNTRACKED = Withheld(Reason.NOT_TRACKING, "this frame was not tracked")
+"""Said in place of metres."""
 
 
 class AnyTracker(Protocol):
@@ -163,6 +169,8 @@ class CableFollower(Follower):
         Where to start in it.
     parameters : TrackerParameters
         Those to begin with.
+    metres : RecordedMetres or None
+        The recording's instruments; None: everything stays in pixels.
 
     Raises
     ------
@@ -174,10 +182,17 @@ class CableFollower(Follower):
     _tracker: CableTracker
     _parameters: TrackerParameters
 
-    def __init__(self, source: Source, init: str, parameters: TrackerParameters) -> None:
+    def __init__(
+        self,
+        source: Source,
+        init: str,
+        parameters: TrackerParameters,
+        metres: RecordedMetres | None = None,
+    ) -> None:
         self._start = initial_state_for(source, init, pair_limits(parameters))
         self._parameters = parameters
         self._tracker = make_tracker(parameters)
+        self._metres = metres
         self._decoded: Image = BLANK
         self._grey: Image = BLANK
 
@@ -188,6 +203,21 @@ class CableFollower(Follower):
     def begin(self) -> None:
         """Be ready for the first frame."""
         start_from(self._tracker, self._start)
+        if self._metres is not None:
+            self._metres.jump(to_start=True)
+
+    def reset(self) -> None:
+        """Forget everything."""
+        super().reset()
+        if self._metres is not None:
+            self._metres.jump()
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        other = super().copy()
+        if self._metres is not None:
+            other._metres = self._metres.copy()
+        return other
 
     def initialise(self, start: AnyStart) -> None:
         """Start the next frame from a belief."""
@@ -205,10 +235,18 @@ class CableFollower(Follower):
 
     def follow(self, frame: Frame, number: int) -> Snapshot:
         """Track a frame."""
+        metres = self._metres
+        if metres is not None:
+            metres.advance(frame)
         begin = time.perf_counter()
-        estimate = self._tracker.process(self._decoded, frame.stamp)
+        motion = metres.motion(frame.stamp, self._decoded) if metres is not None else None
+        estimate = self._tracker.process(self._decoded, frame.stamp, motion)
         ms = (time.perf_counter() - begin) * 1e3
-        return self._tracked(frame, number, estimate, ms)
+        snapshot = self._tracked(frame, number, estimate, ms)
+        if metres is None:
+            return snapshot
+        metres.observe(estimate)
+        return replace(snapshot, metres=metres.measure(estimate))
 
     def show(self, frame: Frame, number: int, status: str, reason: str = "") -> Snapshot:
         """Return a snapshot of a frame that is not tracked."""
@@ -220,6 +258,7 @@ class CableFollower(Follower):
             status=status,
             reason=reason,
             truth=frame.truth,
+            metres=None if self._metres is None else UNTRACKED,
         )
 
     def _tracked(self, frame: Frame, number: int, estimate: CableEstimate, ms: float) -> Snapshot:
@@ -361,8 +400,24 @@ def open_for(request: RecordingRequest, parameters: ParameterSet) -> Source:
     return (replace(request, truth=None) if is_target else request).open()
 
 
-def make_follower(source: Source, request: RecordingRequest, parameters: ParameterSet) -> Follower:
+def make_follower(
+    source: Source,
+    request: RecordingRequest,
+    parameters: ParameterSet,
+    vehicle: RecordedVehicle | None = None,
+) -> Follower:
     """Return what follows what the parameters are for.
+
+    Parameters
+    ----------
+    source : Source
+        The recording.
+    request : RecordingRequest
+        How it was opened.
+    parameters : TrackerParameters or TargetParameters
+        Those to begin with.
+    vehicle : RecordedVehicle or None
+        Its instruments, for a cable in metres.
 
     Raises
     ------
@@ -375,4 +430,5 @@ def make_follower(source: Source, request: RecordingRequest, parameters: Paramet
         truth = own_boxes(source) if request.truth is None else find_boxes(source, request.truth)
         return TargetFollower(request.init, parameters, truth)
     assert isinstance(parameters, TrackerParameters)
-    return CableFollower(source, request.init, parameters)
+    metres = vehicle.metres() if vehicle is not None else None
+    return CableFollower(source, request.init, parameters, metres)

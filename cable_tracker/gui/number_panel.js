@@ -23,13 +23,21 @@ export default {
           <td class="ct-unit">{{ units[index] }}</td>
         </tr>
       </tbody>
+      <tbody v-if="metres">
+        <tr v-for="row in metres" :key="row[0]" :data-test="'metres-' + row[0]">
+          <th scope="row">{{ row[0] }}</th>
+          <td class="ct-value">{{ row[1] }}</td><td>{{ row[2] }}</td><td>–</td>
+          <td class="ct-unit">{{ row[3] }}</td>
+        </tr>
+      </tbody>
     </table>
+    <p v-if="metres" class="ct-why" data-test="no-metres" :title="words">{{ why && "no metres: " + why }}</p>
     <dl>
       <div v-for="item in items" :key="item[0]"><dt>{{ item[0] }}</dt><dd :data-test="item[2]">{{ item[1] }}</dd></div>
     </dl>
   </section>`,
   props: { channel: String, names: Array, units: Array, truths: Number, count: Number },
-  data: () => ({ rows: [], items: [] }),
+  data: () => ({ rows: [], items: [], metres: null, why: "", words: "" }),
   mounted() {
     this.drawn = [];
     this.rows = this.names.map(() => ["–", "–", "–"]);
@@ -52,6 +60,7 @@ export default {
         digits(sigma?.[index], 2),
         index < this.truths ? digits(truth?.[index], 2, true) : "–",
       ]);
+      this.showMetres(description.metres);
       const of = this.count ? ` / ${this.count - 1}` : "";
       this.items = [
         ["frame", description.frame === null ? "live" : `${description.frame}${of}`, "frame"],
@@ -64,6 +73,15 @@ export default {
         ["tracked", `${digits(description.fps, 1)} fps`, "tracked-fps"],
         ["drawn", `${digits(this.rate(), 1)} fps`, "drawn-fps"],
       ];
+    },
+    /** The cable beside the vehicle; nothing where a recording holds no instruments. */
+    showMetres(metres) {
+      this.metres = metres && metres.rows.map(([name, value, sigma, unit]) => {
+        const places = unit === "m" ? 3 : 2;
+        return [name, digits(value, places, true), digits(sigma, places), unit];
+      });
+      this.why = metres?.why ?? "";
+      this.words = metres?.words ?? "";
     },
     /** Pictures per second that this browser draws. */
     rate() {

@@ -22,6 +22,8 @@ from cable_tracker.gui.picture_layers import (
     target_particles,
 )
 from cable_tracker.gui.session import AnySnapshot, Snapshot, TargetSnapshot
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.visualisation.palette import PARTICLES, status_colour
@@ -60,6 +62,8 @@ class PictureView:
         Components of the state in units of the page; None where they are not known.
     facts : list of Fact
         Further numbers.
+    metres : dict or None
+        What is known in metres; None where there are no instruments.
     """
 
     picture: Image
@@ -70,6 +74,7 @@ class PictureView:
     sigma: list[float | None] | None
     truth: list[float | None] | None
     facts: list[Fact]
+    metres: dict[str, object] | None = None
 
 
 def _view_of_cable(snapshot: Snapshot) -> PictureView:
@@ -88,7 +93,25 @@ def _view_of_cable(snapshot: Snapshot) -> PictureView:
             ("evidence", finite(snapshot.evidence), 2, "evidence"),
             ("hypotheses", count, 0, "hypotheses"),
         ],
+        metres=_in_metres(snapshot.metres),
     )
+
+
+def _in_metres(known: CrossTrack | Withheld | None) -> dict[str, object] | None:
+    """Return rows of name, value, standard deviation, unit, and why they are empty."""
+    if known is None:
+        return None
+    offset: tuple[float | None, float | None] = (None, None)
+    heading = offset
+    why = words = ""
+    if isinstance(known, CrossTrack):
+        sigma = known.standard_deviations().tolist()
+        offset = finite(known.offset), finite(sigma[0])
+        heading = finite(known.heading * DEGREE), finite(sigma[2] * DEGREE)
+    else:
+        why, words = known.reason.value, known.detail
+    rows = [("offset", *offset, "m"), ("heading", *heading, "deg")]
+    return {"rows": rows, "why": why, "words": words}
 
 
 def _view_of_target(snapshot: TargetSnapshot) -> PictureView:
@@ -147,6 +170,7 @@ def make_packet(
         "truth": view.truth,
         "presence": finite(snapshot.presence),
         "facts": view.facts,
+        "metres": view.metres,
         "n_eff": finite(snapshot.n_eff),
         "ms": finite(snapshot.ms),
         "fps": finite(fps),

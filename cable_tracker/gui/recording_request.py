@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 
 from cable_tracker.cable.model.initial_state_text import RANDOM
+from cable_tracker.sequences.instruments import InstrumentChoice
 from cable_tracker.sequences.source import ChosenRecording
 
 
@@ -16,6 +18,12 @@ class RecordingRequest(ChosenRecording):
     ----------
     init : str
         Where to start: `random`, `truth`, the name of a detector, or `d,alpha,w,beta` [px, rad].
+    choice : InstrumentChoice
+        Topics of the instruments.
+    vehicle : Path or None
+        The user's `vehicle.yaml`; None: the one in the bag's folder, if there is one.
     """
 
     init: str = RANDOM
+    choice: InstrumentChoice = field(default_factory=InstrumentChoice)
+    vehicle: Path | None = None

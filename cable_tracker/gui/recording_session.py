@@ -13,10 +13,13 @@ from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener
 from cable_tracker.gui.task_thread import TaskThread
 from cable_tracker.gui.tracker_memory import TrackerMemory
+from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_access import FrameAccess
+from cable_tracker.sequences.source import Source
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
 
 WARMING_UP = "WARMING UP"
@@ -52,7 +55,8 @@ class RecordingSession:
     RecordingError
         The recording is missing, empty, damaged before its first frame, or of no known kind.
     ParameterError
-        There is no start as the request wants it, or the response table cannot be read.
+        There is no start as the request wants it, or the response table or the vehicle file cannot
+        be read.
     """
 
     def __init__(self, request: RecordingRequest, parameters: ParameterSet) -> None:
@@ -62,12 +66,13 @@ class RecordingSession:
         with ExitStack() as stack:
             source = stack.enter_context(open_for(request, parameters))
             self._frames = FrameAccess(source)
-            self._follower = make_follower(source, request, parameters)
+            vehicle = self._instruments_of(source, parameters)
+            self._follower = make_follower(source, request, parameters, vehicle)
             try:
                 self._frames.frame(0)
             except IndexError as error:
                 raise RecordingError(f"{source.path}: holds no frames; record it again") from error
-            self.note = source.note
+            self.note = "; ".join(filter(None, (source.note, *(vehicle.notes if vehicle else ()))))
             self._resources = stack.pop_all()
         self.subject = self._follower.subject
         self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=False)
@@ -87,6 +92,12 @@ class RecordingSession:
             "recording", begin=self._begin, next_time=self._next_time, work=self._work
         )
         self._thread.start()
+
+    def _instruments_of(self, source: Source, parameters: ParameterSet) -> RecordedVehicle | None:
+        """Return what a recording of a cable holds besides pictures; a target stays in pixels."""
+        if isinstance(parameters, TargetParameters):
+            return None
+        return recorded_vehicle(source, self.request.choice, self.request.vehicle)
 
     # What can be asked at any time
 

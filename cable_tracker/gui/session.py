@@ -13,6 +13,8 @@ from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.gui.subject import Subject
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.withheld import Withheld
 from cable_tracker.target.model.estimate import Box
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
@@ -54,6 +56,9 @@ class Snapshot:
         As in `estimates.csv`; None if not known.
     truth : CableState or None
         Where the cable really runs, if the frame is labelled.
+    metres : CrossTrack, Withheld or None
+        The cable beside the vehicle, or why it is not known there; None where there are no
+        instruments.
     """
 
     number: int
@@ -72,6 +77,7 @@ class Snapshot:
     n_eff: float | None = None
     ms: float | None = None
     truth: CableState | None = None
+    metres: CrossTrack | Withheld | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

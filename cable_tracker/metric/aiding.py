@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -90,6 +91,12 @@ class AgreementGate:
         self._calm = 0
         self._open = False
         self._proved_wrong = False
+
+    def copy(self) -> AgreementGate:
+        """Return another one that goes on as this one would."""
+        other = copy(self)
+        other._steps = self._steps.copy()
+        return other
 
     @property
     def is_open(self) -> bool:
@@ -202,6 +209,14 @@ class MotionAiding:
         self._before: CableEstimate | None = None
         self._predicted: PlaneMotion | None = None
         self._why = "no frame has come"
+
+    def copy(self, instruments: Instruments, odometry: Odometry) -> MotionAiding:
+        """Return another one that goes on as this one would, with other instruments."""
+        other = copy(self)
+        other._instruments, other._odometry = instruments, odometry
+        other._gate = self._gate.copy()
+        other._texture, other._texture_gate = copy(self._texture), copy(self._texture_gate)
+        return other
 
     @property
     def seen(self) -> TextureMotion | None:

@@ -60,6 +60,12 @@ class History:
         self._stamps.append(stamp)
         self._values.append(values)
 
+    def copy(self) -> History:
+        """Return another one with the same measurements."""
+        other = History()
+        other._stamps, other._values = self._stamps.copy(), self._values.copy()
+        return other
+
     def clear(self) -> None:
         """Forget everything."""
         self._stamps.clear()

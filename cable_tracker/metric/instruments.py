@@ -57,6 +57,18 @@ class Instruments:
         self._altitudes = History()
         self._attitudes = History()
 
+    def copy(self) -> Instruments:
+        """Return others with the same measurements."""
+        other = Instruments(self._settings)
+        other._calibration = self._calibration
+        other._altitudes, other._attitudes = self._altitudes.copy(), self._attitudes.copy()
+        return other
+
+    def forget(self) -> None:
+        """Forget all measurements; the calibration stays."""
+        self._altitudes.clear()
+        self._attitudes.clear()
+
     def configure(self, settings: InstrumentSettings) -> None:
         """Take other settings, and keep the measurements."""
         self._settings = settings

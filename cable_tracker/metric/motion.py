@@ -69,6 +69,12 @@ class Odometry:
         """Take a twist (6,) and its covariance (6, 6) of a time [ns]."""
         self._twists.add(stamp, np.concatenate((twist, covariance.ravel())))
 
+    def copy(self) -> Odometry:
+        """Return another one with the same twists."""
+        other = Odometry()
+        other._twists = self._twists.copy()
+        return other
+
     def motion(self, start: int, end: int) -> PoseChange | NoMotion:
         """Return how the vehicle moved from one time to a later one [ns], or why it is not known.
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Iterator, Mapping
+from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -52,6 +53,10 @@ LOOK_AHEAD = 250_000_000
 """What was received so long after a frame is known when it is tracked [ns]. The fastest instruments
 are kept for twice as long."""
 
+LOOK_BACK = 2_000_000_000
+"""After a jump in the recording what was received so long before the frame is read first [ns]:
+nothing older counts."""
+
 
 @dataclass(frozen=True, slots=True)
 class Pauses:
@@ -91,8 +96,29 @@ class InstrumentFeed:
     def __init__(
         self, source: InstrumentSource | None, pauses: Mapping[Instrument, int] | None = None
     ) -> None:
-        self._messages = _no_messages() if source is None else source.messages(pauses)
-        self._next: InstrumentMessage | None = next(self._messages, None)
+        self._source = source
+        self._pauses = pauses
+        self._messages: Generator[InstrumentMessage] | None = None
+        self._next: InstrumentMessage | None = None
+        self._begin = 0
+        self._jumps = False
+
+    def copy(self) -> InstrumentFeed:
+        """Return another one that goes on from here; it opens the bag when it is first asked.
+
+        With pauses it may pass over other messages than this one.
+        """
+        other = InstrumentFeed(self._source, self._pauses)
+        other._begin, other._jumps = self._begin, self._jumps
+        return other
+
+    def jump(self, *, to_start: bool = False) -> None:
+        """Go on at whatever frame comes next, with what was received shortly before it.
+
+        With `to_start`, with all that was received before it.
+        """
+        self.close()
+        self._messages, self._begin, self._jumps = None, 0, not to_start
 
     def up_to(self, frame: Frame) -> Iterator[InstrumentMessage]:
         """Yield what was received up to a frame and shortly after, and was not handed out before.
@@ -101,7 +127,14 @@ class InstrumentFeed:
         """
         if frame.received is None:
             return
+        if self._jumps:
+            self._begin, self._jumps = max(0, frame.received - LOOK_BACK), False
+        if self._messages is None:
+            source = self._source
+            messages = source.messages(self._pauses, self._begin) if source else _no_messages()
+            self._messages, self._next = messages, next(messages, None)
         last = frame.received + LOOK_AHEAD
+        self._begin = max(self._begin, last + 1)
         while self._next is not None and self._next.received <= last:
             message = self._next
             self._next = next(self._messages, None)
@@ -110,6 +143,8 @@ class InstrumentFeed:
     def close(self) -> None:
         """Read no more."""
         self._next = None
+        if self._messages is None:
+            self._messages = _no_messages()
         self._messages.close()
 
 
@@ -136,20 +171,23 @@ class RecordedMetres:
         source: InstrumentSource | None,
         pauses: Pauses = Pauses(),
     ) -> None:
+        self._vehicle = vehicle
         self._values = vehicle.values
-        own = pauses.of_instruments()
-        self._feed = InstrumentFeed(source, own)
-        self._instruments = Instruments(instrument_settings(vehicle.values))
+        self._pauses = pauses
+        self._feed = InstrumentFeed(source, pauses.of_instruments())
+        self._instruments = self._first_instruments()
         self._odometry = Odometry()
         self._aiding = MotionAiding(self._instruments, self._odometry, pauses.texture)
         self._aids = bool(vehicle.values["motion_aid"]) and (
             source is not None and Instrument.ODOMETRY in source.found.topics
         )
-        if vehicle.calibration is not None:
-            self._instruments.take_calibration(vehicle.calibration)
-            self._has_calibration = True
-        else:
-            self._has_calibration = False
+
+    def _first_instruments(self) -> Instruments:
+        """Return instruments that know what is known before the recording begins."""
+        instruments = Instruments(instrument_settings(self._values))
+        if self._vehicle.calibration is not None:
+            instruments.take_calibration(self._vehicle.calibration)
+        return instruments
 
     def __enter__(self) -> Self:
         return self
@@ -161,6 +199,27 @@ class RecordedMetres:
         traceback: TracebackType | None,
     ) -> None:
         self._feed.close()
+
+    def copy(self) -> RecordedMetres:
+        """Return another one that goes on as this one would."""
+        other = copy(self)
+        other._feed = self._feed.copy()
+        other._instruments = self._instruments.copy()
+        other._odometry = self._odometry.copy()
+        other._aiding = self._aiding.copy(other._instruments, other._odometry)
+        return other
+
+    def jump(self, *, to_start: bool = False) -> None:
+        """Begin anew at whatever frame comes next; of all that was said the calibration stays.
+
+        With `to_start` that is the first frame, and the calibration is read again too.
+        """
+        self._feed.jump(to_start=to_start)
+        if to_start:
+            self._instruments = self._first_instruments()
+        self._instruments.forget()
+        self._odometry = Odometry()
+        self._aiding = MotionAiding(self._instruments, self._odometry, self._pauses.texture)
 
     @property
     def instruments(self) -> Instruments:
@@ -182,7 +241,7 @@ class RecordedMetres:
     def _take(self, given: InstrumentMessage) -> None:
         message, stamp = given.message, given.stamp
         if given.instrument is Instrument.CAMERA_INFO:
-            if not self._has_calibration:
+            if self._vehicle.calibration is None:
                 is_rectified = bool(self._values["image_is_rectified"])
                 self._instruments.take_calibration(
                     read_camera_info(message, is_rectified=is_rectified)

@@ -62,8 +62,11 @@ class BagStorage(Protocol):
     topics: dict[str, Topic]
     note: str
 
-    def messages(self, topics: Collection[str]) -> Generator[StoredMessage]:
-        """Yield the messages of some topics in order of time; raise RecordingError at damage."""
+    def messages(self, topics: Collection[str], start: int = 0) -> Generator[StoredMessage]:
+        """Yield the messages of some topics in order of time; raise RecordingError at damage.
+
+        Those that were written before `start` [ns] are left out.
+        """
         ...
 
 
@@ -142,17 +145,17 @@ class RosbagsStorage:
             storage = reader.storage
             storage.metadata = storage.metadata._replace(compression_mode=None)
 
-    def _from_rosbags(self, topics: Collection[str]) -> Generator[StoredMessage]:
+    def _from_rosbags(self, topics: Collection[str], start: int) -> Generator[StoredMessage]:
         with self._open() as reader:
             self._leave_messages_packed(reader)
             connections = [c for c in reader.connections if c.topic in topics]
             if not connections:
                 return
-            for connection, time, data in reader.messages(connections=connections):
+            for connection, time, data in reader.messages(connections, start or None):
                 yield StoredMessage(connection.topic, connection.msgtype, time, bytes(data))
 
-    def messages(self, topics: Collection[str]) -> Generator[StoredMessage]:
-        """Yield the messages of some topics in order of time.
+    def messages(self, topics: Collection[str], start: int = 0) -> Generator[StoredMessage]:
+        """Yield the messages of some topics in order of time, from a time [ns] on.
 
         Raises
         ------
@@ -160,7 +163,7 @@ class RosbagsStorage:
             At the damage, after all messages that could be read.
         """
         latest: int | None = None
-        with closing(self._from_rosbags(topics)) as stored:
+        with closing(self._from_rosbags(topics, start)) as stored:
             while True:
                 try:
                     message = next(stored, None)
@@ -175,7 +178,7 @@ class RosbagsStorage:
                 yield message
         # rosbags gives up a whole chunk; a part of it may be intact.
         rest = SalvagedStorage(storage_files(self._path), damage, scan=False)
-        for message in rest.messages(topics):
+        for message in rest.messages(topics, start):
             if latest is None or message.time > latest:
                 yield message
 
@@ -229,8 +232,8 @@ class SalvagedStorage:
         for file in self._files:
             yield from _walk(file)
 
-    def messages(self, topics: Collection[str]) -> Generator[StoredMessage]:
-        """Yield the messages of some topics in the order they were written.
+    def messages(self, topics: Collection[str], start: int = 0) -> Generator[StoredMessage]:
+        """Yield the messages of some topics in the order they were written, from a time [ns] on.
 
         Raises
         ------
@@ -239,7 +242,7 @@ class SalvagedStorage:
         """
         try:
             for message in self._all():
-                if message.topic in topics:
+                if message.topic in topics and message.time >= start:
                     yield message
         except RecordingError as error:
             raise (self._damage or error) from error

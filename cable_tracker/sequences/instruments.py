@@ -248,18 +248,20 @@ class InstrumentSource:
     def messages(
         self,
         pauses: Mapping[Instrument, int] | None = None,
+        start: int = 0,
         *,
         only: Container[Instrument] = tuple(Instrument),
     ) -> Generator[InstrumentMessage]:
         """Yield the messages of the chosen topics of some instruments, in the order of the bag.
 
-        It ends without a word where the bag is damaged: the source of the frames says so. A
-        message that cannot be read is passed over, and so is what was received sooner after another
-        of its instrument than `pauses` says [ns].
+        What was received before `start` [ns] is left out, and a message that cannot be read is
+        passed over. So is what was received sooner after another of its instrument than `pauses`
+        says [ns]. It ends without a word where the bag is damaged: the source of the frames says
+        so.
         """
         instruments = {topic: each for each, topic in self.found.topics.items() if each in only}
         own = {topic: (pauses or {}).get(each, 0) for topic, each in instruments.items()}
-        for stored, message in self._read(list(instruments), own):
+        for stored, message in self._read(list(instruments), own, start):
             yield InstrumentMessage(
                 instruments[stored.topic], message, _stamp_of(message, stored.time), stored.time
             )
@@ -290,10 +292,10 @@ class InstrumentSource:
         return None if found is None else found[1]
 
     def _read(
-        self, topics: list[str], pauses: Mapping[str, int] | None = None
+        self, topics: list[str], pauses: Mapping[str, int] | None = None, start: int = 0
     ) -> Generator[tuple[StoredMessage, Message]]:
         pauses, last = pauses or {}, dict[str, int]()
-        with closing(self._storage.messages(topics)) as messages:
+        with closing(self._storage.messages(topics, start)) as messages:
             iterator: Iterator[StoredMessage] = iter(messages)
             while True:
                 try:

@@ -12,7 +12,13 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.survey.forwards import ForwardDive
 from cable_tracker.survey.frame_table import TRACKING
-from cable_tracker.survey.route import PROFILE_SPACING, SPACING, Course, DiveRoute
+from cable_tracker.survey.route import (
+    LEAST_WEIGHT,
+    PROFILE_SPACING,
+    SPACING,
+    Course,
+    DiveRoute,
+)
 
 
 class EventKind(str, Enum):
@@ -101,9 +107,6 @@ CROSSING_REACH, CROSSING_ANGLE = 0.6, math.radians(20.0)
 
 FEWEST_SIGHTS = 4
 """In fewer pictures it is a rope or a shadow."""
-
-LEAST_WEIGHT = 0.05
-"""Claims that count less in the smoothing are of something else."""
 
 LEAST_LOST = 1.0
 """Silence over a shorter way is no event [m]."""

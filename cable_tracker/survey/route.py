@@ -31,6 +31,9 @@ BEYOND = 1.0
 ON_ROUTE = 4.0
 """Claims farther from the smoothed cable than this say nothing about it [standard deviations]."""
 
+LEAST_WEIGHT = 0.05
+"""Claims that count less in the smoothing are of something else."""
+
 FEWEST_LOOKS = 4
 
 BLOCK = 4096
@@ -200,18 +203,19 @@ def _route(
     wanted = np.arange(0, max(round((last - first) / SPACING), 1) + 1) * SPACING + first
     order = np.argsort(along, kind="stable")
     own = looks.places[members][order]
-    states, covariances = cable.states[members][order], cable.covariances[members][order]
+    states = cable.states[members][order]
+    variances, bend_variances = (cable.covariances[:, k, k][members][order] for k in (0, 2))
     normal = np.column_stack((-np.sin(own[:, 2]), np.cos(own[:, 2])))
     points = own[:, :2] + states[:, :1] * normal
     stamps = looks.stamps[members][order]
     frame_variances = np.zeros(len(points))
     if placing is not None:
         points, frame_variances = placing(points, stamps)
-    across = np.sqrt(covariances[:, 0, 0]) * np.abs(np.cos(states[:, 1]))
+    across = np.sqrt(variances) * np.abs(np.cos(states[:, 1]))
     columns = np.column_stack(
         (
             points, np.unwrap(own[:, 2] + states[:, 1]) + turn, across, frame_variances,
-            states[:, 2], np.sqrt(covariances[:, 2, 2]),
+            states[:, 2], np.sqrt(bend_variances),
             states[:, 0],
         )
     )  # fmt: skip
@@ -260,7 +264,7 @@ def _diameters(
 ) -> FloatArray:
     owner = _rows_of(looks, members, len(rows))
     known = (owner >= 0) & (rows["status"] == TRACKING) & np.isfinite(rows["diameter"])
-    known &= cable.weights[owner] > 0.0
+    known &= cable.weights[owner] > LEAST_WEIGHT
     along = cable.along[owner[known]]
     place = np.round((along - wanted[0]) / SPACING).astype(np.int64)
     inside = (place >= 0) & (place < len(wanted))
@@ -290,7 +294,7 @@ def _profile(
     off = np.abs(rows["aside"][used] - cable.states[look, 0])
     allowed = ON_ROUTE * np.sqrt(cable.covariances[look, 0, 0]) + 0.05
     # What is claimed of something else tells nothing about the cable.
-    tells = (off <= allowed) & (cable.weights[look] > 0.0)
+    tells = (off <= allowed) & (cable.weights[look] > LEAST_WEIGHT)
     used, look = used[tells], look[tells]
     total, number = np.zeros(count), np.zeros(count, np.int64)
     for start in range(0, len(used), BLOCK):

@@ -62,7 +62,7 @@ ROUNDS = 3
 LEAST_SCALE, MOST_SCALE = 0.5, 8.0
 """By how much the tracker's standard deviations may be corrected at most, by what they miss."""
 
-ODD_DIAMETER = 0.4
+ODD_DIAMETER = 0.25
 """A claim whose diameter is off the dive's usual one by this share may be of something else: it
 counts only where it fits to what the others say."""
 
@@ -332,6 +332,19 @@ def _bending(way: float) -> FloatArray:
 
 
 @compiled
+def _predicted(
+    mean: FloatArray, spread: FloatArray, moved: FloatArray, seconds: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return mean (3,) and covariance (3, 3) at the next look line, and the transition to it."""
+    move = _transition(mean, moved)
+    ahead = move @ spread @ move.T + _bending(moved[3])
+    ahead[0, 0] += ROUGHNESS * max(seconds, 0.0)
+    there = moved[:3].copy()
+    there[2] *= move[2, 2]
+    return there, ahead, move
+
+
+@compiled
 def _claimed(
     mean: FloatArray, spread: FloatArray, claim: FloatArray, noise: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -357,8 +370,7 @@ def _both_ways(  # noqa: PLR0917
     """Filter forwards and smooth backwards; see `smooth`."""
     count = len(places)
     means, spreads = np.zeros((count, 3)), np.zeros((count, 3, 3))
-    means_before, spreads_before = np.zeros((count, 3)), np.zeros((count, 3, 3))
-    moves, along = np.zeros((count, 3, 3)), np.zeros(count)
+    along = np.zeros(count)
     is_new = breaks.copy()
     mean, spread = np.zeros(3), np.zeros((3, 3))
     moved = np.zeros(4)
@@ -370,21 +382,19 @@ def _both_ways(  # noqa: PLR0917
             mean, spread = np.zeros(3), np.diag(np.array(FIRST))
             along[k] = along[k - 1] if k > 0 else 0.0
         else:
-            moves[k] = _transition(mean, moved)
-            spread = moves[k] @ spread @ moves[k].T + _bending(moved[3])
-            spread[0, 0] += ROUGHNESS * max(seconds[k], 0.0)
-            mean = moved[:3].copy()
-            mean[2] *= moves[k, 2, 2]
             along[k] = along[k - 1] + moved[3]
-        means_before[k], spreads_before[k] = mean, spread
+            mean, spread, _ = _predicted(mean, spread, moved, seconds[k])
         if weights[k] > 0.0:
             mean, spread = _claimed(mean, spread, claims[k], noise[k] / weights[k])
         means[k], spreads[k] = mean, spread
     for k in range(count - 2, -1, -1):
         if is_new[k + 1] or not way_back:
             continue
-        back = spreads[k] @ moves[k + 1].T @ np.linalg.inv(spreads_before[k + 1])
-        means[k] += back @ (means[k + 1] - means_before[k + 1])
-        spread = spreads[k] + back @ (spreads[k + 1] - spreads_before[k + 1]) @ back.T
+        # What was predicted is worked out again: kept, it would be most of what this takes.
+        moved = _moved(places[k], places[k + 1], means[k])
+        mean, spread, move = _predicted(means[k], spreads[k], moved, seconds[k + 1])
+        back = spreads[k] @ move.T @ np.linalg.inv(spread)
+        means[k] += back @ (means[k + 1] - mean)
+        spread = spreads[k] + back @ (spreads[k + 1] - spread) @ back.T
         spreads[k] = 0.5 * (spread + spread.T)
     return along, means, spreads

@@ -18,7 +18,11 @@ from cable_tracker.evaluation.tracking.track_recording import (
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.recording_session import LONGEST_RUN, WARMING_UP, RecordingSession
 from cable_tracker.gui.session import Player
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.recorded import recorded_vehicle
+from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.sequences.estimates import read_estimates
+from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.trackers import make_tracker
 
 TIMEOUT = 60.0
@@ -108,6 +112,77 @@ def test_the_result_is_that_of_the_command_track(watch, dive, tmp_path):
     assert [row.state for row in rows[1:]] == [played[row.frame].state for row in rows[1:]]
     assert [row.n_eff for row in rows[1:]] == [played[row.frame].n_eff for row in rows[1:]]
     assert any(row.state is not None for row in rows)
+
+
+def test_with_instruments_it_is_that_of_the_command_track_in_metres_too(
+    watch, surveyed_dive, tmp_path
+):
+    with RecordingRequest(surveyed_dive).open() as source:
+        tracker = make_tracker(PARAMETERS)
+        start_from(tracker, initial_state_for(source, "truth"))
+        metres = recorded_vehicle(source).metres()
+        with ResultFolder(tmp_path / "out", timing=False) as results:
+            track_recording(source, tracker, results, metres=metres)
+    rows = read_estimates(tmp_path / "out" / ESTIMATES)
+    played = watch(surveyed_dive).play_to_the_end()
+    shown = [played[row.frame] for row in rows[1:]]
+    assert [row.state for row in rows[1:]] == [each.state for each in shown]
+    for row, snapshot in zip(rows[1:], shown, strict=True):
+        if row.metres is None:
+            assert str(snapshot.metres) == row.no_metres
+        else:
+            assert snapshot.metres.offset == row.metres.offset
+            sigma = snapshot.metres.standard_deviations()
+            assert (sigma[0], sigma[2]) == (row.metres.sigma_offset, row.metres.sigma_heading)
+    assert any(row.metres is not None for row in rows)
+
+
+def test_instruments_change_what_the_filter_believes(watch, surveyed_dive):
+    none = InstrumentChoice({Instrument.ODOMETRY: "none"})
+    aided, plain = watch(surveyed_dive), watch(surveyed_dive, choice=none)
+    aided, plain = aided.play_to_the_end(), plain.play_to_the_end()
+    assert any(not same_belief(aided[frame], plain[frame]) for frame in plain)
+
+
+def same_metres(one, other):
+    """Compare what two snapshots say in metres, whatever that is."""
+    if isinstance(one.metres, Withheld):
+        return one.metres == other.metres
+    return one.metres.offset == other.metres.offset and np.array_equal(
+        one.metres.covariance, other.metres.covariance
+    )
+
+
+def test_going_back_gives_the_same_metres_again(watch, surveyed_dive):
+    watched = watch(surveyed_dive)
+    played = watched.play_to_the_end()
+    for frame in (30, 24, 26, 2, max(played)):
+        again = watched.go_to(frame)
+        assert same_belief(again, played[frame]) and same_metres(again, played[frame])
+
+
+def test_after_a_jump_and_a_reset_there_are_metres_of_the_frame_shown(watch, surveyed_dive):
+    watched = watch(surveyed_dive, init="hough")
+    watched.at(0)
+    truth = watched.go_to(34).truth
+    watched.session.initialise(StatePrior.around(truth))
+    known = watched.wait(lambda now: isinstance(now.metres, CrossTrack))
+    assert known.frame == 34
+    watched.session.initialise(StatePrior.around(truth))
+    again = watched.wait(lambda now: now.number > known.number)
+    assert (
+        abs(again.metres.offset - known.metres.offset) < 3 * known.metres.standard_deviations()[0]
+    )
+
+
+def test_what_is_missing_for_metres_is_said(watch, surveyed_dive):
+    none = InstrumentChoice({Instrument.ALTITUDE: "none"})
+    seen = watch(surveyed_dive, choice=none).at(0)
+    assert seen.metres.reason is Reason.NO_ALTITUDE
+
+
+def test_without_instruments_there_is_no_word_of_metres(watch):
+    assert watch().at(0).metres is None
 
 
 def test_going_back_gives_the_same_belief_again(watch):

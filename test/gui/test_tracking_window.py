@@ -385,7 +385,45 @@ def test_a_port_that_is_taken_is_said():
 
 
 @pytest.mark.slow
+def test_instruments_that_would_not_be_read_are_refused(tmp_path):
+    ended = run_to_its_end(tmp_path, "--target", "--imu-topic", "none")
+    assert ended.returncode == 2
+    assert "leave them out" in ended.stderr
+
+
+@pytest.mark.slow
 def test_a_missing_recording_is_said(tmp_path):
     ended = run_to_its_end(tmp_path / "no.bag", "--port", 0)
     assert ended.returncode == 2
     assert "there is no such file or folder" in ended.stderr
+
+
+def test_where_a_bag_holds_instruments_the_cable_is_shown_in_metres(
+    visit, run_command, surveyed_dive
+):
+    command = run_command("gui", surveyed_dive, "--init", "truth", "--seed", "4")
+    with visit(command.url) as page:
+        window = Window(page)
+        window.go_to(1)
+        known = window.picture()["metres"]
+        offset, heading = known["rows"]
+        assert offset[0] == "offset" and known["why"] == ""
+        window.says("metres-offset", f"{abs(offset[1]):.3f}")
+        window.says("metres-heading", f"{abs(heading[1]):.2f}")
+        window.page.locator("body").press("e")
+        window.shows(status="'DISABLED'")
+        window.says("no-metres", "no cable is claimed")
+        assert window.picture()["metres"]["rows"][0][1] is None
+
+
+def test_what_is_missing_for_metres_is_written_below_the_numbers(visit, run_command, surveyed_dive):
+    given = ("--init", "truth", "--seed", "4", "--altitude-topic", "none")
+    command = run_command("gui", surveyed_dive, *given)
+    with visit(command.url) as page:
+        window = Window(page)
+        window.says("no-metres", "no metres: no altitude")
+        assert "fixed_altitude" in window.at("no-metres").get_attribute("title")
+
+
+def test_without_instruments_nothing_is_said_of_metres(window):
+    assert window.at("metres-offset").count() == window.at("no-metres").count() == 0

@@ -6,6 +6,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.survey_bag import write_survey_bag
@@ -62,3 +63,55 @@ def test_a_recording_that_is_no_bag_has_no_instruments(tmp_path):
     (tmp_path / "0.png").write_bytes(b"")
     with open_source(tmp_path) as recording:
         assert recorded_vehicle(recording).metres() is None
+
+
+def run(metres, frames):
+    """Measure frames with their motion; the estimate is the truth."""
+    results = []
+    for frame in frames:
+        metres.advance(frame)
+        motion = metres.motion(frame.stamp, decode_grey(frame.image))
+        metres.observe(claim(frame))
+        known = metres.measure(claim(frame))
+        results.append(
+            (
+                None if motion is None else motion.mapping.tolist(),
+                known.offset,
+                known.covariance.tolist(),
+            )
+        )
+    return results
+
+
+@pytest.mark.parametrize("place", [0, 1, 5])
+def test_a_copy_goes_on_as_the_original_does_and_as_often_as_is_wanted(bag, place):
+    with open_source(bag) as recording, recorded_vehicle(recording).metres() as metres:
+        frames = list(recording.frames())
+        run(metres, frames[:place])
+        kept = metres.copy()
+        expected = run(metres, frames[place:])
+        assert any(motion is not None for motion, _, _ in expected)
+        for _ in range(2):
+            with kept.copy() as again:
+                assert run(again, frames[place:]) == expected
+
+
+def test_after_a_jump_only_the_motion_from_the_frame_before_is_unknown(bag):
+    with open_source(bag) as recording, recorded_vehicle(recording).metres() as metres:
+        frames = list(recording.frames())
+        expected = run(metres, frames)
+        for place in (7, 2):
+            metres.jump()
+            found = run(metres, frames[place:])
+            assert found[0][0] is None
+            assert [each[1:] for each in found] == [each[1:] for each in expected[place:]]
+        metres.jump(to_start=True)
+        assert run(metres, frames) == expected
+
+
+def test_a_closed_one_reads_no_more(bag):
+    with open_source(bag) as recording:
+        frame = next(recording.frames())
+        with recorded_vehicle(recording).metres() as metres:
+            pass
+        assert metres.advance(frame) == []

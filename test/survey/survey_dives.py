@@ -29,6 +29,7 @@ class Plan:
     wrong: Sequence[tuple[float, float]] = ()
     rope: Sequence[tuple[float, float]] = ()
     """Where something thinner is claimed instead, beside the cable."""
+    rope_diameter: float = 0.06
 
 
 def course(along: np.ndarray, bend: float) -> tuple[np.ndarray, np.ndarray]:
@@ -75,7 +76,7 @@ def make_dive(plan: Plan, path: Path = Path("dive")) -> ForwardDive:
         row["heading"] = true[1] + 0.01 * errors[1]
         row["aside_variance"], row["aside_heading"] = plan.noise**2, 0.0
         row["heading_variance"] = 1e-4
-        row["diameter"] = 0.06 if on_rope else 0.16
+        row["diameter"] = plan.rope_diameter if on_rope else 0.16
         bins = np.linspace(LOOK + 0.8, LOOK - 0.8, PROFILE_BINS)
         row["profile_ahead"] = bins
         seen = [not any(a <= along + b <= e for a, e in plan.hidden) for b in bins]

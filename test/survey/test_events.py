@@ -30,13 +30,14 @@ def test_the_ends_of_a_buried_stretch_are_known_to_a_few_decimetres():
     assert event.end + 0.7 == pytest.approx(21.0, abs=0.5)
 
 
-def test_what_is_claimed_of_something_else_is_not_seen_as_the_cable():
+@pytest.mark.parametrize("weight", [0.0, 0.01])
+def test_what_is_claimed_of_something_else_is_not_seen_as_the_cable(weight):
     dive = make_dive(Plan())
     rows = dive.table.rows
     looks = look_steps(rows, poses_of(dive).at(rows["stamp"]))
     cable = smooth(looks)
     other = (cable.along > 15.0) & (cable.along < 25.0)
-    weights = np.where(other, 0.0, cable.weights)
+    weights = np.where(other, weight, cable.weights)
     (route,) = make_routes(looks, replace(cable, weights=weights), rows)
     along = route.profile.along + route.start
     assert np.isnan(route.profile.seen[(along > 17.0) & (along < 23.0)]).all()

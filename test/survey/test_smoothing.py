@@ -45,8 +45,10 @@ def test_wrong_claims_lose_their_weight():
     assert rms((cable.states[:, 0] - truth)[off]) < 0.1
 
 
-def test_claims_of_something_thinner_over_a_buried_stretch_do_not_draw_the_cable_along():
-    looks, cable, truth = smoothed(Plan(hidden=((15.0, 24.0),), rope=((16.0, 23.0),)))
+@pytest.mark.parametrize("diameter", [0.06, 0.11])
+def test_claims_of_something_thinner_over_a_buried_stretch_do_not_draw_the_cable_along(diameter):
+    plan = Plan(hidden=((15.0, 24.0),), rope=((16.0, 23.0),), rope_diameter=diameter)
+    looks, cable, truth = smoothed(plan)
     assert looks.odd.sum() > 50
     assert cable.weights[looks.odd].max() == 0.0
     sigma = np.sqrt(cable.covariances[:, 0, 0])
