@@ -210,7 +210,6 @@ class _Run:
         self._pause = round(1e9 / settings.most_rate) if aided else 0
         self._due: int | None = None
         self.passed_over = 0
-        self._look_ahead = float(str(vehicle.vehicle.values["look_ahead"])) or 1.0
         self._finder = HoughDetector()
         self._next_search = -(2**62)
         self._measured = self._posed = -(2**62)

@@ -188,8 +188,6 @@ class Georeference:
         Of each component of it, shape (F,) [m²].
     left_out : int
         Fixes that did not count.
-    turn_variance : float
-        [rad²].
     """
 
     turn: float
@@ -198,7 +196,6 @@ class Georeference:
     drift: FloatArray
     variances: FloatArray
     left_out: int
-    turn_variance: float = 0.0
 
     @property
     def rotation(self) -> FloatArray:
@@ -243,11 +240,7 @@ def georeference(poses: Poses, fixes: Samples, frame: LocalFrame) -> Georeferenc
         return None
     left = _left(places, measured, turn, shift)[kept]
     drift, doubts = _smoothed_drift(stamps[kept], left, variances[kept])
-    centred = places[kept] - places[kept].mean(axis=0)
-    lever = float((centred**2).sum() / variances[kept].mean())
-    return Georeference(
-        turn, shift, stamps[kept], drift, doubts, int((~kept).sum()), 1.0 / max(lever, 1e-9)
-    )
+    return Georeference(turn, shift, stamps[kept], drift, doubts, int((~kept).sum()))
 
 
 def _fitted(
