@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from datetime import date
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import typer
 from rich.table import Table
@@ -42,6 +42,7 @@ from cable_tracker.evaluation.judged_sequences import (
     RecordingSequence,
     simulated_sequences,
 )
+from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
 from cable_tracker.evaluation.report import (
     REPORT,
@@ -54,6 +55,8 @@ from cable_tracker.evaluation.runs import Start
 from cable_tracker.evaluation.tables import CSV_FILES
 from cable_tracker.evaluation.targets.target_sequences import RecordedTarget
 from cable_tracker.sequences.output_folder import output_folder
+
+Recording = TypeVar("Recording", bound=LabelledRecording)
 
 TITLE = "How well the cable is followed"
 
@@ -179,6 +182,11 @@ def evaluate(  # noqa: PLR0917
     gives the same numbers, except for the times. With --targets it holds table.md and figures.csv.
     """
     sequences: Sequence[JudgedSequence]
+
+    def as_chosen(kind: type[Recording], path: Path) -> Recording:
+        chosen = (topic, rate, truth, skip_bad_frames, allow_outside)
+        return kind(path, *chosen, unlabelled_is_empty=unlabelled_is_empty)
+
     if source is not None and (scenario or frames):
         raise ParameterError("--source takes the place of --scenario and --frames; leave those out")
     if source is None and truth is not None:
@@ -187,15 +195,7 @@ def evaluate(  # noqa: PLR0917
     if targets:
         if param or table or init is not Start.TRUTH:
             raise ParameterError("--targets goes without --param, --table and --init")
-        recorded = source and RecordedTarget(
-            source,
-            topic,
-            rate,
-            truth,
-            skip_bad_frames,
-            allow_outside,
-            unlabelled_is_empty=unlabelled_is_empty,
-        )
+        recorded = source and as_chosen(RecordedTarget, source)
         tuned = tuned_targets(params)
         followed = TargetCampaign(
             (recorded,) if recorded else simulated_targets(scenario or (), frames),
@@ -208,16 +208,7 @@ def evaluate(  # noqa: PLR0917
     if source is None:
         sequences = simulated_sequences(scenario or (), frames)
     else:
-        recording = RecordingSequence(
-            source,
-            topic,
-            rate,
-            truth,
-            skip_bad_frames,
-            allow_outside,
-            unlabelled_is_empty=unlabelled_is_empty,
-        )
-        sequences = (recording,)
+        sequences = (as_chosen(RecordingSequence, source),)
     filters = tuned_filters(params, param, table)
     campaign = Campaign(
         methods=tuple(dict.fromkeys(method or (("default",) if filters else METHODS))),

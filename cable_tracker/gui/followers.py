@@ -42,7 +42,6 @@ from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
 BLANK = np.zeros((240, 320), np.uint8)
 """Shown where no frame could be decoded yet."""
 
-
 UNTRACKED = Withheld(Reason.NOT_TRACKING, "this frame was not tracked")
 """Said in place of metres."""
 
@@ -128,6 +127,10 @@ class Follower(ABC):
         self._configure_tracker(parameters)
         self._parameters = parameters
         return True
+
+    @abstractmethod
+    def close(self) -> None:
+        """Read no more of the recording."""
 
     @abstractmethod
     def _configure_tracker(self, parameters: ParameterSet) -> None:
@@ -218,6 +221,11 @@ class CableFollower(Follower):
         if self._metres is not None:
             other._metres = self._metres.copy()
         return other
+
+    def close(self) -> None:
+        """Read no more of the recording."""
+        if self._metres is not None:
+            self._metres.close()
 
     def initialise(self, start: AnyStart) -> None:
         """Start the next frame from a belief."""
@@ -324,6 +332,9 @@ class TargetFollower(Follower):
         """Be ready for the first frame."""
         for start in self._start.boxes:
             self._tracker.initialise(start)
+
+    def close(self) -> None:
+        """Do nothing: boxes were read at the start."""
 
     def initialise(self, start: AnyStart) -> None:
         """Follow what is marked in the next frame."""

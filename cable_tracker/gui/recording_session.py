@@ -215,6 +215,7 @@ class RecordingSession:
     def close(self) -> None:
         """End the thread and close the recording."""
         self._thread.close()
+        self._follower.close()
         self._resources.close()
 
     def _within(self, frame: int) -> int:
@@ -307,6 +308,7 @@ class RecordingSession:
             return target
         remembered = self._memory.recall(target)
         if remembered is not None:
+            self._follower.close()
             self._follower, first = remembered
             return first
         if 0 <= self._position < target <= self._position + LONGEST_RUN:

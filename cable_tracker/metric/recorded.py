@@ -198,6 +198,10 @@ class RecordedMetres:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Read no more of the recording."""
         self._feed.close()
 
     def copy(self) -> RecordedMetres:
@@ -217,7 +221,8 @@ class RecordedMetres:
         self._feed.jump(to_start=to_start)
         if to_start:
             self._instruments = self._first_instruments()
-        self._instruments.forget()
+        else:
+            self._instruments.forget()
         self._odometry = Odometry()
         self._aiding = MotionAiding(self._instruments, self._odometry, self._pauses.texture)
 

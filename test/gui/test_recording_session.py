@@ -161,6 +161,14 @@ def test_going_back_gives_the_same_metres_again(watch, surveyed_dive):
         assert same_belief(again, played[frame]) and same_metres(again, played[frame])
 
 
+def test_a_closed_session_reads_no_more_of_the_instruments(watch, surveyed_dive):
+    watched = watch(surveyed_dive)
+    watched.at(0)
+    feed = watched.session._follower._metres._feed
+    watched.session.close()
+    assert feed._messages.gi_frame is None
+
+
 def test_after_a_jump_and_a_reset_there_are_metres_of_the_frame_shown(watch, surveyed_dive):
     watched = watch(surveyed_dive, init="hough")
     watched.at(0)
