@@ -14,7 +14,7 @@ pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("default")
 
 from campaign_tasks import Failing, KillsItsWorkerOnce, Square, Work  # noqa: E402
-from distributed import LocalCluster  # noqa: E402
+from distributed import Client, LocalCluster  # noqa: E402
 
 from cable_tracker.campaigns.crew import ClusterSettings, Crew, run_all  # noqa: E402
 from cable_tracker.campaigns.runner import run_campaign  # noqa: E402
@@ -47,6 +47,15 @@ def both(cluster) -> ClusterSettings:
 
 def states(outcomes):
     return [outcome.state for outcome in outcomes]
+
+
+def wait_until_idle(cluster):
+    """Wait until no worker does anything: a task outlives the client that asked for it."""
+    deadline = time.monotonic() + 240.0
+    with Client(cluster) as client:
+        while any(client.run(lambda dask_worker: dask_worker.state.executing_count).values()):
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
 
 
 def test_results_lie_on_the_disk_in_folders_of_their_own(both, tmp_path):
@@ -126,8 +135,9 @@ def test_what_a_killed_client_left_is_kept(cluster, tmp_path):
     finally:
         client.kill()
         client.wait()
-        # What the workers were about ends, so that they are free for other tests.
+        # What the workers were about ends, so that they leave the folders alone.
         (tmp_path / "end").touch()
+    wait_until_idle(cluster)
     # The same tasks as before but for their waiting, which is no part of what they are.
     outcomes = run_campaign([Square(n) for n in range(4)], tmp_path, ALONE, resume=True)
     assert states(outcomes) == [TaskState.KEPT] * 2 + [TaskState.DONE] * 2

@@ -48,7 +48,13 @@ class Watched:
         """Wait until something is so of what was said last, and return that."""
         with self._changed:
             assert self._changed.wait_for(lambda: self._fits(is_reached), TIMEOUT), self.latest
+            reached = self.latest
+            # The session shows a snapshot before it tells its listeners.
+            assert self._changed.wait_for(lambda: self._has_seen(reached), TIMEOUT), reached
         return self.latest
+
+    def _has_seen(self, snapshot):
+        return not self.seen or self.seen[-1].number >= snapshot.number
 
     def _fits(self, is_reached):
         return self.latest is not None and is_reached(self.latest)

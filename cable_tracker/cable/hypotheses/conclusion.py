@@ -25,7 +25,7 @@ from cable_tracker.cable.hypotheses.proposals import (
     SampleCounts,
     draw_sample,
 )
-from cable_tracker.cable.measure.likelihood_ratio import bright_share
+from cable_tracker.cable.measure.likelihood_ratio import border_clearness, bright_share
 from cable_tracker.cable.model.geometry import unwrap_state
 from cable_tracker.cable.model.state import STATE_SIZE, StateColumn
 from cable_tracker.compilation import compiled, compiled_loop, compiled_part
@@ -60,6 +60,8 @@ class Conclusion(NamedTuple):
         strips of the bottom, like it or not, shape (K,).
     scores : FloatArray
         The same above the mean of strips of any kind, in their spreads, shape (K,).
+    clearness, shown : FloatArray
+        See `BorderClearness`; of the mean of each cluster.
     p_bright : float
         Share of the weight that speaks for a cable brighter than the bottom.
     """
@@ -73,6 +75,8 @@ class Conclusion(NamedTuple):
     visible_length: float
     levels: FloatArray
     scores: FloatArray
+    clearness: FloatArray
+    shown: FloatArray
     p_bright: float
 
 
@@ -160,6 +164,7 @@ def conclude(
         groups,
         background,
     )
+    clear = border_clearness(clusters.means, inputs.scan, inputs.model)
     return Conclusion(
         states,
         normalised,
@@ -170,6 +175,8 @@ def conclude(
         visible_length,
         levels,
         scores,
+        clear.clearness,
+        clear.shown,
         posterior_bright,
     )
 
@@ -256,6 +263,8 @@ def _nothing(states: FloatArray, log_shares: FloatArray) -> Conclusion:
         0.0,
         0.0,
         0.0,
+        np.empty(0),
+        np.empty(0),
         np.empty(0),
         np.empty(0),
         0.0,

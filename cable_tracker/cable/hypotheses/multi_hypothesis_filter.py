@@ -37,6 +37,7 @@ from cable_tracker.cable.hypotheses.conclusion import Conclusion, draw_and_concl
 from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.presence import (
+    Standing,
     inherited_log_odds,
     probability_of,
     thin_factor,
@@ -271,29 +272,24 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         inherited = inherited_log_odds(expected, belief.log_odds, found.clusters.means, width)
         survival = existence.survived / max(belief.presence, MINIMUM_DENSITY)
         appearance = -math.expm1(-parameters.appearance_rate * dt)
-        thin = [
-            thin_factor(strip_width, self._rules.thin_width)
-            for strip_width in found.clusters.means[:, StateColumn.WIDTH].tolist()
-        ]
+        gain = gain_over(parameters.presence_gain, dt)
         return np.array(
             [
-                updated_log_odds(
-                    odds,
-                    level * factor,
-                    score * factor,
-                    survival,
-                    appearance,
-                    gain_over(parameters.presence_gain, dt),
-                )
-                for odds, level, score, factor in zip(
-                    inherited.tolist(),
-                    found.levels.tolist(),
-                    found.scores.tolist(),
-                    thin,
-                    strict=True,
-                )
+                updated_log_odds(odds, standing, survival, appearance, gain)
+                for odds, standing in zip(inherited.tolist(), self._standings(found), strict=True)
             ]
         )
+
+    def _standings(self, found: Conclusion) -> list[Standing]:
+        """Return how the clusters stand out; thin ones less: any bottom has thin lines."""
+        columns = np.column_stack((found.levels, found.scores, found.clearness, found.shown))
+        widths = found.clusters.means[:, StateColumn.WIDTH].tolist()
+        standings = []
+        for width, row in zip(widths, columns.tolist(), strict=True):
+            level, score, clearness, shown = row
+            factor = thin_factor(width, self._rules.thin_width)
+            standings.append(Standing(level * factor, score * factor, clearness, shown))
+        return standings
 
     def _searching_anew(self, belief: Belief) -> Belief:
         """Return the belief without the hypotheses: the leading one can never be claimed."""

@@ -14,6 +14,7 @@ bed without a cable.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,6 +39,14 @@ ORDINARY_LEVEL, ORDINARY_SLOPE = 8.0, 0.15
 CLEAR_LEVEL, CLEAR_SLOPE = 18.0, 0.35
 """Levels above this are found on cables alone [nats], and say so much more per nat."""
 
+CLEARNESS, CLEARNESS_SLOPE = 1.1, 16.0
+"""Borders that are clearer than this are found on cables alone [nats per point in view], and say so
+much more per nat."""
+
+LEAST_SHOWN, ENOUGH_SHOWN = 0.3, 0.5
+"""So clear are short edges, too: with less length in view, as a share of the picture's height, it
+says nothing of a cable, with more than the other all."""
+
 HIDDEN_SHARE = 0.5
 """Share of the frames in which nothing is learnt of a cable: growth, sand, shadows."""
 
@@ -61,15 +70,38 @@ THINNEST_FACTOR = 0.5
 """The evidence for the thinnest strip counts so much."""
 
 
-def frame_log_odds(level: float, score: float) -> float:
-    """Return what a frame says for a cable against none [nats].
+class Standing(NamedTuple):
+    """How a hypothesis stands out of a frame.
 
-    `level` [nats] says how far it stands above strips like it, `score` [spreads] above any.
+    Attributes
+    ----------
+    level : float
+        How far its log-likelihood ratio is above that of strips like it [nats].
+    score : float
+        How far it is above that of strips of any kind [spreads].
+    clearness, shown : float
+        See `BorderClearness`.
     """
-    odds = _log_ratio_of_score(score) + CLEAR_SLOPE * max(level - CLEAR_LEVEL, 0.0)
+
+    level: float
+    score: float
+    clearness: float
+    shown: float
+
+
+def frame_log_odds(standing: Standing) -> float:
+    """Return what a frame says for a cable against none [nats]."""
+    level = standing.level
+    odds = _log_ratio_of_score(standing.score) + CLEAR_SLOPE * max(level - CLEAR_LEVEL, 0.0)
     if level < ORDINARY_LEVEL:
         odds = min(odds, ORDINARY_SLOPE * (level - ORDINARY_LEVEL))
+    # A short strip, in a corner, never stands as high as one through the whole picture.
+    odds += CLEARNESS_SLOPE * _enough(standing.shown) * max(standing.clearness - CLEARNESS, 0.0)
     return min(max(odds, LEAST_LOG_ODDS), LARGEST_LOG_ODDS)
+
+
+def _enough(shown: float) -> float:
+    return min(max((shown - LEAST_SHOWN) / (ENOUGH_SHOWN - LEAST_SHOWN), 0.0), 1.0)
 
 
 def _log_ratio_of_score(score: float) -> float:
@@ -114,7 +146,7 @@ def inherited_log_odds(
 
 
 def updated_log_odds(
-    inherited: float, level: float, score: float, survival: float, appearance: float, gain: float
+    inherited: float, standing: Standing, survival: float, appearance: float, gain: float
 ) -> float:
     """Return the log-odds of a hypothesis after a frame.
 
@@ -122,16 +154,14 @@ def updated_log_odds(
     ----------
     inherited : float
         Before it; NaN for a new hypothesis.
-    level : float
-        How far its log-likelihood ratio is above that of strips like it [nats].
-    score : float
-        How far it is above that of strips of any kind [spreads].
+    standing : Standing
+        How it stands out of the frame.
     survival, appearance : float
         Probability that a cable that was there still is, and that one has come.
     gain : float
         Share of the frame's evidence that counts for a hypothesis that goes on.
     """
-    odds = frame_log_odds(level, score)
+    odds = frame_log_odds(standing)
     if math.isnan(inherited):
         return min(max(NEW_LOG_ODDS + odds, LOWEST), HIGHEST)
     before = probability_of(inherited)

@@ -185,6 +185,38 @@ def measure_into(
             weaker[cable, polarity] = weakest / (model.tempering * longest)
 
 
+class BorderClearness(NamedTuple):
+    """How clearly the frame shows each of N cables where they are in view.
+
+    Attributes
+    ----------
+    clearness : FloatArray
+        Mean log-likelihood ratio per point in view of the weaker border, shape (N,) [nats].
+    shown : FloatArray
+        Length in view of the shorter border, as a share of the picture's height, at most 1,
+        shape (N,).
+    """
+
+    clearness: FloatArray
+    shown: FloatArray
+
+
+@compiled_part
+def border_clearness(states: FloatArray, scan: FrameScan, model: RatioModel) -> BorderClearness:
+    """Measure how clear the borders of cables are, shape (N, 8), whatever they lack of length."""
+    count = len(states)
+    clear = BorderClearness(np.zeros(count), np.zeros(count))
+    evidence = CableEvidence(np.empty((count, 2)), np.empty((count, 2)), np.empty(count))
+    # One point is expected: lengths beyond the edge of the frame are neither paid nor counted.
+    in_view = FrameScan(scan.rows, scan.columns, scan.reduction, scan.scale, 1.0)
+    measure_into(states, 0, count, in_view, model, evidence)
+    for row in range(count):
+        weaker = evidence.weaker_borders[row]
+        clear.clearness[row] = max(weaker[0], weaker[1])
+        clear.shown[row] = min(evidence.visible_lengths[row] / scan.expected, 1.0)
+    return clear
+
+
 @compiled_inside
 def _over_strengths(
     sums: Image, first: int, tempering: float, shares: FloatArray

@@ -9,12 +9,16 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.presence import (
     CLEAR_LEVEL,
+    CLEARNESS,
+    ENOUGH_SHOWN,
     HIGHEST,
     LARGEST_LOG_ODDS,
     LEAST_LOG_ODDS,
+    LEAST_SHOWN,
     LOWEST,
     NEW_LOG_ODDS,
     ORDINARY_LEVEL,
+    Standing,
     frame_log_odds,
     inherited_log_odds,
     log_odds_of,
@@ -26,24 +30,48 @@ from cable_tracker.cable.hypotheses.presence import (
 NEW = math.nan
 
 
-@given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(0.0, 1e3), st.floats(0.0, 1e3))
-def test_to_stand_higher_never_speaks_less_for_a_cable(level, score, more, further):
-    odds = frame_log_odds(level, score)
-    assert odds <= frame_log_odds(level + more, score + further) + 1e-9
+FAINT = Standing(level=12.0, score=12.0, clearness=0.5, shown=1.0)
+
+
+@given(
+    st.builds(
+        Standing,
+        level=st.floats(-1e3, 1e3),
+        score=st.floats(-1e3, 1e3),
+        clearness=st.floats(-1e3, 1e3),
+        shown=st.floats(0.0, 1.0),
+    ),
+    st.sampled_from(Standing._fields),
+    st.floats(0.0, 1e3),
+)
+def test_to_stand_out_more_never_speaks_less_for_a_cable(standing, name, more):
+    odds = frame_log_odds(standing)
+    assert (
+        odds <= frame_log_odds(standing._replace(**{name: getattr(standing, name) + more})) + 1e-9
+    )
     assert LEAST_LOG_ODDS <= odds <= LARGEST_LOG_ODDS
 
 
 def test_the_best_of_a_bare_bottom_speaks_against_a_cable_and_a_clear_cable_for_it():
-    assert frame_log_odds(12.0, 5.0) < 0.0 < frame_log_odds(12.0, 10.0)
+    assert frame_log_odds(FAINT._replace(score=5.0)) < 0.0
+    assert frame_log_odds(FAINT._replace(score=10.0)) > 0.0
 
 
 def test_what_hardly_stands_above_strips_like_it_is_no_cable_however_high_its_score():
-    assert frame_log_odds(ORDINARY_LEVEL - 4.0, 16.0) < 0.0
+    assert frame_log_odds(FAINT._replace(level=ORDINARY_LEVEL - 4.0, score=16.0)) < 0.0
 
 
 def test_what_stands_far_above_strips_like_it_is_one_though_the_bottom_is_coarse():
-    assert frame_log_odds(CLEAR_LEVEL + 8.0, 6.0) > 1.0
-    assert frame_log_odds(CLEAR_LEVEL, 6.0) < 0.0
+    coarse = FAINT._replace(score=6.0)
+    assert frame_log_odds(coarse._replace(level=CLEAR_LEVEL + 8.0)) > 1.0
+    assert frame_log_odds(coarse._replace(level=CLEAR_LEVEL)) < 0.0
+
+
+def test_a_clear_strip_in_a_corner_is_a_cable_and_a_clear_edge_of_a_stone_is_not():
+    low = Standing(level=ORDINARY_LEVEL - 1.0, score=6.0, clearness=CLEARNESS + 0.4, shown=0.0)
+    assert frame_log_odds(low._replace(shown=ENOUGH_SHOWN)) > 3.0
+    assert frame_log_odds(low._replace(shown=LEAST_SHOWN)) < 0.0
+    assert frame_log_odds(low._replace(shown=ENOUGH_SHOWN, clearness=CLEARNESS)) < 0.0
 
 
 @given(
@@ -54,16 +82,17 @@ def test_what_stands_far_above_strips_like_it_is_one_though_the_bottom_is_coarse
     st.floats(0, 1),
 )
 def test_log_odds_stay_where_they_can_turn(before, level, score, survival, appearance):
+    standing = FAINT._replace(level=level, score=score)
     for inherited in (before, NEW):
-        after = updated_log_odds(inherited, level, score, survival, appearance, 0.3)
+        after = updated_log_odds(inherited, standing, survival, appearance, 0.3)
         assert LOWEST <= after <= HIGHEST
 
 
 def test_a_hypothesis_that_goes_on_gains_a_share_and_a_new_one_all():
-    odds = frame_log_odds(12.0, 12.0)
-    assert updated_log_odds(NEW, 12.0, 12.0, 1.0, 0.0, 0.3) == pytest.approx(NEW_LOG_ODDS + odds)
-    assert updated_log_odds(0.5, 12.0, 12.0, 1.0, 0.0, 0.3) == pytest.approx(0.5 + 0.3 * odds)
-    vanishing, staying = (updated_log_odds(2.0, 12.0, 12.0, s, 0.0, 0.3) for s in (0.1, 1.0))
+    odds = frame_log_odds(FAINT)
+    assert updated_log_odds(NEW, FAINT, 1.0, 0.0, 0.3) == pytest.approx(NEW_LOG_ODDS + odds)
+    assert updated_log_odds(0.5, FAINT, 1.0, 0.0, 0.3) == pytest.approx(0.5 + 0.3 * odds)
+    vanishing, staying = (updated_log_odds(2.0, FAINT, s, 0.0, 0.3) for s in (0.1, 1.0))
     assert vanishing < staying
 
 

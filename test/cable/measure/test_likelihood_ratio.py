@@ -1,14 +1,17 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.border_points import agreed_contrast, measure_points
+from cable_tracker.cable.measure.border_points import agreed_contrast, frame_scan, measure_points
 from cable_tracker.cable.measure.likelihood_ratio import (
     JOINT_STRENGTHS,
     BorderLikelihoodRatio,
+    border_clearness,
     bright_share,
     marginal_log_ratios,
 )
@@ -71,6 +74,30 @@ def test_the_true_cable_speaks_for_itself_and_a_wrong_one_against(strip):
     assert evidence.weaker_borders[0, 0] > 0.5
     assert evidence.log_ratios[1].max() < 0.0
     assert evidence.weaker_borders[1].max() < 0.0
+
+
+def test_a_strip_in_a_corner_is_clear_though_little_of_it_is_shown(draw_strip, noise_picture):
+    through, corner = CableState(0.0, 0.7, 16.0, 0.0), CableState(60.0, 0.7, 16.0, 0.0)
+    found = []
+    for strip in (through, corner):
+        picture = draw_strip(strip, SIZE) + noise_picture(1, SIZE, 4.0).astype(np.float32) - 128.0
+        scan, model = frame_scan(working(picture)), MODEL.model_for(working(picture))
+        elsewhere = replace(strip, distance=strip.distance - 40.0)
+        states = np.array([strip.to_array(), elsewhere.to_array()])
+        found.append(border_clearness(states, scan, model))
+    middle, in_corner = found
+    # A short border tells less of how strong it is, which costs each of its points more.
+    assert 1.0 < in_corner.clearness[0] <= middle.clearness[0]
+    assert middle.shown[0] == 1.0
+    assert 0.1 < in_corner.shown[0] < 0.6
+    assert max(middle.clearness[1], in_corner.clearness[1]) < 0.0
+
+
+def test_a_cable_out_of_view_shows_nothing(strip):
+    scan, model = frame_scan(working(strip)), MODEL.model_for(working(strip))
+    found = border_clearness(changed(distance=500.0)[None, :], scan, model)
+    assert found.shown[0] == 0.0
+    assert found.clearness[0] < 0.0
 
 
 def test_a_negative_of_the_picture_swaps_bright_and_dark(strip):
