@@ -22,9 +22,9 @@ from cable_tracker.cable.hypotheses.proposals import (
     ProposalConfig,
     ProposalInputs,
     Sample,
-    SampleCounts,
     draw_sample,
 )
+from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
 from cable_tracker.cable.measure.likelihood_ratio import border_clearness, bright_share
 from cable_tracker.cable.model.geometry import unwrap_state
 from cable_tracker.cable.model.state import STATE_SIZE, StateColumn

@@ -32,12 +32,18 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.filter import CableFilter, Finding, ParticleBelief, equal_states
 from cable_tracker.cable.hypotheses.ancestors import draw_ancestors, surviving_ancestors
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
+from cable_tracker.cable.hypotheses.border_displacement import (
+    displacement_covariance,
+    displacement_factor,
+)
 from cable_tracker.cable.hypotheses.border_jump import RATE, jump_from
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, draw_and_conclude
 from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.polarity import updated_p_bright
 from cable_tracker.cable.hypotheses.presence import (
     Standing,
+    gain_over,
     inherited_log_odds,
     probability_of,
     thin_factor,
@@ -47,9 +53,10 @@ from cable_tracker.cable.hypotheses.prior import MINIMUM_DENSITY, Prior
 from cable_tracker.cable.hypotheses.proposals import (
     ProposalConfig,
     ProposalInputs,
-    SampleCounts,
     empty_sample,
 )
+from cable_tracker.cable.hypotheses.rounds import annealing_power, round_weights, widening_in
+from cable_tracker.cable.hypotheses.sample_counts import sample_counts
 from cable_tracker.cable.hypotheses.survival_and_birth import (
     BirthDensity,
     birth_density_of,
@@ -94,22 +101,6 @@ MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
 DETECTION_SIGMAS = np.array([2.0, np.deg2rad(1.0), 2.8, np.deg2rad(1.0)])
 """How far from a detection a cable is drawn: d, alpha, w, beta [px at the reference width, rad]."""
 
-LOST_DETECTOR_SHARE = 0.3
-"""Share of the particles about detections while it is more likely than not that there is none."""
-
-JUMP_SHARE = 0.06
-"""Share of the particles that share a border with the hypothesis that leads, and no more."""
-
-LARGEST_BIRTH_SHARE = 0.8
-"""Share of the particles of the prior that are born at most."""
-
-FIRST_POWER = 0.3
-"""The first round looks at the frame through the likelihood to this power, the last one at it as it
-is: the annealing that keeps a narrow peak from being missed."""
-
-WIDENINGS = (1.5, 1.2)
-"""Factor on the covariance of the particles that a round draws about: first round, later ones."""
-
 SMALLEST_SIGMAS = np.array([0.15, np.deg2rad(0.08), 0.2, np.deg2rad(0.08)])
 """A round draws about particles with at least this scale [px at the reference width, rad]."""
 
@@ -119,16 +110,6 @@ MOST_REFINED, SMALLEST_REFINED = 3, 0.02
 SMALLEST_KERNEL = np.array([0.05, np.deg2rad(0.02), 0.05, np.deg2rad(0.02)])
 """Smallest scale of the movement [px at the reference width, rad]: without any, the particles could
 not be told from points."""
-
-CLEAR_EVIDENCE, EVIDENCE_STEP, LARGEST_FACTOR = 1.7, 0.4, 4.0
-"""Borders with less evidence are displaced farther: by `border_displacement` more for each step
-that it is less than that of clear ones, up to the factor."""
-
-BORDER_TURN = float(np.deg2rad(0.4))
-"""Turn of a border that is displaced by one pixel of the reference width [rad]."""
-
-POLARITY_DOUBT = 0.02
-"""The probability that the cable is bright stays this far from 0 and 1."""
 
 SMALLEST_HYPOTHESIS = 0.01
 """Clusters with a smaller share are not reported."""
@@ -234,7 +215,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         births = birth_density_of(self._box, memory, self._parameters.memory_time, self._image_size)
         expected = self._expected(belief, dt, motion)
         prior, existence = self._predict(belief, expected[0], dt, motion, births, width_prior)
-        counts = self._sample_counts(existence, births, len(detections))
+        counts = sample_counts(self._parameters, existence, births, len(detections), self._refined)
         noise = draw_frame_noise(
             self._rng,
             self._parameters.particle_count,
@@ -350,30 +331,6 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         count = len(prior.rates)
         return np.full(count, 1.0 / count)
 
-    def _sample_counts(
-        self, existence: PredictedExistence, birth_density: BirthDensity, detections: int
-    ) -> SampleCounts:
-        parameters = self._parameters
-        count, refined = parameters.particle_count, int(self._refined.sum())
-        detector_share = parameters.detector_share if detections else 0.0
-        if detector_share > 0.0 and existence.total < 0.5:
-            detector_share = max(detector_share, LOST_DETECTOR_SHARE)
-        detected = min(
-            int(count * detector_share), max(count - refined - int(count * JUMP_SHARE) - 1, 0)
-        )
-        jumps = int(count * JUMP_SHARE)
-        rest = count - refined - detected - jumps
-        born = existence.born / max(existence.total, MINIMUM_DENSITY)
-        births = int(rest * min(max(born, parameters.search_share), LARGEST_BIRTH_SHARE))
-        return SampleCounts(
-            survivors=rest - births,
-            births=births,
-            remembered=birth_density.remembered_of(births),
-            jumps=jumps,
-            detections=detected,
-            refined=self._refined,
-        )
-
     def _expected(self, belief: Belief, dt: float, motion: MotionAid | None) -> FloatArray:
         """Return where the clusters are expected, the one that leads first, shape (K, 8)."""
         expected: FloatArray = belief.clusters.means.copy()
@@ -406,7 +363,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             covariance=found.covariance,
             effective_size=found.effective_size,
             presence=presence,
-            p_bright=self._polarity(belief.p_bright, found.p_bright, presence, dt),
+            p_bright=updated_p_bright(
+                belief.p_bright, found.p_bright, presence, self._parameters.polarity_memory, dt
+            ),
             memory=memory,
             width_prior=width_prior,
             border_evidence=found.border_evidence,
@@ -424,12 +383,6 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             memory=before.memory,
             width_prior=before.width_prior,
         )
-
-    def _polarity(self, before: float, found: float, presence: float, dt: float) -> float:
-        memory = self._parameters.polarity_memory ** (dt * REFERENCE_RATE)
-        now = presence * found + (1.0 - presence) * before
-        p_bright = memory * now + (1.0 - memory) * 0.5
-        return float(min(max(p_bright, POLARITY_DOUBT), 1.0 - POLARITY_DOUBT))
 
     def finding(self, belief: Belief, image: WorkingImage) -> Finding:
         """Return what a belief says about the frame that it came from."""
@@ -469,51 +422,3 @@ def _hypotheses(belief: Belief) -> tuple[Hypothesis, ...]:
         for index, (mass, mean) in enumerate(zip(masses, means, strict=True))
         if index == 0 or mass >= SMALLEST_HYPOTHESIS
     )
-
-
-def displacement_covariance(parameters: TrackerParameters, image_width: int) -> FloatArray:
-    """Return the covariance (8, 8) of what the likelihood does not know.
-
-    Growth, shadow and the roundness of a cable shift each border as a whole, by the same in frame
-    after frame; particles agree on the wrong place then.
-    """
-    border = parameters.border_displacement * image_width / REFERENCE_WIDTH
-    turn = parameters.border_displacement * BORDER_TURN
-    variances = np.zeros(STATE_SIZE)
-    # d and alpha are means of the two borders, w is their difference, beta half of it.
-    variances[:POSE_SIZE] = [border**2 / 2, turn**2 / 2, 2 * border**2, turn**2 / 2]
-    return np.diag(variances)
-
-
-def displacement_factor(evidence: float) -> float:
-    """Return how many times `border_displacement` a border with some evidence is displaced."""
-    return min(max(1.0 + (CLEAR_EVIDENCE - evidence) / EVIDENCE_STEP, 1.0), LARGEST_FACTOR)
-
-
-def gain_over(gain: float, dt: float) -> float:
-    """Return the share of a frame's evidence that is new, for its share at 25 frames per second.
-
-    What looks like a cable in one frame does so in the next, the less the longer that is after.
-    """
-    frames = dt * REFERENCE_RATE if dt > 0.0 else 1.0
-    return 1.0 - math.pow(1.0 - gain, frames)
-
-
-def annealing_power(number: int, rounds: int) -> float:
-    """Return the power of the likelihood in a round: from `FIRST_POWER` up to 1 in the last."""
-    if rounds == 1:
-        return FIRST_POWER
-    return float(FIRST_POWER ** (1.0 - number / (rounds - 1)))
-
-
-def widening_in(number: int) -> float:
-    """Return the factor on the covariance of the particles that a round draws about."""
-    return WIDENINGS[min(number, len(WIDENINGS) - 1)]
-
-
-def round_weights(rounds: int) -> list[float]:
-    """Return the share of each round; the last, which counts most, has more than the others."""
-    if rounds == 0:
-        return []
-    parts = [1.0] * (rounds - 1) + [1.5]
-    return [part / sum(parts) for part in parts]

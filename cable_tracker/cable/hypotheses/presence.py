@@ -21,7 +21,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
 from cable_tracker.compilation import compiled_inside
 
 EMPTY_MODE, EMPTY_SCALE = 4.3, 1.33
@@ -178,3 +178,12 @@ def log_odds_of(probability: float) -> float:
 def probability_of(log_odds: float) -> float:
     """Return the probability that has these log-odds."""
     return 1.0 / (1.0 + math.exp(-log_odds))
+
+
+def gain_over(gain: float, dt: float) -> float:
+    """Return the share of a frame's evidence that is new, for its share at 25 frames per second.
+
+    What looks like a cable in one frame does so in the next, the less the longer that is after.
+    """
+    frames = dt * REFERENCE_RATE if dt > 0.0 else 1.0
+    return 1.0 - math.pow(1.0 - gain, frames)

@@ -30,6 +30,7 @@ from cable_tracker.cable.hypotheses.prior import (
     empty_densities,
     weigh_by_prior,
 )
+from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.survival_and_birth import place_births
 from cable_tracker.cable.measure.border_points import FrameScan
 from cable_tracker.cable.measure.likelihood_ratio import (
@@ -71,17 +72,6 @@ class ProposalConfig(NamedTuple):
     widenings: FloatArray
     most_refined: int
     smallest_refined: float
-
-
-class SampleCounts(NamedTuple):
-    """How many particles are drawn from what; `refined` of each round."""
-
-    survivors: int
-    births: int
-    remembered: int
-    jumps: int
-    detections: int
-    refined: IndexArray
 
 
 class ProposalInputs(NamedTuple):

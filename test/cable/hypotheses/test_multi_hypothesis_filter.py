@@ -4,21 +4,15 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from cable_tracker.cable.hypotheses import multi_hypothesis_filter
+from cable_tracker.cable.hypotheses import sample_counts
 from cable_tracker.cable.hypotheses.belief import initial_belief
+from cable_tracker.cable.hypotheses.border_displacement import displacement_factor
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
-    FIRST_POWER,
     GIVEN_PRESENCE,
     LEAST_PRESENCE,
     SMALLEST_HYPOTHESIS,
     MultiHypothesisFilter,
-    annealing_power,
-    displacement_factor,
-    gain_over,
-    round_weights,
 )
 from cable_tracker.cable.hypotheses.presence import HIGHEST, probability_of
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
@@ -65,24 +59,6 @@ def strip(draw_strip):
 @pytest.fixture
 def noise(noise_picture):
     return lambda seed: working(noise_picture(seed, SIZE))
-
-
-@given(st.integers(1, 6))
-def test_the_power_of_the_likelihood_rises_round_by_round_to_one(rounds):
-    powers = [annealing_power(number, rounds) for number in range(rounds)]
-    assert powers[0] == pytest.approx(FIRST_POWER)
-    assert powers == sorted(powers)
-    if rounds > 1:
-        assert powers[-1] == 1.0
-
-
-@given(st.integers(1, 6))
-def test_the_rounds_share_all_and_the_last_has_most(rounds):
-    weights = round_weights(rounds)
-    assert len(weights) == rounds
-    assert sum(weights) == pytest.approx(1.0)
-    assert max(weights) == weights[-1]
-    assert round_weights(0) == []
 
 
 def mean_of(belief) -> np.ndarray:
@@ -213,7 +189,7 @@ def test_the_width_and_the_place_are_remembered_while_a_cable_is_tracked(strip, 
 
 def test_what_cannot_be_is_a_new_search(strip, monkeypatch):
     # No width that particles may have is one that is drawn; only jumps would have one.
-    monkeypatch.setattr(multi_hypothesis_filter, "JUMP_SHARE", 0.0)
+    monkeypatch.setattr(sample_counts, "JUMP_SHARE", 0.0)
     cable_filter = make_filter(
         width_minimum=150.0, initial_width_minimum=6.0, initial_width_maximum=20.0,
         detector_share=0.0, diffusion_degrees_of_freedom=0.0,
@@ -364,18 +340,6 @@ def test_what_the_likelihood_does_not_know_widens_the_covariance(strip):
     np.testing.assert_allclose(np.diag(added)[[0, 2]], [2.0 * factor, 8.0 * factor])
     np.testing.assert_allclose(added, np.diag(np.diag(added)), atol=1e-12)
     np.testing.assert_array_equal(wide.mean, plain.mean)
-
-
-def test_fainter_borders_are_displaced_farther_within_limits():
-    factors = [displacement_factor(evidence) for evidence in (3.0, 1.7, 1.3, 0.9, 0.0, -5.0)]
-    np.testing.assert_allclose(factors, [1.0, 1.0, 2.0, 3.0, 4.0, 4.0])
-
-
-@given(gain=st.floats(0.0, 1.0), dt=st.floats(0.001, 1.0))
-def test_evidence_of_frames_adds_up_over_time_at_any_rate(gain, dt):
-    assert gain_over(gain, 0.04) == pytest.approx(gain)
-    assert gain_over(gain, 0.0) == pytest.approx(gain)
-    assert 1.0 - gain_over(gain, 2 * dt) == pytest.approx((1.0 - gain_over(gain, dt)) ** 2)
 
 
 def test_the_belief_of_another_filter_is_taken_over_as_one_that_was_told(strip):

@@ -20,6 +20,7 @@ from cable_tracker.cable.hypotheses.presence import (
     ORDINARY_LEVEL,
     Standing,
     frame_log_odds,
+    gain_over,
     inherited_log_odds,
     log_odds_of,
     probability_of,
@@ -116,3 +117,10 @@ def test_a_hypothesis_inherits_from_the_nearest_that_is_near_enough():
 def test_thin_strips_count_less_but_something():
     factors = [thin_factor(width, 12.0) for width in (0.0, 3.0, 6.0, 12.0, 100.0)]
     assert factors == pytest.approx([0.5, 0.5, math.sqrt(0.5), 1.0, 1.0])
+
+
+@given(gain=st.floats(0.0, 1.0), dt=st.floats(0.001, 1.0))
+def test_evidence_of_frames_adds_up_over_time_at_any_rate(gain, dt):
+    assert gain_over(gain, 0.04) == pytest.approx(gain)
+    assert gain_over(gain, 0.0) == pytest.approx(gain)
+    assert 1.0 - gain_over(gain, 2 * dt) == pytest.approx((1.0 - gain_over(gain, dt)) ** 2)

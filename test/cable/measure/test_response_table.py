@@ -9,10 +9,14 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.response_table import (
     CLASSES,
+    CONTRAST_BINS,
+    CONTRAST_LIMIT,
     CONTRAST_SHAPE,
     EDGE_SHAPE,
     LARGEST_RATIO,
     RATIO_LIMIT,
+    RESPONSE_BINS,
+    RESPONSE_LIMIT,
     PointMeasures,
     ResponseHistograms,
     ResponseTable,
@@ -130,11 +134,19 @@ def test_cells_of_known_points(rng):
         np.testing.assert_allclose(found[:, CLASSES + strength], dark)
 
 
+def inside_bins(rng, limit, bins) -> np.ndarray:
+    """Draw measures, some beyond the limits; on the edge of a bin rounding would decide."""
+    numbers = rng.integers(-5, bins + 5, 50) + rng.uniform(0.01, 0.99, 50)
+    return numbers * 2 * limit / bins - limit
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_a_dark_border_is_a_bright_one_in_the_negative(seed):
     rng = np.random.default_rng(seed)
     table = any_table(rng)
-    measured = points(rng.normal(0, 8, 50), rng.normal(0, 0.5, 50), rng.normal(0, 8, 50))
+    responses = inside_bins(rng, RESPONSE_LIMIT, RESPONSE_BINS)
+    contrasts = inside_bins(rng, CONTRAST_LIMIT, CONTRAST_BINS)
+    measured = points(responses, rng.normal(0, 0.5, 50), contrasts)
     picture, negative = table.look_up(measured), table.look_up(measured.negative())
     np.testing.assert_array_equal(picture, np.roll(negative, CLASSES, axis=1))
 

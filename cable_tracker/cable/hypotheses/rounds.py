@@ -1,0 +1,30 @@
+"""The rounds of a frame: how much of the likelihood and how many particles each of them gets."""
+
+from __future__ import annotations
+
+FIRST_POWER = 0.3
+"""The first round looks at the frame through the likelihood to this power, the last one at it as it
+is: the annealing that keeps a narrow peak from being missed."""
+
+WIDENINGS = (1.5, 1.2)
+"""Factor on the covariance of the particles that a round draws about: first round, later ones."""
+
+
+def annealing_power(number: int, rounds: int) -> float:
+    """Return the power of the likelihood in a round: from `FIRST_POWER` up to 1 in the last."""
+    if rounds == 1:
+        return FIRST_POWER
+    return float(FIRST_POWER ** (1.0 - number / (rounds - 1)))
+
+
+def widening_in(number: int) -> float:
+    """Return the factor on the covariance of the particles that a round draws about."""
+    return WIDENINGS[min(number, len(WIDENINGS) - 1)]
+
+
+def round_weights(rounds: int) -> list[float]:
+    """Return the share of each round; the last, which counts most, has more than the others."""
+    if rounds == 0:
+        return []
+    parts = [1.0] * (rounds - 1) + [1.5]
+    return [part / sum(parts) for part in parts]

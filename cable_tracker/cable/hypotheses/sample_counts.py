@@ -1,0 +1,58 @@
+"""How many of the particles of a frame are drawn from what."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from cable_tracker.arrays import IndexArray
+from cable_tracker.cable.hypotheses.prior import MINIMUM_DENSITY
+from cable_tracker.cable.hypotheses.survival_and_birth import BirthDensity
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.particle_filter.existence import PredictedExistence
+
+LOST_DETECTOR_SHARE = 0.3
+"""Share of the particles about detections while it is more likely than not that there is none."""
+
+JUMP_SHARE = 0.06
+"""Share of the particles that share a border with the hypothesis that leads, and no more."""
+
+LARGEST_BIRTH_SHARE = 0.8
+"""Share of the particles of the prior that are born at most."""
+
+
+class SampleCounts(NamedTuple):
+    """How many particles are drawn from what; `refined` of each round."""
+
+    survivors: int
+    births: int
+    remembered: int
+    jumps: int
+    detections: int
+    refined: IndexArray
+
+
+def sample_counts(
+    parameters: TrackerParameters,
+    existence: PredictedExistence,
+    birth_density: BirthDensity,
+    detections: int,
+    refined: IndexArray,
+) -> SampleCounts:
+    """Share out the particles of a frame with some detections; `refined` of each round."""
+    count, jumps = parameters.particle_count, int(parameters.particle_count * JUMP_SHARE)
+    first = count - int(refined.sum()) - jumps
+    share = parameters.detector_share if detections else 0.0
+    if share > 0.0 and existence.total < 0.5:
+        share = max(share, LOST_DETECTOR_SHARE)
+    detected = min(int(count * share), max(first - 1, 0))
+    rest = first - detected
+    born = existence.born / max(existence.total, MINIMUM_DENSITY)
+    births = int(rest * min(max(born, parameters.search_share), LARGEST_BIRTH_SHARE))
+    return SampleCounts(
+        survivors=rest - births,
+        births=births,
+        remembered=birth_density.remembered_of(births),
+        jumps=jumps,
+        detections=detected,
+        refined=refined,
+    )

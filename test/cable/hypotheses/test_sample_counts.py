@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.hypotheses.sample_counts import LOST_DETECTOR_SHARE, sample_counts
+from cable_tracker.cable.hypotheses.survival_and_birth import birth_density_of
+from cable_tracker.cable.model.initialisation import search_box
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.particle_filter.existence import PredictedExistence
+
+NO_ROUNDS = np.zeros(0, np.int64)
+
+
+def counts_of(count, survived, born, detections, refined=NO_ROUNDS):
+    parameters = TrackerParameters(particle_count=count)
+    births = birth_density_of(search_box(parameters, 320), None, 1.0, (320, 240))
+    existence = PredictedExistence(survived, born)
+    return sample_counts(parameters, existence, births, detections, refined)
+
+
+@given(
+    st.integers(10, 5000), st.floats(0.0, 0.5), st.floats(0.0, 0.5), st.integers(0, 8),
+    st.floats(0.0, 0.6),
+)  # fmt: skip
+def test_every_particle_is_drawn_from_something(count, survived, born, detections, refined):
+    rounds = np.array([int(0.4 * refined * count), int(0.6 * refined * count)], np.int64)
+    counts = counts_of(count, survived, born, detections, rounds)
+    parts = (counts.survivors, counts.births, counts.jumps, counts.detections)
+    assert sum(parts) + rounds.sum() == count
+    assert min(parts) >= 0
+    assert counts.remembered <= counts.births
+
+
+def test_detections_get_more_particles_while_there_is_more_likely_no_cable():
+    lost, held = counts_of(500, 0.1, 0.1, 3), counts_of(500, 0.9, 0.05, 3)
+    assert lost.detections >= int(500 * LOST_DETECTOR_SHARE) > held.detections
+    assert counts_of(500, 0.1, 0.1, 0).detections == 0
