@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.survey.frame_table import TRACKING, Rows
+from cable_tracker.survey.frame_table import HIDDEN, Rows, is_claimed
 from cable_tracker.survey.navigation import Poses
 from cable_tracker.survey.smoothing import Looks, SmoothedCable, filled
 
@@ -263,7 +263,7 @@ def _diameters(
     looks: Looks, cable: SmoothedCable, rows: Rows, members: IndexArray, wanted: FloatArray
 ) -> FloatArray:
     owner = _rows_of(looks, members, len(rows))
-    known = (owner >= 0) & (rows["status"] == TRACKING) & np.isfinite(rows["diameter"])
+    known = (owner >= 0) & is_claimed(rows) & np.isfinite(rows["diameter"])
     known &= cable.weights[owner] > LEAST_WEIGHT
     along = cable.along[owner[known]]
     place = np.round((along - wanted[0]) / SPACING).astype(np.int64)
@@ -289,12 +289,13 @@ def _profile(
     first, last = limits
     count = max(1, int(np.ceil((last - first) / PROFILE_SPACING)))
     owner = _rows_of(looks, members, len(rows))
-    used = np.flatnonzero((owner >= 0) & (rows["status"] == TRACKING))
+    used = np.flatnonzero((owner >= 0) & (is_claimed(rows) | (rows["again"] == HIDDEN)))
     look = owner[used]
     off = np.abs(rows["aside"][used] - cable.states[look, 0])
     allowed = ON_ROUTE * np.sqrt(cable.covariances[look, 0, 0]) + 0.05
     # What is claimed of something else tells nothing about the cable.
     tells = (off <= allowed) & (cable.weights[look] > LEAST_WEIGHT)
+    tells |= rows["again"][used] == HIDDEN
     used, look = used[tells], look[tells]
     total, number = np.zeros(count), np.zeros(count, np.int64)
     for start in range(0, len(used), BLOCK):
