@@ -68,7 +68,8 @@ def is_claimed(rows: Rows) -> npt.NDArray[np.bool_]:
     """Tell for rows (N,) whether they say where the cable is: the tracker, or a second look."""
     again = rows["again"]
     claimed: npt.NDArray[np.bool_] = (rows["status"] == TRACKING) & (again == NOT_AGAIN)
-    return claimed | (again == SEEN)
+    claimed |= again == SEEN
+    return claimed
 
 
 @dataclass(frozen=True, slots=True)

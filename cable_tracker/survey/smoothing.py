@@ -283,15 +283,19 @@ def smooth(looks: Looks, *, way_back: bool = True) -> SmoothedCable:
     # What may be something else has to fit to what the others say, so these come first.
     weights = np.where(claimed & ~looks.doubtful, 1.0, 0.0)
     scales, bend = (1.0, 1.0), BEND
-    along, states, covariances = np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3, 3))
+    count = len(looks.stamps)
+    # All rounds write into the same arrays: a dive has as many looks as it is long.
+    along, states, covariances = np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3))
     steps = np.hypot(*np.diff(looks.places[:, :2], axis=0, prepend=looks.places[:1, :2]).T)
     seconds = np.diff(looks.stamps, prepend=looks.stamps[:1]) / 1e9
     shared = _shared(np.cumsum(steps), claimed)
     for _ in range(ROUNDS):
-        noise = (_noise(looks.covariances, scales).T * shared).T
-        along, states, covariances = _both_ways(
-            looks.places, seconds, looks.claims, noise, weights, looks.breaks, bend, way_back
-        )
+        noise = _noise(looks.covariances, scales) * shared[:, None]
+        _both_ways(
+            looks.places, seconds, looks.claims, noise, weights, looks.breaks, bend, way_back,
+            along, states, covariances,
+        )  # fmt: skip
+        del noise
         off = looks.claims - states[:, :2]
         plain = _noise(looks.covariances, scales)
         squares = off**2 / plain[:, ::2]
@@ -450,11 +454,12 @@ def _both_ways(  # noqa: PLR0917
     breaks: BoolArray,
     bend: float,
     way_back: bool,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Filter forwards and smooth backwards; see `smooth`."""
+    along: FloatArray,
+    means: FloatArray,
+    spreads: FloatArray,
+) -> None:
+    """Filter forwards and smooth backwards, into the last three arrays; see `smooth`."""
     count = len(places)
-    means, spreads = np.zeros((count, 3)), np.zeros((count, 3, 3))
-    along = np.zeros(count)
     is_new = breaks.copy()
     mean, spread = np.zeros(3), np.zeros((3, 3))
     moved = np.zeros(4)
@@ -481,4 +486,3 @@ def _both_ways(  # noqa: PLR0917
         means[k] += back @ (means[k + 1] - mean)
         spread = spreads[k] + back @ (spreads[k + 1] - spread) @ back.T
         spreads[k] = 0.5 * (spread + spread.T)
-    return along, means, spreads

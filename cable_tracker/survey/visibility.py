@@ -88,11 +88,11 @@ def find_beside(image: Image, state: CableState, reach: float) -> tuple[float, f
         return None
     margin = math.ceil(reach * (RIGHT - LEFT) / STRIDE) * STRIDE
     slopes, usual = _slopes(image, state, inside, margin)
-    shifts = np.arange(-margin, margin + 1, STRIDE)
+    shifts = range(-margin, margin + 1, STRIDE)
     scores = [_weaker(slopes, margin + shift) for shift in shifts]
     clear = clearness_of(np.array(scores)) / usual
     best = int(clear.argmax())
-    return float(shifts[best]) / (RIGHT - LEFT), float(clear[best])
+    return shifts[best] / (RIGHT - LEFT), float(clear[best])
 
 
 def clearness_of(scores: FloatArray) -> FloatArray:
