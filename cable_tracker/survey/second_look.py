@@ -20,9 +20,10 @@ from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.metric.frames import Attitude, rotations_of
 from cable_tracker.metric.homography import Overflight, move_states
 from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.source import open_source
 from cable_tracker.survey.forwards import ForwardDive, ForwardSettings, FrameRow, put_profile
-from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING
+from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING, Rows
 from cable_tracker.survey.route import LEAST_WEIGHT, Course
 from cable_tracker.survey.smoothing import SURE_ENOUGH
 from cable_tracker.survey.visibility import clearness_of, find_beside
@@ -65,7 +66,8 @@ def look_again(dive: ForwardDive, course: Course, settings: ForwardSettings) -> 
             for frame in recording.chosen_frames(stamps.__contains__):
                 number = by_frame.get(frame.index)
                 if number is not None:
-                    found += _look(dive, course, (number, int(owner[number])), frame.image, usual)
+                    place = number, int(owner[number])
+                    found += _look(rows, course, dive.flight, place, frame.image, usual)
                 if frame.index >= last:
                     break
         except RecordingError:
@@ -107,22 +109,19 @@ def _usual(dive: ForwardDive, course: Course, owner: IndexArray) -> tuple[float,
     return float(np.median(rows["diameter"][counts])), float(np.median(clear))
 
 
-def _look(
-    dive: ForwardDive,
+def _look(  # noqa: PLR0917
+    rows: Rows,
     course: Course,
+    flight: Overflight,
     place: tuple[int, int],
-    encoded: object,
+    encoded: RawImage | CompressedImage,
     usual: tuple[float, float],
 ) -> bool:
     """Look for the cable in the picture of a row and its look; tell whether it is seen."""
     number, look = place
-    row, (diameter, clearness) = dive.table.rows[number], usual
-    assert dive.flight is not None
-    flight = replace(
-        dive.flight,
-        attitude=Attitude(float(row["roll"]), float(row["pitch"]), dive.flight.attitude.sigma),
-        height=float(row["altitude"]),
-    )
+    row, (diameter, clearness) = rows[number], usual
+    attitude = Attitude(float(row["roll"]), float(row["pitch"]), flight.attitude.sigma)
+    flight = replace(flight, attitude=attitude, height=float(row["altitude"]))
     try:
         grey = decode_grey(encoded)
     except FrameError:
@@ -181,4 +180,5 @@ def _to_image(flight: Overflight) -> FloatArray:
         [[0.0, 1.0, -centre[0]], [-1.0, 0.0, -centre[1]], [0.0, 0.0, -(flight.height + centre[2])]]
     )
     mapping: FloatArray = flight.image_matrix() @ (level @ flight.mounting.rotation).T @ ground
-    return mapping / mapping[2, 2]
+    mapping /= mapping[2, 2]
+    return mapping

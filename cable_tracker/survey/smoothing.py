@@ -279,7 +279,7 @@ def _starts(places: FloatArray, step: float) -> IndexArray:
 
 def smooth(looks: Looks, *, way_back: bool = True) -> SmoothedCable:
     """Smooth the claims of a dive in both directions, or only filter them forwards."""
-    claimed = np.isfinite(looks.claims).all(axis=1)
+    claimed: BoolArray = np.isfinite(looks.claims.sum(axis=1))
     # What may be something else has to fit to what the others say, so these come first.
     weights = np.where(claimed & ~looks.doubtful, 1.0, 0.0)
     scales, bend = (1.0, 1.0), BEND

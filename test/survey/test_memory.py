@@ -8,8 +8,9 @@ from cable_tracker.survey.frame_table import ROW, FrameTable
 from cable_tracker.survey.outputs.frames import write_frames
 from cable_tracker.survey.recording import SurveySettings, analyse
 
-MOST_BYTES = 1000
-"""For each tracked picture while a dive is smoothed and written; at 5 a second, 18 MB an hour."""
+MOST_BYTES = 1500
+"""For each tracked picture while a dive is smoothed and written. These dives are shorter than the
+blocks in which much is done, so that all of it grows with them."""
 
 
 def peak_of(dive, path) -> int:
