@@ -4,7 +4,8 @@
 
 One dive is simulated and copied. Some copies are surveyed one after the other in this process, all
 of them by the workers of a cluster on this machine, as `cable-tracker survey` does; routes are not
-merged.
+merged. Two processes at once slow each other down, through memory, caches and what else the machine
+does. That is no cost of the campaign, so it is told apart: each task notes when it began and ended.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ from __future__ import annotations
 import argparse
 import shutil
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from cable_tracker import __version__
@@ -28,6 +30,8 @@ from cable_tracker.survey.recording import SurveySettings
 RATE = 25.0
 """Pictures per second; all of them are tracked."""
 
+TIMES = "times.txt"
+
 
 def main() -> None:
     """Measure, and print."""
@@ -42,7 +46,7 @@ def main() -> None:
     root = chosen.folder / "surveyed"
     shutil.rmtree(root, ignore_errors=True)
     each = _seconds_alone(tasks[: chosen.alone], root / "alone")
-    begin = time.perf_counter()
+    begin, begun = time.perf_counter(), time.time()
     settings = ClusterSettings(workers=chosen.workers)
     (root / "all").mkdir(parents=True)
     outcomes = run_campaign(tasks, root / "all", settings)
@@ -51,11 +55,48 @@ def main() -> None:
     share = each * len(tasks) / chosen.workers
     print(f"{each:.3f} s for a recording of {chosen.length:g} m, alone ({chosen.alone} of them)")
     print(f"{len(tasks)} recordings, {chosen.workers} workers: {seconds:.1f} s, {failed} failed")
-    print(f"{seconds / share:.3f} times their sum over the workers")
+    spans = [_span(root / "all" / task.name) for task in tasks if not _failed(root, task)]
+    first = min(begin for begin, _ in spans) - begun
+    last = begun + seconds - max(end for _, end in spans)
+    own = sum(end - begin for begin, end in spans) / chosen.workers
+    print(f"{seconds / own:.3f} times the sum of their own times over the workers")
+    print(f"{first:.1f} s until the first begins, {last:.1f} s after the last")
+    print(f"{seconds / share:.3f} times their sum over the workers, each as long as alone")
     print(f"{each * len(tasks) / seconds:.2f} times as fast as one process")
 
 
-def _tasks(folder: Path, count: int, length: float) -> list[SurveyTask]:
+@dataclass(frozen=True, slots=True)
+class TimedTask:
+    """A survey of a recording that notes when it was done."""
+
+    task: SurveyTask
+
+    @property
+    def name(self) -> str:
+        """Of the folder that its results go to."""
+        return self.task.name
+
+    def fingerprint(self) -> str:
+        """Return that of the survey."""
+        return self.task.fingerprint()
+
+    def run(self, folder: Path, advance: Callable[[int], None]) -> None:
+        """Survey, and note the times [s]."""
+        begin = time.time()
+        self.task.run(folder, advance)
+        (folder / TIMES).write_text(f"{begin} {time.time()}", encoding="utf-8")
+
+
+def _failed(root: Path, task: TimedTask) -> bool:
+    return not (root / "all" / task.name / TIMES).exists()
+
+
+def _span(folder: Path) -> tuple[float, float]:
+    begin, end = (folder / TIMES).read_text(encoding="utf-8").split()
+    return float(begin), float(end)
+
+
+def _tasks(folder: Path, count: int, length: float) -> list[TimedTask]:
     first = folder / "dive_0"
     if not first.exists():
         write_survey_bag(first, Simulated(length=length, rate=RATE))
@@ -64,10 +105,10 @@ def _tasks(folder: Path, count: int, length: float) -> list[SurveyTask]:
     for name in names[1:]:
         if not (folder / name).exists():
             shutil.copytree(first, folder / name)
-    return [SurveyTask(folder / name, settings, name) for name in names]
+    return [TimedTask(SurveyTask(folder / name, settings, name)) for name in names]
 
 
-def _seconds_alone(tasks: Sequence[SurveyTask], root: Path) -> float:
+def _seconds_alone(tasks: Sequence[TimedTask], root: Path) -> float:
     """Return how long a task takes in this process [s], once machine code is loaded."""
     root.mkdir(parents=True)
     do(tasks[0], root, __version__, lambda count: None)

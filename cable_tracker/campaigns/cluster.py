@@ -19,6 +19,7 @@ CONNECT_TIMEOUT = 20.0
 """How long to wait for a scheduler [s]."""
 
 DASHBOARD = "127.0.0.1:8787"
+FREE_PORT = "127.0.0.1:0"
 
 
 @contextmanager
@@ -65,6 +66,8 @@ def _local(settings: ClusterSettings) -> LocalCluster:
             silence_logs=logging.CRITICAL,
             memory_limit=settings.memory.replace(" ", ""),
             dashboard_address=DASHBOARD if settings.dashboard else None,
+            # Its server is started even without pages: at a port that is free.
+            scheduler_kwargs={} if settings.dashboard else {"dashboard_address": FREE_PORT},
         )
     except ValueError as error:
         raise ParameterError(f"memory: {one_line(error)}; give a size such as 2GiB") from error

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+import struct
+from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
@@ -16,7 +17,7 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
 from cable_tracker.sequences.stored_message import StoredMessage
-from cable_tracker.sequences.unpacking import deserialise
+from cable_tracker.sequences.unpacking import deserialise, is_packed
 from cable_tracker.sequences.video_stream import (
     VIDEO_TYPES,
     DecodedPicture,
@@ -42,6 +43,9 @@ _IMAGE = "sensor_msgs/msg/Image"
 _COMPRESSED = "sensor_msgs/msg/CompressedImage"
 _JOINT_STATE = "sensor_msgs/msg/JointState"
 _TRUTH = "ground_truth"
+HEADER_END = 12
+"""Where the stamp of a serialised picture ends [bytes]."""
+
 _TRUTH_NAMES = ("d", "alpha", "w", "beta")
 
 
@@ -115,6 +119,18 @@ def _state_from_joints(joints: sensor_msgs__msg__JointState) -> CableState | Non
 def _stamp(message: _Stamped, receive_time: int) -> int:
     stamp = message.header.stamp
     return (int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)) or receive_time
+
+
+def stamp_of_picture(message: StoredMessage) -> int:
+    """Read the stamp of a ROS 2 picture [ns] without unpacking the picture; 0: none is to be had.
+
+    Its header comes first, and the time first in it: seconds and nanoseconds of 4 bytes each.
+    """
+    data = message.data
+    if is_packed(data) or len(data) < HEADER_END:
+        return 0
+    seconds, nanoseconds = struct.unpack_from("<iI" if data[1] & 1 else ">iI", data, 4)
+    return int(seconds) * NANOSECONDS + int(nanoseconds)
 
 
 def _open(path: Path) -> BagStorage:
@@ -241,12 +257,27 @@ class BagSource(FrameSource):
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
         if self._is_video:
             yield from self._read_video(start)
+        else:
+            yield from self._read_pictures(lambda count, message: count >= start)
+
+    def _read_chosen(self, wanted: Callable[[int], bool]) -> Generator[Frame | UnreadableFrame]:
+        if self._is_video or self._is_ros1:
+            yield from super()._read_chosen(wanted)
             return
+
+        def is_wanted(count: int, message: StoredMessage) -> bool:
+            return wanted(stamp_of_picture(message) or message.time)
+
+        yield from self._read_pictures(is_wanted)
+
+    def _read_pictures(
+        self, wanted: Callable[[int, StoredMessage], bool]
+    ) -> Generator[Frame | UnreadableFrame]:
         count = 0
         try:
             with closing(self._storage.messages([self.topic])) as messages:
                 for message in messages:
-                    if count >= start:
+                    if wanted(count, message):
                         yield self._frame(count, message)
                     count += 1
         except RecordingError as error:

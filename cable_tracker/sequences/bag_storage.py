@@ -24,6 +24,7 @@ from cable_tracker.sequences.bag_limits import (
     limit_rosbags,
 )
 from cable_tracker.sequences.natural_order import natural_key
+from cable_tracker.sequences.remembered_yaml import remember_metadata
 from cable_tracker.sequences.stored_message import StoredMessage
 
 _ROS1_SUFFIX = ".bag"
@@ -122,6 +123,7 @@ class RosbagsStorage:
 
     def _open(self) -> Reader1 | Reader2:
         limit_rosbags()
+        remember_metadata()
         return Reader1(self._path) if is_ros1(self._path) else Reader2(self._path)
 
     def _check_limits(self) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -100,7 +100,22 @@ class FrameSource(ABC):
             frames are to be skipped: then it is handed out, and decoding it raises FrameError), or
             the recording is damaged.
         """
-        frames = self._checked(start)
+        return self._handed_out(self._read(start))
+
+    def chosen_frames(self, wanted: Callable[[int], bool]) -> Iterator[Frame]:
+        """Read the frames whose time [ns] is wanted; each is asked about once, in order.
+
+        Others are passed over with as little work as their kind allows: they are not checked.
+
+        Raises
+        ------
+        RecordingError
+            As `frames`.
+        """
+        return self._handed_out(self._read_chosen(wanted))
+
+    def _handed_out(self, items: Generator[Frame | UnreadableFrame]) -> Iterator[Frame]:
+        frames = self._checked(items)
         self._running.add(frames)
         return frames
 
@@ -112,8 +127,15 @@ class FrameSource(ABC):
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
         """Yield the frames from one on; raise RecordingError where the recording breaks off."""
 
-    def _checked(self, start: int) -> Generator[Frame]:
-        with closing(self._read(start)) as items:
+    def _read_chosen(self, wanted: Callable[[int], bool]) -> Generator[Frame | UnreadableFrame]:
+        """Yield the frames whose time is wanted; else as `_read`."""
+        with closing(self._read(0)) as items:
+            for item in items:
+                if wanted(item.stamp):
+                    yield item
+
+    def _checked(self, items: Generator[Frame | UnreadableFrame]) -> Generator[Frame]:
+        with closing(items):
             for item in items:
                 yield self._labelled(self._check(item))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -60,6 +60,10 @@ class Source(Protocol):
 
     def frames(self, start: int = 0) -> Iterator[Frame]:
         """Read the frames from one on; see `FrameSource.frames`."""
+        ...
+
+    def chosen_frames(self, wanted: Callable[[int], bool]) -> Iterator[Frame]:
+        """Read the frames whose time is wanted; see `FrameSource.chosen_frames`."""
         ...
 
 

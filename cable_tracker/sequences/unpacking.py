@@ -25,11 +25,16 @@ def deserialise(message: StoredMessage, *, is_ros1: bool) -> Message:
         The bytes are no such message; the parser raises what it happens to raise.
     """
     data = message.data
-    if data.startswith(_ZSTD_MAGIC):
+    if is_packed(data):
         data = unpack_zstd(data, _unpacked_size(data))
     if is_ros1:
         return ros1_typestore().deserialize_ros1(data, message.msgtype)
     return deserialise_cdr(data, message.msgtype)
+
+
+def is_packed(data: bytes) -> bool:
+    """Tell whether a message was compressed by itself."""
+    return data.startswith(_ZSTD_MAGIC)
 
 
 def deserialise_cdr(data: bytes, msgtype: str) -> object:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -182,14 +183,35 @@ def _write_all(
         _write_map(output, SurveyMap(tuple(apart), None, _names(apart), in_time), rows)
     parts = [output / RECORDINGS / dive.name / FRAMES for dive in dives]
     (output / FRAMES).unlink(missing_ok=True)
-    join_frames(parts, output / FRAMES)
+    if parts:
+        with whole(output / FRAMES) as partial:
+            join_frames(parts, partial)
     return (*merged, *apart)
 
 
 def _write_map(output: Path, survey: SurveyMap, rows: Sequence[RecordingRow]) -> None:
     for name, write in WRITERS.items():
-        write(output / name, survey)
-    write_report(output / REPORT, survey, rows, "Cable survey")
+        with whole(output / name) as partial:
+            write(partial, survey)
+    with whole(output / REPORT) as partial:
+        write_report(partial, survey, rows, "Cable survey")
+
+
+@contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """Give a file beside one to be written, which takes its place when it is complete.
+
+    If it cannot be written nothing is left of it, and what was there before stays.
+    """
+    partial = path.with_name(f".{path.name}")
+    try:
+        yield partial
+        if partial.exists():  # A survey without a frame has no table of them.
+            partial.replace(path)
+    finally:
+        # A database may leave a journal beside it.
+        for left in path.parent.glob(f"{partial.name}*"):
+            left.unlink(missing_ok=True)
 
 
 def _names(routes: Sequence[MergedRoute]) -> tuple[str, ...]:

@@ -132,6 +132,8 @@ class ForwardDive:
         `FIX_WIDTH` numbers each.
     notes : list of str
         What the user should know: what is missing, where the recording broke off.
+    flight : Overflight or None
+        The camera over the cable, when metres were known last; None if they never were.
     given_name : str
         Instead of the recording's own name; empty: none.
     """
@@ -141,6 +143,7 @@ class ForwardDive:
     poses: Samples = field(default_factory=lambda: Samples(POSE_WIDTH))
     fixes: Samples = field(default_factory=lambda: Samples(FIX_WIDTH))
     notes: list[str] = field(default_factory=list)
+    flight: Overflight | None = None
     given_name: str = ""
 
     @property
@@ -188,11 +191,13 @@ def track_forwards(
 
 
 def _run_all(recording: Source, run: _Run, advance: Callable[[int], None]) -> None:
+    def wanted(stamp: int) -> bool:
+        advance(1)
+        return run.wants(stamp)
+
     try:
-        for frame in recording.frames():
-            if run.wants(frame.stamp):
-                run.take(frame)
-            advance(1)
+        for frame in recording.chosen_frames(wanted):
+            run.take(frame)
     finally:
         run.close()
 
@@ -257,10 +262,11 @@ class _Run:
             row["reason"] = self._dive.table.reason_number(result.reason.value)
         flight = self._metres.instruments.overflight(estimate)
         if isinstance(flight, Overflight):
+            self._dive.flight = flight
             self._put_view(row, flight, estimate)
         if isinstance(result, CrossTrack) and isinstance(flight, Overflight):
             self._put_metres(row, result)
-            self._put_profile(row, flight, grey, estimate.state)
+            put_profile(row, flight, grey, estimate.state)
             self._search_crossings(flight, grey, estimate)
 
     def _note(self, given: InstrumentMessage) -> None:
@@ -285,6 +291,7 @@ class _Run:
         row["look"] = ground[0, 0]
         row["half_view"] = abs(ground[1, 1] - ground[2, 1]) / 2
         row["altitude"] = flight.height
+        row["roll"], row["pitch"] = flight.attitude.roll, flight.attitude.pitch
 
     def _put_metres(self, row: FrameRow, result: CrossTrack) -> None:
         sigma = result.standard_deviations()
@@ -297,19 +304,6 @@ class _Run:
         row["aside"] = result.offset + share * (result.offset_ahead - result.offset)
         row["aside_variance"], row["aside_heading"] = covariance[0]
         row["heading_variance"] = covariance[1, 1]
-
-    @staticmethod
-    def _put_profile(row: FrameRow, flight: Overflight, grey: Image, state: CableState) -> None:
-        profile = border_profile(grey, state)
-        if profile is None:
-            return
-        along, scores = profile
-        sine, cosine = math.sin(state.angle), math.cos(state.angle)
-        points = np.column_stack(
-            (state.distance * cosine - along * sine, state.distance * sine + along * cosine)
-        )
-        row["profile_ahead"] = on_ground(flight, points)[:, 0]
-        row["profile_score"] = scores
 
     def _search_crossings(self, flight: Overflight, grey: Image, estimate: CableEstimate) -> None:
         if estimate.stamp < self._next_search:
@@ -346,6 +340,21 @@ def _reduced(grey: Image, scale: float) -> Image:
 
 FrameRow = np.void
 """A row of `FrameTable`."""
+
+
+def put_profile(row: FrameRow, flight: Overflight, grey: Image, state: CableState) -> bool:
+    """Note where along a cable its borders can be seen; False: too little of it is inside."""
+    profile = border_profile(grey, state)
+    if profile is None:
+        return False
+    along, scores = profile
+    sine, cosine = math.sin(state.angle), math.cos(state.angle)
+    points = np.column_stack(
+        (state.distance * cosine - along * sine, state.distance * sine + along * cosine)
+    )
+    row["profile_ahead"] = on_ground(flight, points)[:, 0]
+    row["profile_score"] = scores
+    return True
 
 
 def _as_line(angle: float) -> float:

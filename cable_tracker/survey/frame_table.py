@@ -1,4 +1,4 @@
-"""What a dive says frame by frame, in columns; a row takes 135 bytes."""
+"""What a dive says frame by frame, in columns; a row takes 144 bytes."""
 
 from __future__ import annotations
 
@@ -37,6 +37,9 @@ ROW = np.dtype(
         ("heading_variance", "f4"),
         ("half_view", "f4"),
         ("altitude", "f4"),
+        ("roll", "f4"),
+        ("pitch", "f4"),
+        ("again", "i1"),
         ("profile_ahead", "f2", (PROFILE_BINS,)),
         ("profile_score", "f2", (PROFILE_BINS,)),
     ]
@@ -53,9 +56,20 @@ for _name in ROW.names or ():
 STATUSES = ("INITIALISING", "TRACKING", "LOST", "REFUSED")
 TRACKING = STATUSES.index("TRACKING")
 
+NOT_AGAIN, HIDDEN, SEEN = range(3)
+"""What a second look says: there was none, the cable is not to be seen, it is."""
+
 GROWTH = 4096
 
 Rows = npt.NDArray[Any]
+
+
+def is_claimed(rows: Rows) -> npt.NDArray[np.bool_]:
+    """Tell for rows (N,) whether they say where the cable is: the tracker, or a second look."""
+    again = rows["again"]
+    claimed: npt.NDArray[np.bool_] = (rows["status"] == TRACKING) & (again == NOT_AGAIN)
+    claimed |= again == SEEN
+    return claimed
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +99,9 @@ class FrameTable:
     looks, it is at y = `aside`, with direction `heading`; `aside_variance`, `aside_heading` and
     `heading_variance` are their covariance [m, rad]. All NaN where there are no metres; `reason`
     says why, by its number in `reasons`. `half_view` is how far to either side the camera sees at
-    x = `look` [m]. `profile_score` says at x = `profile_ahead` how clearly both borders are there.
+    x = `look` [m]; `altitude`, `roll` and `pitch` are the vehicle's [m, rad]. `profile_score` says
+    at x = `profile_ahead` how clearly both borders are there. Where `again` is not `NOT_AGAIN`, a
+    second look has written the cable's columns: see `second_look`.
 
     Attributes
     ----------

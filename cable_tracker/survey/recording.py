@@ -25,7 +25,7 @@ from cable_tracker.survey.forwards import (
     read_fix,
     track_forwards,
 )
-from cable_tracker.survey.frame_table import TRACKING
+from cable_tracker.survey.frame_table import TRACKING, Rows
 from cable_tracker.survey.merging import PlacedRoute
 from cable_tracker.survey.navigation import (
     Georeference,
@@ -36,6 +36,7 @@ from cable_tracker.survey.navigation import (
 )
 from cable_tracker.survey.outputs.frames import write_frames
 from cable_tracker.survey.route import Course, DiveRoute, Profile, make_routes
+from cable_tracker.survey.second_look import look_again
 from cable_tracker.survey.smoothing import look_steps, smooth
 
 FRAMES, ROUTES, SUMMARY, PICTURES = "frames.parquet", "routes.npz", "dive.json", "pictures"
@@ -165,8 +166,10 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
     notes += _faults(dive, poses, places)
     course, routes, on_earth = None, [], False
     if np.isfinite(places).any() and np.isfinite(rows["aside"]).any():
-        looks = look_steps(rows, places)
-        course = Course(poses, looks, smooth(looks))
+        course = _course(rows, poses, places)
+        if look_again(dive, course, settings.forward):
+            course = _course(rows, poses, places)
+        looks = course.looks
         earth = _on_earth(dive, poses, settings.datum, notes)
         on_earth = earth is not None
         placing = None if earth is None else _placing(earth)
@@ -187,6 +190,11 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
         ),
         course,
     )
+
+
+def _course(rows: Rows, poses: Poses, places: FloatArray) -> Course:
+    looks = look_steps(rows, places)
+    return Course(poses, looks, smooth(looks))
 
 
 def _placing(

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.survey.frame_table import TRACKING, Rows
+from cable_tracker.survey.frame_table import HIDDEN, Rows, is_claimed
 from cable_tracker.survey.navigation import Poses
 from cable_tracker.survey.smoothing import Looks, SmoothedCable, filled
 
@@ -196,31 +196,12 @@ def _route(
     frame: tuple[Placing | None, float],
 ) -> DiveRoute:
     members, claimed = chosen
-    placing, turn = frame
     along = cable.along[members]
     first, last = cable.along[claimed].min() - BEYOND, cable.along[claimed].max() + BEYOND
     first, last = max(first, along.min()), min(last, along.max())
     wanted = np.arange(0, max(round((last - first) / SPACING), 1) + 1) * SPACING + first
     order = np.argsort(along, kind="stable")
-    own = looks.places[members][order]
-    states = cable.states[members][order]
-    variances, bend_variances = (cable.covariances[:, k, k][members][order] for k in (0, 2))
-    normal = np.column_stack((-np.sin(own[:, 2]), np.cos(own[:, 2])))
-    points = own[:, :2] + states[:, :1] * normal
-    stamps = looks.stamps[members][order]
-    frame_variances = np.zeros(len(points))
-    if placing is not None:
-        points, frame_variances = placing(points, stamps)
-    across = np.sqrt(variances) * np.abs(np.cos(states[:, 1]))
-    columns = np.column_stack(
-        (
-            points, np.unwrap(own[:, 2] + states[:, 1]) + turn, across, frame_variances,
-            states[:, 2], np.sqrt(bend_variances),
-            states[:, 0],
-        )
-    )  # fmt: skip
-    at, values = _binned(along[order], columns)
-    found = np.column_stack([np.interp(wanted, at, column) for column in values.T])
+    found = _at_places(along, _columns(looks, cable, (members, order), frame), wanted)
     nearest = order[np.clip(np.searchsorted(along[order], wanted), 0, len(order) - 1)]
     rows_at = looks.first[members][nearest]
     relative = wanted - wanted[0]
@@ -241,14 +222,51 @@ def _route(
     )
 
 
-def _binned(along: FloatArray, columns: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Average rows in bins of a quarter of the spacing: a way gone twice counts once."""
-    bins = np.floor((along - along[0]) / (SPACING / 4)).astype(np.int64)
+def _columns(
+    looks: Looks,
+    cable: SmoothedCable,
+    chosen: tuple[IndexArray, IndexArray],
+    frame: tuple[Placing | None, float],
+) -> Iterator[FloatArray]:
+    """Yield what a route says of each of its looks, one column (M,) after the other.
+
+    All of them at once would be most of what a survey takes. x, y, direction, standard deviation
+    across, what the frame adds to its square, curvature, its standard deviation, lateral distance.
+    """
+    members, order = chosen
+    placing, turn = frame
+    aside, yaw = cable.states[members, 0], looks.places[members, 2]
+    points = looks.places[members, :2]
+    points[:, 0] -= aside * np.sin(yaw)
+    points[:, 1] += aside * np.cos(yaw)
+    frame_variances = np.zeros(len(points))
+    if placing is not None:
+        points, frame_variances = placing(points, looks.stamps[members])
+    yield from points.T
+    headings = yaw + cable.states[members, 1]
+    # Directions go on from one place of the cable to the next, not from one look to the next.
+    headings[order] = np.unwrap(headings[order]) + turn
+    yield headings
+    slope = np.abs(np.cos(cable.states[members, 1]))
+    yield np.sqrt(cable.covariances[members, 0, 0]) * slope
+    yield frame_variances
+    yield cable.states[members, 2]
+    yield np.sqrt(cable.covariances[members, 2, 2])
+    yield aside
+
+
+def _at_places(along: FloatArray, columns: Iterable[FloatArray], wanted: FloatArray) -> FloatArray:
+    """Return columns (M,) at wanted places (N,), shape (N, C).
+
+    Looks are averaged in bins of a quarter of the spacing: a way gone twice counts once.
+    """
+    bins = np.floor((along - along.min()) / (SPACING / 4)).astype(np.int64)
     _, places, counts = np.unique(bins, return_inverse=True, return_counts=True)
-    means = np.column_stack(
-        [np.bincount(places, column) / counts for column in (along, *columns.T)]
+    del bins
+    at = np.bincount(places, along) / counts
+    return np.column_stack(
+        [np.interp(wanted, at, np.bincount(places, column) / counts) for column in columns]
     )
-    return means[:, 0], means[:, 1:]
 
 
 def _rows_of(looks: Looks, members: IndexArray, count: int) -> IndexArray:
@@ -263,7 +281,7 @@ def _diameters(
     looks: Looks, cable: SmoothedCable, rows: Rows, members: IndexArray, wanted: FloatArray
 ) -> FloatArray:
     owner = _rows_of(looks, members, len(rows))
-    known = (owner >= 0) & (rows["status"] == TRACKING) & np.isfinite(rows["diameter"])
+    known = (owner >= 0) & is_claimed(rows) & np.isfinite(rows["diameter"])
     known &= cable.weights[owner] > LEAST_WEIGHT
     along = cable.along[owner[known]]
     place = np.round((along - wanted[0]) / SPACING).astype(np.int64)
@@ -289,12 +307,13 @@ def _profile(
     first, last = limits
     count = max(1, int(np.ceil((last - first) / PROFILE_SPACING)))
     owner = _rows_of(looks, members, len(rows))
-    used = np.flatnonzero((owner >= 0) & (rows["status"] == TRACKING))
+    used = np.flatnonzero((owner >= 0) & (is_claimed(rows) | (rows["again"] == HIDDEN)))
     look = owner[used]
     off = np.abs(rows["aside"][used] - cable.states[look, 0])
     allowed = ON_ROUTE * np.sqrt(cable.covariances[look, 0, 0]) + 0.05
     # What is claimed of something else tells nothing about the cable.
     tells = (off <= allowed) & (cable.weights[look] > LEAST_WEIGHT)
+    tells |= rows["again"][used] == HIDDEN
     used, look = used[tells], look[tells]
     total, number = np.zeros(count), np.zeros(count, np.int64)
     for start in range(0, len(used), BLOCK):

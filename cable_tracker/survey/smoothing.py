@@ -29,7 +29,8 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.compilation import compiled
-from cable_tracker.survey.frame_table import TRACKING, Rows
+from cable_tracker.survey.frame_table import Rows, is_claimed
+from cable_tracker.survey.visibility import clearness_of
 
 STEP = 0.05
 """Looks that are nearer together than this are taken as one [m]."""
@@ -37,11 +38,15 @@ STEP = 0.05
 LONGEST_STEP = 2.0
 """Looks that are farther apart do not belong together [m]."""
 
-CORRELATION = 1.0
+CORRELATION = 0.8
 """Way over which the errors of claims are alike [m]."""
 
 BEND, BEND_LENGTH = 0.05, 6.0
-"""Standard deviation of the curvature [1/m], and way over which it forgets itself [m]."""
+"""Standard deviation of the curvature that is begun with [1/m], and way over which it forgets
+itself [m]."""
+
+LEAST_BEND, MOST_BEND = 0.01, 0.2
+"""Within these limits the smoothed claims say how much the cable of a dive bends [1/m]."""
 
 ROUGHNESS = 1e-4
 """What odometry adds to the variance of the place, per second [m²/s]."""
@@ -49,7 +54,7 @@ ROUGHNESS = 1e-4
 YAW_SIGMA = math.radians(0.2)
 """Doubt about each yaw of odometry [rad]."""
 
-FLOOR = 0.01
+FLOOR = 0.004
 """No claim is taken to be better than this [m]."""
 
 HEADING_FLOOR = math.radians(0.5)
@@ -58,19 +63,29 @@ HEADING_FLOOR = math.radians(0.5)
 DEGREES = 4.0
 """Degrees of freedom of Student's t."""
 
-ROUNDS = 3
-LEAST_SCALE, MOST_SCALE = 0.5, 8.0
+MEDIAN_SQUARE = 0.455
+"""Median of the square of a standard normal variable."""
+
+ROUNDS = 4
+LEAST_SCALE, MOST_SCALE = 0.3, 8.0
 """By how much the tracker's standard deviations may be corrected at most, by what they miss."""
 
 ODD_DIAMETER = 0.25
-"""A claim whose diameter is off the dive's usual one by this share may be of something else: it
-counts only where it fits to what the others say."""
+"""A claim whose diameter is off the dive's usual one by this share may be of something else."""
+
+WEAK_BORDERS = 0.6
+"""So may one whose borders are seen less clearly than this share of the dive's usual clearness."""
+
+SILENCE, SHORT_RUN = 1.0, 2.0
+"""So may claims over a shorter way with silence on both sides of them [m]: a cable that comes out
+of the sand is mostly seen for longer."""
 
 FITTING, SURE_ENOUGH = 3.0, 0.25
-"""It fits within so many standard deviations, where the others know the place so well [m]."""
+"""What may be of something else counts where it fits to what the other claims say within so many
+standard deviations, and they know the place so well [m]."""
 
-FIRST = (4.0, math.radians(30.0) ** 2, BEND**2)
-"""Variances of place, direction and curvature where nothing is known [m², rad², 1/m²]."""
+FIRST = (4.0, math.radians(30.0) ** 2)
+"""Variances of place and direction where nothing is known [m², rad²]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,8 +102,9 @@ class Looks:
         Place beside the look line and direction from it, shape (S, 2) [m, rad]; NaN without.
     covariances : FloatArray
         Of place, both, direction, shape (S, 3).
-    odd : BoolArray
-        Whether a claim's diameter is out of the ordinary, shape (S,).
+    doubtful : BoolArray
+        Whether a claim may be of something else than the cable, shape (S,): its diameter is out of
+        the ordinary, its borders are hardly seen, or it is one of a few between silences.
     breaks : BoolArray
         Whether a step does not go on from the one before, shape (S,).
     first, last : FloatArray
@@ -99,7 +115,7 @@ class Looks:
     stamps: IndexArray
     claims: FloatArray
     covariances: FloatArray
-    odd: BoolArray
+    doubtful: BoolArray
     breaks: BoolArray
     first: IndexArray
     last: IndexArray
@@ -121,8 +137,10 @@ class SmoothedCable:
     weights : FloatArray
         How much each claim counted, 0 to about 1, shape (S,); 0 without a claim, or for one that is
         of something else.
-    scale : float
-        By how much the tracker's standard deviations were too small.
+    scales : (float, float)
+        By how much the tracker's standard deviations of place and direction were too small.
+    bend : float
+        Standard deviation of the cable's curvature [1/m].
     piece : FloatArray
         Number of the connected piece that a look belongs to, shape (S,).
     """
@@ -131,7 +149,8 @@ class SmoothedCable:
     states: FloatArray
     covariances: FloatArray
     weights: FloatArray
-    scale: float
+    scales: tuple[float, float]
+    bend: float
     piece: IndexArray
 
 
@@ -157,8 +176,9 @@ def look_steps(rows: Rows, poses: FloatArray) -> Looks:
     claims, covariances = np.full((count, 2), np.nan), np.full((count, 3), np.nan)
     columns = ("aside", "heading", "aside_variance", "aside_heading", "heading_variance")
     table = np.column_stack([rows[name].astype(np.float64) for name in columns])
-    tracked = (rows["status"] == TRACKING) & np.isfinite(table).all(axis=1)
-    diameters = np.full(count, np.nan)
+    tracked = is_claimed(rows) & np.isfinite(table).all(axis=1)
+    diameters, clearness = np.full(count, np.nan), np.full(count, np.nan)
+    clear = clearness_of(rows["profile_score"].astype(np.float32))
     for number, (start, end) in enumerate(zip(starts, ends, strict=True)):
         members = usable[start:end]
         members = members[tracked[members]]
@@ -168,6 +188,7 @@ def look_steps(rows: Rows, poses: FloatArray) -> Looks:
         claims[number] = np.median(seen, axis=0)
         covariances[number] = table[members, 2:].mean(axis=0)
         diameters[number] = np.median(rows["diameter"][members])
+        clearness[number] = np.median(clear[members])
     own = places[usable[starts]]
     gaps = np.hypot(*np.diff(own[:, :2], axis=0, prepend=own[:1, :2]).T)
     breaks = gaps > LONGEST_STEP
@@ -179,7 +200,7 @@ def look_steps(rows: Rows, poses: FloatArray) -> Looks:
         rows["stamp"][usable[starts]],
         claims,
         covariances,
-        _odd(diameters),
+        _odd(diameters) | _weak(clearness) | _alone(np.cumsum(gaps), np.isfinite(claims[:, 0])),
         breaks,
         usable[starts],
         rows_at[ends],
@@ -203,6 +224,30 @@ def _odd(diameters: FloatArray) -> BoolArray:
     with np.errstate(invalid="ignore"):
         odd: BoolArray = np.abs(diameters - usual) > ODD_DIAMETER * usual
     return odd
+
+
+def _weak(clearness: FloatArray) -> BoolArray:
+    """Tell where borders are seen far less clearly, shape (S,), than usual; NaN is not."""
+    known = np.isfinite(clearness)
+    if not known.any():
+        return np.zeros(len(clearness), bool)
+    with np.errstate(invalid="ignore"):
+        weak: BoolArray = clearness < WEAK_BORDERS * float(np.median(clearness[known]))
+    return weak
+
+
+def _alone(way: FloatArray, claimed: BoolArray) -> BoolArray:
+    """Tell which claims are of a short run between silences, shape (S,); none if most are."""
+    alone = np.zeros(len(way), bool)
+    places = way[claimed]
+    if not len(places):
+        return alone
+    run = np.cumsum(np.diff(places, prepend=places[0]) > SILENCE)
+    first = np.searchsorted(run, np.arange(run[-1] + 1))
+    last = np.append(first[1:], len(run)) - 1
+    short = (places[last] - places[first] < SHORT_RUN)[run]
+    alone[claimed] = short & (short.mean() < 0.5)
+    return alone
 
 
 def _in_frame(reference: FloatArray, places: FloatArray, claims: FloatArray) -> FloatArray:
@@ -234,31 +279,72 @@ def _starts(places: FloatArray, step: float) -> IndexArray:
 
 def smooth(looks: Looks, *, way_back: bool = True) -> SmoothedCable:
     """Smooth the claims of a dive in both directions, or only filter them forwards."""
-    claimed = np.isfinite(looks.claims).all(axis=1)
+    claimed: BoolArray = np.isfinite(looks.claims.sum(axis=1))
     # What may be something else has to fit to what the others say, so these come first.
-    weights = np.where(claimed & ~looks.odd, 1.0, 0.0)
-    scale = 1.0
-    along, states, covariances = np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3, 3))
+    weights = np.where(claimed & ~looks.doubtful, 1.0, 0.0)
+    scales, bend = (1.0, 1.0), BEND
+    count = len(looks.stamps)
+    # All rounds write into the same arrays: a dive has as many looks as it is long.
+    along, states, covariances = np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3))
     steps = np.hypot(*np.diff(looks.places[:, :2], axis=0, prepend=looks.places[:1, :2]).T)
     seconds = np.diff(looks.stamps, prepend=looks.stamps[:1]) / 1e9
-    shared = CORRELATION / np.clip(steps, STEP, CORRELATION)
+    shared = _shared(np.cumsum(steps), claimed)
     for _ in range(ROUNDS):
-        noise = (_noise(looks.covariances, scale).T * shared).T
-        along, states, covariances = _both_ways(
-            looks.places, seconds, looks.claims, noise, weights, looks.breaks, way_back
-        )
+        noise = _noise(looks.covariances, scales) * shared[:, None]
+        _both_ways(
+            looks.places, seconds, looks.claims, noise, weights, looks.breaks, bend, way_back,
+            along, states, covariances,
+        )  # fmt: skip
+        del noise
         off = looks.claims - states[:, :2]
-        plain = _noise(looks.covariances, scale)
-        far = off[:, 0] ** 2 / plain[:, 0] + off[:, 1] ** 2 / plain[:, 2]
-        usual = claimed & ~looks.odd
+        plain = _noise(looks.covariances, scales)
+        squares = off**2 / plain[:, ::2]
+        usual = claimed & ~looks.doubtful
         if usual.any():
-            miss = math.sqrt(float(np.median(far[usual])) / 1.386)
-            scale = float(np.clip(scale * miss, LEAST_SCALE, MOST_SCALE))
-            far = far / max(miss, 1e-9) ** 2
+            misses = np.sqrt(np.median(squares[usual], axis=0) / MEDIAN_SQUARE)
+            scales = _scaled(scales, misses)
+            squares = squares / np.maximum(misses, 1e-9) ** 2
+            bend = _bend(states, covariances)
         counts = usual | (claimed & _fits(off, plain, covariances))
+        far = squares.sum(axis=1)
         weights = np.where(counts, (DEGREES + 2.0) / (DEGREES + far), 0.0)
     piece = np.cumsum(looks.breaks).astype(np.int64) - 1
-    return SmoothedCable(along, states, covariances, weights, scale, piece)
+    return SmoothedCable(along, states, covariances, weights, scales, bend, piece)
+
+
+def _shared(way: FloatArray, claimed: BoolArray) -> FloatArray:
+    """Return how many claims share what one would say alone, at each look, shape (S,).
+
+    Parameters
+    ----------
+    way : FloatArray
+        How far the look line has gone, shape (S,) [m].
+    claimed : BoolArray
+        Where there are claims, shape (S,).
+    """
+    shared = np.ones(len(way))
+    gaps = np.diff(way[claimed])
+    if len(gaps):
+        before, after = np.append(gaps[:1], gaps), np.append(gaps, gaps[-1:])
+        # Beside a silence the claims on the other side tell how dense they are.
+        before, after = (
+            np.where(before > CORRELATION, after, before),
+            np.where(after > CORRELATION, before, after),
+        )
+        shared[claimed] = CORRELATION / np.clip((before + after) / 2, STEP, CORRELATION)
+    return shared
+
+
+def _scaled(scales: tuple[float, float], misses: FloatArray) -> tuple[float, float]:
+    """Return scales that are corrected by what they have missed, (2,), within limits."""
+    place, direction = np.clip(np.array(scales) * misses, LEAST_SCALE, MOST_SCALE).tolist()
+    return place, direction
+
+
+def _bend(states: FloatArray, covariances: FloatArray) -> float:
+    """Return the curvature's standard deviation, as expectation and maximisation has it [1/m]."""
+    square = float(np.mean(states[:, 2] ** 2 + covariances[:, 2, 2]))
+    return min(max(math.sqrt(square), LEAST_BEND), MOST_BEND)
 
 
 def _fits(off: FloatArray, noise: FloatArray, covariances: FloatArray) -> BoolArray:
@@ -270,8 +356,9 @@ def _fits(off: FloatArray, noise: FloatArray, covariances: FloatArray) -> BoolAr
     return fits
 
 
-def _noise(covariances: FloatArray, scale: float) -> FloatArray:
-    noise: FloatArray = scale**2 * covariances
+def _noise(covariances: FloatArray, scales: tuple[float, float]) -> FloatArray:
+    place, direction = scales
+    noise: FloatArray = covariances * [place**2, place * direction, direction**2]
     noise[:, 0] += FLOOR**2
     noise[:, 2] += HEADING_FLOOR**2 + YAW_SIGMA**2
     return noise
@@ -317,10 +404,10 @@ def _transition(before: FloatArray, moved: FloatArray) -> FloatArray:
 
 
 @compiled
-def _bending(way: float) -> FloatArray:
+def _bending(way: float, bend: float) -> FloatArray:
     """Return what a curvature that changes at random adds over a way, (3, 3)."""
     size = abs(way)
-    fresh = BEND * BEND * (1.0 - math.exp(-2.0 * size / BEND_LENGTH))
+    fresh = bend * bend * (1.0 - math.exp(-2.0 * size / BEND_LENGTH))
     noise = np.empty((3, 3))
     noise[0, 0] = fresh * size**4 / 20.0
     noise[0, 1] = noise[1, 0] = fresh * size * size * way / 8.0
@@ -333,11 +420,11 @@ def _bending(way: float) -> FloatArray:
 
 @compiled
 def _predicted(
-    mean: FloatArray, spread: FloatArray, moved: FloatArray, seconds: float
+    mean: FloatArray, spread: FloatArray, moved: FloatArray, seconds: float, bend: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return mean (3,) and covariance (3, 3) at the next look line, and the transition to it."""
     move = _transition(mean, moved)
-    ahead = move @ spread @ move.T + _bending(moved[3])
+    ahead = move @ spread @ move.T + _bending(moved[3], bend)
     ahead[0, 0] += ROUGHNESS * max(seconds, 0.0)
     there = moved[:3].copy()
     there[2] *= move[2, 2]
@@ -365,12 +452,14 @@ def _both_ways(  # noqa: PLR0917
     noise: FloatArray,
     weights: FloatArray,
     breaks: BoolArray,
+    bend: float,
     way_back: bool,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Filter forwards and smooth backwards; see `smooth`."""
+    along: FloatArray,
+    means: FloatArray,
+    spreads: FloatArray,
+) -> None:
+    """Filter forwards and smooth backwards, into the last three arrays; see `smooth`."""
     count = len(places)
-    means, spreads = np.zeros((count, 3)), np.zeros((count, 3, 3))
-    along = np.zeros(count)
     is_new = breaks.copy()
     mean, spread = np.zeros(3), np.zeros((3, 3))
     moved = np.zeros(4)
@@ -379,11 +468,11 @@ def _both_ways(  # noqa: PLR0917
             moved = _moved(places[k - 1], places[k], mean)
             is_new[k] = not np.isfinite(moved[3])
         if is_new[k]:
-            mean, spread = np.zeros(3), np.diag(np.array(FIRST))
+            mean, spread = np.zeros(3), np.diag(np.array((*FIRST, bend * bend)))
             along[k] = along[k - 1] if k > 0 else 0.0
         else:
             along[k] = along[k - 1] + moved[3]
-            mean, spread, _ = _predicted(mean, spread, moved, seconds[k])
+            mean, spread, _ = _predicted(mean, spread, moved, seconds[k], bend)
         if weights[k] > 0.0:
             mean, spread = _claimed(mean, spread, claims[k], noise[k] / weights[k])
         means[k], spreads[k] = mean, spread
@@ -392,9 +481,8 @@ def _both_ways(  # noqa: PLR0917
             continue
         # What was predicted is worked out again: kept, it would be most of what this takes.
         moved = _moved(places[k], places[k + 1], means[k])
-        mean, spread, move = _predicted(means[k], spreads[k], moved, seconds[k + 1])
+        mean, spread, move = _predicted(means[k], spreads[k], moved, seconds[k + 1], bend)
         back = spreads[k] @ move.T @ np.linalg.inv(spread)
         means[k] += back @ (means[k + 1] - mean)
         spread = spreads[k] + back @ (spreads[k + 1] - spread) @ back.T
         spreads[k] = 0.5 * (spread + spread.T)
-    return along, means, spreads

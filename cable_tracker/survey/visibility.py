@@ -30,6 +30,13 @@ SMOOTHING = (5, 1)
 LEAST_STEP = 0.5
 """Steps of a bottom without any texture, so that nothing is divided by 0 [grey levels]."""
 
+STRIDE = 3
+"""A cable that is looked for is tried in steps of so many pixels of the strip."""
+
+CLEAREST = 3
+"""How clearly a cable is seen is judged where it is seen best: at so many places in a row. Where it
+goes into the sand, a part of it is seen as clearly as ever."""
+
 SHORTEST = 8.0
 """A cable that is seen over a shorter way is not judged [px]."""
 
@@ -50,46 +57,107 @@ def border_profile(image: Image, state: CableState) -> tuple[FloatArray, FloatAr
         Places along the line from its foot point, shape (B,) [px], and for each how many times the
         usual step of brightness the weaker border has, shape (B,); None where too little is inside.
     """
+    reach = _reach(image, state)
+    if reach is None:
+        return None
+    slopes, usual = _slopes(image, state, reach)
+    edges = np.linspace(reach[1], reach[0], PROFILE_BINS + 1)
+    return (edges[:-1] + edges[1:]) / 2, _weaker(slopes, 0) / usual
+
+
+def find_beside(image: Image, state: CableState, reach: float) -> tuple[float, float] | None:
+    """Look for a cable beside the place where it should be, in parallel to it.
+
+    Parameters
+    ----------
+    image : Image
+        Grey levels, shape (H, W).
+    state : CableState
+        Where it should be, and how wide [px, rad].
+    reach : float
+        How far to look to either side [widths].
+
+    Returns
+    -------
+    (float, float) or None
+        How far to the right of the state its borders are seen most clearly [widths], and how
+        clearly, as `clearness_of`; None where too little is inside.
+    """
+    inside = _reach(image, state)
+    if inside is None:
+        return None
+    margin = math.ceil(reach * (RIGHT - LEFT) / STRIDE) * STRIDE
+    slopes, usual = _slopes(image, state, inside, margin)
+    shifts = range(-margin, margin + 1, STRIDE)
+    scores = [_weaker(slopes, margin + shift) for shift in shifts]
+    clear = clearness_of(np.array(scores)) / usual
+    best = int(clear.argmax())
+    return shifts[best] / (RIGHT - LEFT), float(clear[best])
+
+
+def clearness_of(scores: FloatArray) -> FloatArray:
+    """Return how clearly a cable is seen where it is seen best; scores (N, B), result (N,)."""
+    windows = np.lib.stride_tricks.sliding_window_view(scores, CLEAREST, axis=1)
+    clearest: FloatArray = windows.mean(axis=2).max(axis=1)
+    return clearest
+
+
+def _reach(image: Image, state: CableState) -> tuple[float, float] | None:
+    """Return from where to where a cable lies in a picture, along it; None: hardly at all [px]."""
     height, width = image.shape
     segment = segment_inside(state.angle, state.distance, (width, height))
     if segment is None or not state.width > 1.0:
         return None
     sine, cosine = math.sin(state.angle), math.cos(state.angle)
     low, high = sorted(-x * sine + y * cosine for x, y in segment)
-    if high - low < SHORTEST:
-        return None
-    strip = _straightened(image, state, low, high)
+    return (low, high) if high - low >= SHORTEST else None
+
+
+def _slopes(
+    image: Image, state: CableState, reach: tuple[float, float], margin: int = 0
+) -> tuple[FloatArray, float]:
+    """Return the steps of brightness across a straightened cable, (B, columns), and usual ones."""
+    strip = _straightened(image, state, reach, margin)
     steps = np.abs(strip[:, 2:] - strip[:, :-2])
-    bins = strip.reshape(PROFILE_BINS, ROWS_PER_BIN, COLUMNS).mean(axis=1)
+    bins = strip.reshape(PROFILE_BINS, ROWS_PER_BIN, -1).mean(axis=1)
     slopes = bins[:, 2:] - bins[:, :-2]
-    left = _strongest(slopes, LEFT - 1)
-    right = _strongest(slopes, RIGHT - 1)
     usual = float(np.median(np.abs(slopes))) + 0.25 * float(np.median(steps)) + LEAST_STEP
+    return slopes, usual
+
+
+def _weaker(slopes: FloatArray, shift: int) -> FloatArray:
+    """Return the step at the weaker border of each bin, (B,)."""
+    left, right = _strongest(slopes, LEFT - 1 + shift), _strongest(slopes, RIGHT - 1 + shift)
     # Two borders of one cable rise and fall: steps of the same sign are no cable.
-    weaker = np.where(left * right < 0.0, np.minimum(np.abs(left), np.abs(right)), 0.0)
-    edges = np.linspace(high, low, PROFILE_BINS + 1)
-    return (edges[:-1] + edges[1:]) / 2, weaker / usual
+    weaker: FloatArray = np.where(left * right < 0.0, np.minimum(np.abs(left), np.abs(right)), 0.0)
+    return weaker
 
 
-def _straightened(image: Image, state: CableState, low: float, high: float) -> FloatArray:
-    """Cut the cable out: its direction becomes the column's, both borders become straight."""
+def _straightened(
+    image: Image, state: CableState, reach: tuple[float, float], margin: int
+) -> FloatArray:
+    """Cut the cable out: its direction becomes the column's, both borders become straight.
+
+    With so many more columns on either side.
+    """
     height, width = image.shape
     sine, cosine = math.sin(state.angle), math.cos(state.angle)
     normal, along = np.array([cosine, sine]), np.array([-sine, cosine])
     corners = []
-    for place in (high, low):
+    for place in reach[::-1]:
         half = max(state.width / 2 - place * math.tan(state.skew), 1.0)
         foot = state.distance * normal + place * along
         corners += [foot - half * normal, foot + half * normal]
     points = np.array(corners) * [1.0, -1.0] + [(width - 1) / 2, (height - 1) / 2]
     rows = PROFILE_BINS * ROWS_PER_BIN
-    ends = np.array([[LEFT, 0], [RIGHT, 0], [LEFT, rows - 1], [RIGHT, rows - 1]])
+    left, right = LEFT + margin, RIGHT + margin
+    ends = np.array([[left, 0], [right, 0], [left, rows - 1], [right, rows - 1]])
     mapping = cv2.getPerspectiveTransform(ends.astype(np.float32), points.astype(np.float32))
     picture = image if image.dtype == np.uint8 else image.astype(np.float32)
     strip = cv2.warpPerspective(
         picture,
         mapping,
-        (COLUMNS, rows),
+        (COLUMNS + 2 * margin, rows),
         flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_REPLICATE,
     )

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.survey.visibility import border_profile
+from cable_tracker.survey.visibility import border_profile, clearness_of, find_beside
 
 WIDTH, HEIGHT = 320, 240
 
@@ -40,3 +40,22 @@ def test_a_claim_beside_the_cable_is_not_seen():
 )
 def test_what_lies_outside_or_has_no_width_is_not_judged(state):
     assert border_profile(picture(np.random.default_rng(0)), state) is None
+
+
+@pytest.mark.parametrize("shift", [-37.0, 0.0, 22.0])
+def test_a_cable_beside_its_place_is_found_there(shift):
+    expected = CableState(-shift, 0.0, 40.0, 0.0)
+    beside, clear = find_beside(picture(np.random.default_rng(1)), expected, 1.2)
+    assert beside * 40.0 == pytest.approx(shift, abs=5.0)
+    assert clear > 3.0
+
+
+def test_where_there_is_none_nothing_is_clear():
+    bottom = picture(np.random.default_rng(2), covered_above=HEIGHT)
+    bottom = np.where(bottom > 90, 60, bottom).astype(np.uint8)
+    assert find_beside(bottom, STATE, 1.2)[1] < 2.0
+
+
+def test_clearness_is_that_of_the_part_that_is_seen():
+    half = np.array([[4.0] * 6 + [0.1] * 6])
+    assert clearness_of(half) == pytest.approx([4.0])

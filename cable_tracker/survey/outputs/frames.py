@@ -27,7 +27,7 @@ UNITS = {
     "smoothed_heading": "rad", "smoothed_sigma": "m", "along": "m",
 }  # fmt: skip
 
-ROW_GROUP = 16384
+ROW_GROUP = 4096
 """Rows that are written together."""
 
 

@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 import pyogrio
 import shapely
+from pyogrio.errors import DataLayerError, DataSourceError
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.errors import one_line
 from cable_tracker.sequences.estimates import format_stamp
 from cable_tracker.survey.events import Event
 from cable_tracker.survey.merging import MergedRoute
@@ -264,17 +266,21 @@ class _LayerWriter:
     ) -> None:
         if not shapes:
             return
-        pyogrio.raw.write(
-            str(self._path),
-            geometry=shapely.to_wkb(np.array(shapes, dtype=object)),
-            field_data=[_column(values) for values in columns.values()],
-            fields=np.array(list(columns), dtype=object),
-            geometry_type=kind,
-            crs=self._crs,
-            layer=layer,
-            driver="GPKG",
-            append=self._path.exists(),
-        )
+        try:
+            pyogrio.raw.write(
+                str(self._path),
+                geometry=shapely.to_wkb(np.array(shapes, dtype=object)),
+                field_data=[_column(values) for values in columns.values()],
+                fields=np.array(list(columns), dtype=object),
+                geometry_type=kind,
+                crs=self._crs,
+                layer=layer,
+                driver="GPKG",
+                append=self._path.exists(),
+            )
+        # A full disk is one of these too.
+        except (DataSourceError, DataLayerError) as error:
+            raise OSError(one_line(error)) from error
 
 
 def _column(values: list[Any]) -> Any:  # noqa: ANN401  Of any type that a column may have.

@@ -1,0 +1,184 @@
+"""A second look at pictures in which the cable was not claimed, where smoothing says it is.
+
+The tracker goes forwards only: where the cable comes out of the sand it may still be on a rope, or
+may need a second to find it. When a dive has been smoothed, the place of the cable is known there
+from what comes later. So these pictures are read again, and the cable is looked for beside that
+place, with the width that it has elsewhere.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.cable.model.geometry import wrap_state
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.metric.frames import Attitude, rotations_of
+from cable_tracker.metric.homography import Overflight, move_states
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import CompressedImage, RawImage
+from cable_tracker.sequences.source import open_source
+from cable_tracker.survey.forwards import ForwardDive, ForwardSettings, FrameRow, put_profile
+from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING, Rows
+from cable_tracker.survey.route import LEAST_WEIGHT, Course
+from cable_tracker.survey.smoothing import SURE_ENOUGH
+from cable_tracker.survey.visibility import clearness_of, find_beside
+
+REACH = 2.0
+"""The cable is looked for so far to either side of its smoothed place [standard deviations]."""
+
+LEAST_REACH = 0.5
+"""And at least so far [diameters]."""
+
+CLEAR_ENOUGH = 0.65
+"""It is found where its borders are so clear, as a share of what is usual in the dive."""
+
+HEADING_SIGMA = math.radians(5.0)
+"""Its direction is not looked for; that which it has says little [rad]."""
+
+SHARE_OF_DIAMETER = 0.25
+"""How sure its place is."""
+
+
+def look_again(dive: ForwardDive, course: Course, settings: ForwardSettings) -> int:
+    """Look for the cable in pictures without a claim that counts; return in how many it was found.
+
+    The rows of the dive's table are written: the cable's columns where it is found, else only how
+    clearly it is seen at its smoothed place.
+    """
+    rows = dive.table.rows
+    owner = _owners(course, len(rows))
+    wanted = _without_claim(dive, course, owner)
+    usual = _usual(dive, course, owner)
+    if not len(wanted) or usual is None or dive.flight is None:
+        return 0
+    by_frame = {int(rows["frame"][k]): int(k) for k in wanted}
+    stamps = set(rows["stamp"][wanted].tolist())
+    last, found = max(by_frame), 0
+    with open_source(
+        dive.path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True, with_truth=False
+    ) as recording:
+        try:
+            for frame in recording.chosen_frames(stamps.__contains__):
+                number = by_frame.get(frame.index)
+                if number is not None:
+                    place = number, int(owner[number])
+                    found += _look(rows, course, dive.flight, place, frame.image, usual)
+                if frame.index >= last:
+                    break
+        except RecordingError:
+            # Where it breaks off stands in the notes already.
+            pass
+    return found
+
+
+def _owners(course: Course, count: int) -> IndexArray:
+    """Return for each row its look, shape (N,); -1: none."""
+    owner = np.full(count, -1, np.int64)
+    for k, (first, last) in enumerate(zip(course.looks.first, course.looks.last, strict=True)):
+        owner[first:last] = k
+    return owner
+
+
+def _without_claim(dive: ForwardDive, course: Course, owner: IndexArray) -> IndexArray:
+    """Return rows without a claim that counts, where the cable's place is known and in view."""
+    rows, cable = dive.table.rows, course.cable
+    sure = cable.covariances[:, 0, 0] < SURE_ENOUGH**2
+    known = (owner >= 0) & sure[owner] & np.isfinite(rows["roll"])
+    # A claim that looks like the cable is not of something else, even if it does not fit.
+    counts = (cable.weights[owner] > LEAST_WEIGHT) | ~course.looks.doubtful[owner]
+    counts &= (rows["status"] == TRACKING) & np.isfinite(rows["aside"])
+    in_view = np.abs(cable.states[owner, 0]) < rows["half_view"]
+    wanted: IndexArray = np.flatnonzero(known & ~counts & in_view & (rows["again"] == NOT_AGAIN))
+    return wanted
+
+
+def _usual(dive: ForwardDive, course: Course, owner: IndexArray) -> tuple[float, float] | None:
+    """Return the usual diameter [m] and clearness of the cable; None without a claim."""
+    rows = dive.table.rows
+    counts = (owner >= 0) & (course.cable.weights[owner] > LEAST_WEIGHT)
+    counts &= (rows["status"] == TRACKING) & np.isfinite(rows["diameter"])
+    clear = clearness_of(rows["profile_score"][counts].astype(np.float32))
+    clear = clear[np.isfinite(clear)]
+    if not len(clear):
+        return None
+    return float(np.median(rows["diameter"][counts])), float(np.median(clear))
+
+
+def _look(  # noqa: PLR0917
+    rows: Rows,
+    course: Course,
+    flight: Overflight,
+    place: tuple[int, int],
+    encoded: RawImage | CompressedImage,
+    usual: tuple[float, float],
+) -> bool:
+    """Look for the cable in the picture of a row and its look; tell whether it is seen."""
+    number, look = place
+    row, (diameter, clearness) = rows[number], usual
+    attitude = Attitude(float(row["roll"]), float(row["pitch"]), flight.attitude.sigma)
+    flight = replace(flight, attitude=attitude, height=float(row["altitude"]))
+    try:
+        grey = decode_grey(encoded)
+    except FrameError:
+        return False
+    aside, heading = (float(value) for value in course.cable.states[look, :2])
+    sigma = math.sqrt(float(course.cable.covariances[look, 0, 0])) * math.cos(heading)
+    reach = max(REACH * sigma / diameter, LEAST_REACH)
+    expected = place_in_image(flight, float(row["look"]), (aside, heading), diameter)
+    beside = find_beside(grey, expected, reach)
+    if beside is None:
+        return False
+    shift, clear = beside
+    if clear < CLEAR_ENOUGH * clearness:
+        if put_profile(row, flight, grey, expected):
+            row["again"] = HIDDEN
+        return False
+    aside -= shift * diameter / math.cos(heading)
+    state = place_in_image(flight, float(row["look"]), (aside, heading), diameter)
+    if not put_profile(row, flight, grey, state):
+        return False
+    row["again"] = SEEN
+    _put_cable(row, state, (aside, heading), diameter)
+    return True
+
+
+def _put_cable(
+    row: FrameRow, state: CableState, place: tuple[float, float], diameter: float
+) -> None:
+    aside, heading = place
+    look, variance = float(row["look"]), (SHARE_OF_DIAMETER * diameter) ** 2
+    row["d"], row["alpha"], row["w"], row["beta"] = wrap_state(state.to_array())[:4]
+    row["aside"], row["heading"], row["diameter"] = aside, heading, diameter
+    row["aside_variance"], row["aside_heading"] = variance, 0.0
+    row["heading_variance"] = HEADING_SIGMA**2
+    row["offset"] = aside - look * math.tan(heading)
+    row["sigma_offset"] = math.sqrt(variance + (look * HEADING_SIGMA) ** 2)
+    row["sigma_heading"] = HEADING_SIGMA
+
+
+def place_in_image(
+    flight: Overflight, look: float, place: tuple[float, float], diameter: float
+) -> CableState:
+    """Return where in the picture a cable is seen that lies beside a look line [m, rad]."""
+    aside, heading = place
+    # The ground from above, x to the right and y ahead, is an image frame in metres.
+    distance = -aside * math.cos(heading) + look * math.sin(heading)
+    seen = move_states(np.array([[distance, heading, diameter, 0.0]]), _to_image(flight))[0]
+    return CableState.from_array(seen)
+
+
+def _to_image(flight: Overflight) -> FloatArray:
+    """Return what takes the ground, seen from above, to the image, shape (3, 3)."""
+    level = rotations_of(np.array([[flight.attitude.roll, flight.attitude.pitch, 0.0]]))[0]
+    centre = level @ flight.mounting.position
+    ground = np.array(
+        [[0.0, 1.0, -centre[0]], [-1.0, 0.0, -centre[1]], [0.0, 0.0, -(flight.height + centre[2])]]
+    )
+    mapping: FloatArray = flight.image_matrix() @ (level @ flight.mounting.rotation).T @ ground
+    mapping /= mapping[2, 2]
+    return mapping
