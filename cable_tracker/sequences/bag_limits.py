@@ -206,7 +206,7 @@ def _unpacked_size(path: Path, room: int) -> int:
 def check_database(path: Path) -> None:
     """Check that a database is plain tables, as a recorder writes them, and as large as its file.
 
-    What is damaged but finite passes; who reads it will meet the damage.
+    What is damaged but finite passes; its reader will meet the damage.
 
     Raises
     ------
