@@ -95,6 +95,12 @@ OdometryOption = Annotated[
 FixOption = Annotated[
     str | None, typer.Option("--fix-topic", help="NavSatFix, or `none`; else by type.")
 ]
+BagOption = Annotated[
+    bool, typer.Option("--bag/--no-bag", help="Write the bag with the node's messages.")
+]
+TimingOption = Annotated[
+    bool, typer.Option(help="Fill the column `ms`, the only one that differs from run to run.")
+]
 ForceOption = Annotated[
     bool, typer.Option("--force", help="Replace an output of the same kind that exists already.")
 ]

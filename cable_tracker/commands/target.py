@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import (
+    BagOption,
     CameraInfoOption,
     ForceOption,
     ImuOption,
@@ -21,6 +22,7 @@ from cable_tracker.commands.options import (
     SeedOption,
     SkipOption,
     SourceArgument,
+    TimingOption,
     TopicOption,
     VehicleOption,
     chosen_instruments,
@@ -97,13 +99,8 @@ def target(  # noqa: PLR0917
     ros: Annotated[
         bool, typer.Option("--ros", help="Run the nodes and talk over DDS; needs ROS 2 Jazzy.")
     ] = False,
-    bag: Annotated[
-        bool, typer.Option("--bag/--no-bag", help="Write the bag with the node's messages.")
-    ] = True,
-    timing: Annotated[
-        bool,
-        typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
-    ] = True,
+    bag: BagOption = True,
+    timing: TimingOption = True,
 ) -> None:
     """Follow a target with an outline: a buoy, a vehicle, a diver.
 

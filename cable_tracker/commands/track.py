@@ -12,6 +12,7 @@ from rich.table import Table
 
 from cable_tracker.commands.options import (
     AltitudeOption,
+    BagOption,
     CameraInfoOption,
     ForceOption,
     ImuOption,
@@ -24,6 +25,7 @@ from cable_tracker.commands.options import (
     SeedOption,
     SkipOption,
     SourceArgument,
+    TimingOption,
     TopicOption,
     TruthOption,
     VehicleOption,
@@ -79,9 +81,7 @@ def track(  # noqa: PLR0917
     video: Annotated[
         bool, typer.Option("--video/--no-video", help="Write the video overlay.webm.")
     ] = True,
-    bag: Annotated[
-        bool, typer.Option("--bag/--no-bag", help="Write the bag with the node's messages.")
-    ] = True,
+    bag: BagOption = True,
     pictures: Annotated[
         bool, typer.Option("--pictures/--no-pictures", help="Write contact sheet and plots.")
     ] = True,
@@ -90,10 +90,7 @@ def track(  # noqa: PLR0917
     altitude_topic: AltitudeOption = None,
     imu_topic: ImuOption = None,
     odometry_topic: OdometryOption = None,
-    timing: Annotated[
-        bool,
-        typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
-    ] = True,
+    timing: TimingOption = True,
 ) -> None:
     """Track a recording and write the results into a folder.
 
