@@ -1,4 +1,4 @@
-"""How much a bag may ask for, enforced where rosbags takes a bag at its word.
+"""How much a bag may ask for, enforced where rosbags trusts the sizes that it states.
 
 A few kilobytes can unpack to gigabytes, and a database can hold queries that never end. A bag that
 does is refused before it takes memory or disk.
