@@ -28,8 +28,9 @@ def of_type(name: str, value_type: type) -> ParameterValue:
     return ParameterValue(LaunchConfiguration(name), value_type=value_type)
 
 
-def generate_launch_description() -> LaunchDescription:
-    arguments = [
+def arguments() -> list[DeclareLaunchArgument]:
+    """Return what may be given on the command line."""
+    return [
         DeclareLaunchArgument("seed", default_value="0", description="Of world and errors"),
         DeclareLaunchArgument("length", default_value="100.0", description="Of the cable [m]"),
         DeclareLaunchArgument("buried", default_value="5.0", description="Of it under sand [m]"),
@@ -47,11 +48,19 @@ def generate_launch_description() -> LaunchDescription:
             "log_level", default_value="info", description="debug, info, warn, error or fatal"
         ),
     ]
-    tracker = IncludeLaunchDescription(
+
+
+def tracker() -> IncludeLaunchDescription:
+    """Return the tracker, as its own launch file starts it."""
+    return IncludeLaunchDescription(
         PythonLaunchDescriptionSource(PathJoinSubstitution([SHARE, "launch", "tracker.launch.py"])),
         launch_arguments=[(name, LaunchConfiguration(name)) for name in PASSED_ON],
     )
-    simulator = Node(
+
+
+def simulator() -> Node:
+    """Return the vehicle with its camera and instruments."""
+    return Node(
         package="cable_tracker",
         executable="simulator",
         namespace=LaunchConfiguration("namespace"),
@@ -67,7 +76,11 @@ def generate_launch_description() -> LaunchDescription:
         ros_arguments=["--log-level", LaunchConfiguration("log_level")],
         output="screen",
     )
-    controller = Node(
+
+
+def controller() -> Node:
+    """Return the example of a controller."""
+    return Node(
         package="cable_tracker",
         executable="controller",
         namespace=LaunchConfiguration("namespace"),
@@ -75,7 +88,11 @@ def generate_launch_description() -> LaunchDescription:
         ros_arguments=["--log-level", LaunchConfiguration("log_level")],
         output="screen",
     )
+
+
+def generate_launch_description() -> LaunchDescription:
+    vehicle = simulator()
     end_with_simulator = RegisterEventHandler(
-        OnProcessExit(target_action=simulator, on_exit=[EmitEvent(event=Shutdown())])
+        OnProcessExit(target_action=vehicle, on_exit=[EmitEvent(event=Shutdown())])
     )
-    return LaunchDescription([*arguments, tracker, controller, simulator, end_with_simulator])
+    return LaunchDescription([*arguments(), tracker(), controller(), vehicle, end_with_simulator])

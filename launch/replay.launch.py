@@ -42,8 +42,9 @@ def of_type(name: str, value_type: type) -> ParameterValue:
     return ParameterValue(LaunchConfiguration(name), value_type=value_type)
 
 
-def generate_launch_description() -> LaunchDescription:
-    arguments = [
+def arguments() -> list[DeclareLaunchArgument]:
+    """Return what may be given on the command line."""
+    return [
         DeclareLaunchArgument("source", description="Bag, video, image folder or sequence file"),
         DeclareLaunchArgument(
             "topic", default_value="", description="Image topic of a bag that has several"
@@ -89,12 +90,16 @@ def generate_launch_description() -> LaunchDescription:
             "log_level", default_value="info", description="debug, info, warn, error or fatal"
         ),
     ]
+
+
+def tracker() -> IncludeLaunchDescription:
+    """Return the tracker, as its own launch file starts it."""
     vehicle_file = IfElseSubstitution(
         EqualsSubstitution(LaunchConfiguration("vehicle"), ""),
         if_value=LaunchConfiguration("params_file"),
         else_value=LaunchConfiguration("vehicle"),
     )
-    tracker = IncludeLaunchDescription(
+    return IncludeLaunchDescription(
         PythonLaunchDescriptionSource(
             PathJoinSubstitution([SHARE, "launch", "tracker.launch.py"]),
         ),
@@ -103,7 +108,11 @@ def generate_launch_description() -> LaunchDescription:
             ("vehicle_file", vehicle_file),
         ],
     )
-    replay = Node(
+
+
+def replay() -> Node:
+    """Return the node that sends the recording."""
+    return Node(
         package="cable_tracker",
         executable="replay",
         namespace=LaunchConfiguration("namespace"),
@@ -125,7 +134,11 @@ def generate_launch_description() -> LaunchDescription:
         ros_arguments=["--log-level", LaunchConfiguration("log_level")],
         output="screen",
     )
+
+
+def generate_launch_description() -> LaunchDescription:
+    source = replay()
     end_with_replay = RegisterEventHandler(
-        OnProcessExit(target_action=replay, on_exit=[EmitEvent(event=Shutdown())])
+        OnProcessExit(target_action=source, on_exit=[EmitEvent(event=Shutdown())])
     )
-    return LaunchDescription([*arguments, tracker, replay, end_with_replay])
+    return LaunchDescription([*arguments(), tracker(), source, end_with_replay])

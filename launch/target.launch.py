@@ -14,8 +14,9 @@ from launch import LaunchDescription
 INSTRUMENTS = ("camera_info", "imu", "odometry")
 
 
-def generate_launch_description() -> LaunchDescription:
-    arguments = [
+def arguments() -> list[DeclareLaunchArgument]:
+    """Return what may be given on the command line."""
+    return [
         DeclareLaunchArgument(
             "preset", default_value="default", description="Values that the parameters start from"
         ),
@@ -70,8 +71,12 @@ def generate_launch_description() -> LaunchDescription:
             "log_level", default_value="info", description="debug, info, warn, error or fatal"
         ),
     ]
+
+
+def target_tracker() -> Node:
+    """Return the tracker, with its parameters and topics."""
     words = ("preset", "image_transport", "image_reliability", "initial_target")
-    target_tracker = Node(
+    return Node(
         package="cable_tracker",
         executable="target_tracker",
         namespace=LaunchConfiguration("namespace"),
@@ -93,4 +98,7 @@ def generate_launch_description() -> LaunchDescription:
         ros_arguments=["--log-level", LaunchConfiguration("log_level")],
         output="screen",
     )
-    return LaunchDescription([*arguments, target_tracker])
+
+
+def generate_launch_description() -> LaunchDescription:
+    return LaunchDescription([*arguments(), target_tracker()])

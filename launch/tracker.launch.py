@@ -14,8 +14,9 @@ from launch import LaunchDescription
 INSTRUMENTS = ("camera_info", "altitude", "imu", "odometry")
 
 
-def generate_launch_description() -> LaunchDescription:
-    arguments = [
+def arguments() -> list[DeclareLaunchArgument]:
+    """Return what may be given on the command line."""
+    return [
         DeclareLaunchArgument(
             "preset", default_value="default", description="Values that the parameters start from"
         ),
@@ -59,8 +60,12 @@ def generate_launch_description() -> LaunchDescription:
             "log_level", default_value="info", description="debug, info, warn, error or fatal"
         ),
     ]
+
+
+def tracker() -> Node:
+    """Return the tracker, with its parameters and topics."""
     words = ("preset", "image_transport", "image_reliability")
-    tracker = Node(
+    return Node(
         package="cable_tracker",
         executable="tracker",
         namespace=LaunchConfiguration("namespace"),
@@ -78,4 +83,7 @@ def generate_launch_description() -> LaunchDescription:
         ros_arguments=["--log-level", LaunchConfiguration("log_level")],
         output="screen",
     )
-    return LaunchDescription([*arguments, tracker])
+
+
+def generate_launch_description() -> LaunchDescription:
+    return LaunchDescription([*arguments(), tracker()])

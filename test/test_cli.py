@@ -23,10 +23,13 @@ from cable_tracker.commands.results import folder_beside
 from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import ParameterError
+from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.sequences.messages import make_header, make_image
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 from cable_tracker.tracking.parameter_files import read_parameter_file
@@ -224,6 +227,21 @@ def test_the_frames_before_the_damage_are_used_and_the_damage_is_told(run, unlab
     assert "frame_000002.png" in outcome.err
     if command == "track":
         assert len(read_estimates(Path("out/estimates.csv"))) == 2
+
+
+def test_instruments_that_cannot_be_read_are_told_once(run):
+    factory = RosbagsMessages()
+    with BagWriter(Path("dive")) as writer:
+        for frame in small_dive(3, 0.5):
+            header = make_header(factory, frame.stamp, "camera")
+            message = make_image(factory, frame.image, header)
+            writer.write("/image", "sensor_msgs/msg/Image", message, frame.stamp)
+            writer.write_serialised(
+                "/altitude", "sensor_msgs/msg/Range", b"\x00\x01\x00\x00\x07", frame.stamp
+            )
+    result = run("track", "dive", "--no-video", "--no-bag", "--no-pictures")
+    assert result.code == 0
+    assert result.err.count("/altitude: 3 of its messages cannot be read") == 1
 
 
 def test_bad_frames_are_passed_over_where_that_is_wanted(run, unlabelled):

@@ -92,7 +92,7 @@ def measure_contour(repetitions: int = REPETITIONS) -> ContourTiming:
 
 
 def overlap_of(one: BoolArray, two: BoolArray) -> float:
-    """Return intersection over union of two masks."""
+    """Return intersection over union of two masks (H, W), 0 to 1."""
     return float((one & two).sum() / max((one | two).sum(), 1))
 
 

@@ -1,4 +1,4 @@
-"""Who does the work of a campaign: this process, processes of this machine, or a cluster.
+"""The workers of a campaign: this process, processes of this machine, or a cluster.
 
 Results are small and come back to the caller; with a store they also stay on the disk, so that a
 campaign that was ended can go on.
@@ -90,7 +90,7 @@ class Work(Protocol[Result_co]):
 
 @dataclass(frozen=True, slots=True)
 class Crew:
-    """Who does the work, and where its results are kept.
+    """The workers of a campaign, and where its results are kept.
 
     Attributes
     ----------
@@ -224,14 +224,14 @@ def run_all(
 ) -> list[Result]:
     """Do all of some work, and return the results in order; the first error ends it.
 
-    The results do not depend on who does it.
+    The results do not depend on the number of workers.
 
     Parameters
     ----------
     works : sequence of Work
         What to do.
     workers : int or Crew
-        Who does it.
+        The number of processes, or a crew.
     advance : callable
         Told now and then how many more frames are done; kept results have none.
 

@@ -21,6 +21,7 @@ from cable_tracker.commands.options import (
 )
 from cable_tracker.commands.terminal import console, counted, progress_bar
 from cable_tracker.sequences.convert import ImageFormat, write_bag
+from cable_tracker.sequences.source import ChosenRecording
 
 
 def convert(  # noqa: PLR0917
@@ -41,10 +42,9 @@ def convert(  # noqa: PLR0917
 
     Its ground truth is written too, if it has some.
     """
+    chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
     with ExitStack() as stack:
-        recording = stack.enter_context(
-            open_recording(source, topic, rate, truth, skip_bad_frames, allow_outside)
-        )
+        recording = stack.enter_context(open_recording(chosen))
         progress = stack.enter_context(progress_bar("converting", recording.frame_count))
         written = write_bag(
             output,

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from datetime import date
 from pathlib import Path
 from typing import Annotated, TypeVar
 
 import typer
-from rich.table import Table
 
-from cable_tracker.campaigns.crew import ClusterSettings, move_store, stored_beside
-from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.options import (
+from cable_tracker.commands.cable_campaign import evaluate_cables, tuned_filters
+from cable_tracker.commands.campaign_options import (
     MEMORY,
     DashboardOption,
-    ForceOption,
+    FirstSeedOption,
     MemoryOption,
-    OutsideOption,
-    RateOption,
     ResumeOption,
     SchedulerOption,
+    SeedsOption,
+    WorkersOption,
+    chosen_cluster,
+    seeds_from,
+)
+from cable_tracker.commands.options import (
+    ForceOption,
+    OutsideOption,
+    RateOption,
     SkipOption,
     TopicOption,
     TruthOption,
@@ -33,10 +36,9 @@ from cable_tracker.commands.target_campaign import (
     simulated_targets,
     tuned_targets,
 )
-from cable_tracker.commands.terminal import advance, console, messages, progress_bar
-from cable_tracker.commands.tuning import ValueOption, chosen_parameters, given_values
+from cable_tracker.commands.tuning import ValueOption
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.judged_sequences import (
     JudgedSequence,
     RecordingSequence,
@@ -44,69 +46,11 @@ from cable_tracker.evaluation.judged_sequences import (
 )
 from cable_tracker.evaluation.labelled_recording import LabelledRecording
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
-from cable_tracker.evaluation.report import (
-    REPORT,
-    ReportHeader,
-    TableView,
-    summary_table,
-    write_report,
-)
 from cable_tracker.evaluation.runs import Start
-from cable_tracker.evaluation.tables import CSV_FILES
 from cable_tracker.evaluation.targets.target_sequences import RecordedTarget
-from cable_tracker.sequences.output_folder import output_folder
+from cable_tracker.sequences.source import ChosenRecording
 
 Recording = TypeVar("Recording", bound=LabelledRecording)
-
-TITLE = "How well the cable is followed"
-
-PRINTED_METRICS = (
-    "useful", "wrong_claims", "false_tracking", "longest_loss", "held_rmse_d", "held_rmse_alpha",
-    "start_right", "ms",
-)  # fmt: skip
-"""What fits on a terminal; the report has more."""
-
-LARGEST_FIRST_SEED = 1_000_000_000
-"""Far enough below the largest seed of a tracker for all that is added to it."""
-
-FirstSeedOption = Annotated[
-    int, typer.Option(help="Seed of the first run; keep seeds for tuning and for reports apart.")
-]
-SeedsOption = Annotated[
-    int, typer.Option(help="Number of runs, with the first seed and those that follow it.")
-]
-WorkersOption = Annotated[
-    int | None, typer.Option(help="Number of processes.  [default: one for each processor]")
-]
-
-
-def worker_count(workers: int | None) -> int:
-    """Return the number of processes when the user names none."""
-    return workers if workers is not None else os.cpu_count() or 1
-
-
-def chosen_cluster(
-    workers: int | None, scheduler: str | None, memory: str, dashboard: bool
-) -> ClusterSettings:
-    """Return where tasks run, and say where Dask's pages are."""
-    if dashboard:
-        messages.print("Dask's pages: http://127.0.0.1:8787/status")
-    return ClusterSettings(worker_count(workers), scheduler, memory, dashboard)
-
-
-def seeds_from(count: int, first: int = 0) -> tuple[int, ...]:
-    """Return so many seeds from a first one upwards.
-
-    Raises
-    ------
-    ParameterError
-        The count is not positive, or the first seed out of range.
-    """
-    if count < 1:
-        raise ParameterError(f"seeds is {count}: give at least 1")
-    if not 0 <= first <= LARGEST_FIRST_SEED:
-        raise ParameterError(f"first-seed is {first}: give 0 to {LARGEST_FIRST_SEED}")
-    return tuple(range(first, first + count))
 
 
 def evaluate(  # noqa: PLR0917
@@ -181,110 +125,67 @@ def evaluate(  # noqa: PLR0917
     The folder holds report.html, which needs nothing else, and all numbers as CSV. The same command
     gives the same numbers, except for the times. With --targets it holds table.md and figures.csv.
     """
-    sequences: Sequence[JudgedSequence]
-
-    def as_chosen(kind: type[Recording], path: Path) -> Recording:
-        chosen = (topic, rate, truth, skip_bad_frames, allow_outside)
-        return kind(path, *chosen, unlabelled_is_empty=unlabelled_is_empty)
-
     if source is not None and (scenario or frames):
         raise ParameterError("--source takes the place of --scenario and --frames; leave those out")
     if source is None and truth is not None:
         raise ParameterError("--truth labels a recording; give it with --source")
+    if targets and (param or table or init is not Start.TRUTH):
+        raise ParameterError("--targets goes without --param, --table and --init; leave those out")
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
+    numbers = seeds_from(seeds, first_seed)
+    chosen = None
+    if source is not None:
+        chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
     if targets:
-        if param or table or init is not Start.TRUTH:
-            raise ParameterError("--targets goes without --param, --table and --init")
-        recorded = source and as_chosen(RecordedTarget, source)
         tuned = tuned_targets(params)
         followed = TargetCampaign(
-            (recorded,) if recorded else simulated_targets(scenario or (), frames),
-            seeds_from(seeds, first_seed),
+            (_labelled(RecordedTarget, chosen, unlabelled_is_empty),)
+            if chosen is not None
+            else simulated_targets(scenario or (), frames),
+            numbers,
             chosen_methods(method, tuned),
             tuned,
         )
         evaluate_targets(followed, output, cluster, force=force, resume=resume)
         return
-    if source is None:
-        sequences = simulated_sequences(scenario or (), frames)
+    sequences: Sequence[JudgedSequence]
+    if chosen is not None:
+        sequences = (_labelled(RecordingSequence, chosen, unlabelled_is_empty),)
     else:
-        sequences = (as_chosen(RecordingSequence, source),)
+        sequences = simulated_sequences(scenario or (), frames)
     filters = tuned_filters(params, param, table)
-    campaign = Campaign(
-        methods=tuple(dict.fromkeys(method or (("default",) if filters else METHODS))),
+    campaign = _cable_campaign(method, sequences, numbers, init, filters)
+    evaluate_cables(campaign, output, cluster, force=force, resume=resume)
+
+
+def _labelled(
+    kind: type[Recording], chosen: ChosenRecording, unlabelled_is_empty: bool
+) -> Recording:
+    return kind(
+        chosen.path,
+        chosen.topic,
+        chosen.rate,
+        chosen.truth,
+        chosen.skip_bad_frames,
+        chosen.allow_outside,
+        unlabelled_is_empty=unlabelled_is_empty,
+    )
+
+
+def _cable_campaign(
+    methods: Sequence[str] | None,
+    sequences: Sequence[JudgedSequence],
+    seeds: tuple[int, ...],
+    start: Start,
+    filters: tuple[ConfiguredFilter, ...],
+) -> Campaign:
+    """Return what is judged: the methods that are named, or else the usual ones."""
+    usual = ("default",) if filters else tuple(METHODS)
+    return Campaign(
+        methods=tuple(dict.fromkeys(methods or usual)),
         sequences=tuple(sequences),
-        seeds=seeds_from(seeds, first_seed),
-        start=init,
+        seeds=seeds,
+        start=start,
         with_sheets=True,
         filters=filters,
     )
-    header = ReportHeader(TITLE, typed_command(), machine(), date.today().isoformat())
-    total = campaign.frame_count()
-    with (
-        output_folder(output, REPORT, overwrite=force or resume) as folder,
-        stored_beside(output, cluster, resume=resume) as crew,
-    ):
-        with progress_bar("evaluating", total) as progress:
-            results = run_campaign(
-                campaign, workers=crew, advance=lambda count: advance(progress, count)
-            )
-        move_store(crew, folder)
-        with progress_bar("writing the report", None):
-            write_report(
-                folder,
-                results,
-                header,
-                methods={name: METHODS[name].description for name in campaign.methods}
-                | {each.name: "particle filter with parameters of yours" for each in filters},
-                sequences={each.name: each.description for each in sequences},
-            )
-    print_table(summary_table(results, PRINTED_METRICS))
-    for name in (REPORT, *(name for name, _ in CSV_FILES)):
-        console.print(f"  {output / name}", soft_wrap=True)
-
-
-def tuned_filters(
-    files: Sequence[Path] | None, words: Sequence[str] | None, table: Path | None
-) -> tuple[ConfiguredFilter, ...]:
-    """Return the trackers with parameters of the user's: one for each file, or one for the words.
-
-    Parameters
-    ----------
-    files : sequence of Path or None
-        Parameter files; each tracker is named after its file.
-    words : sequence of str or None
-        Single values, `name=value`, for all of them.
-    table : Path or None
-        Response table for all of them.
-
-    Raises
-    ------
-    ParameterError
-        A value is not acceptable, two files have one name, or a file is named like a method.
-    """
-    more = given_values(None, words)
-    if table is not None:
-        more["response_table"] = str(table.resolve())
-    if not (files or more):
-        return ()
-    given = {file.stem: given_values(file, None) for file in files or ()} or {"tuned": {}}
-    taken = sorted(set(given) & set(METHODS))
-    if taken or len(given) < len(files or ()):
-        raise ParameterError(
-            f"--params: {', '.join(taken) or 'a file name'} stands for two methods; rename a file"
-        )
-    return tuple(
-        ConfiguredFilter(name, chosen_parameters(None, values | more, None))
-        for name, values in given.items()
-    )
-
-
-def print_table(view: TableView) -> None:
-    """Print a table of the report on the terminal."""
-    table = Table(title="means over all runs")
-    table.add_column(view.corner, no_wrap=True)
-    for label, unit in view.headings:
-        table.add_column(f"{label} [{unit}]" if unit else label, justify="right")
-    for name, cells in view.rows:
-        table.add_row(name, *(cell.text for cell in cells))
-    console.print(table)

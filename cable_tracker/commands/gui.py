@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from cable_tracker.cable.model.initial_state_text import RANDOM
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.options import (
     AltitudeOption,
@@ -23,6 +23,7 @@ from cable_tracker.commands.options import (
     TruthOption,
     VehicleOption,
     chosen_instruments,
+    print_notes,
 )
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.serving import (
@@ -33,7 +34,6 @@ from cable_tracker.commands.serving import (
     need_gui,
 )
 from cable_tracker.commands.target import chosen_target
-from cable_tracker.commands.terminal import messages
 from cable_tracker.commands.tuning import chosen_parameters, chosen_start
 from cable_tracker.errors import GuiError
 from cable_tracker.target.model.start_text import WAIT
@@ -109,15 +109,13 @@ def gui(  # noqa: PLR0917
         )
     subject = subjects.TARGET if target else subjects.CABLE
     values = read_parameter_file(params, subject.node) if params is not None else {}
-    parameters: ParameterSet
-    if target:
-        parameters = chosen_target(preset_name, values, seed)
-        start = init or WAIT
-    else:
-        if preset_name is not None:
-            subject.preset(preset_name)
-        parameters = chosen_parameters(preset_name, values, seed)
-        start = chosen_start(init, values) if source is not None else init or RANDOM
+    if preset_name is not None:
+        subject.preset(preset_name)
+    choose: Callable[..., ParameterSet] = chosen_target if target else chosen_parameters
+    parameters = choose(preset_name, values, seed)
+    # A parameter file says where a recording starts, not where a live node does.
+    said = values if source is not None else {}
+    start = init or WAIT if target else chosen_start(init, said)
     request = requests.RecordingRequest(
         path=source if source is not None else Path(),
         topic=topic,
@@ -136,8 +134,7 @@ def gui(  # noqa: PLR0917
         desk.watch(live.LiveTargetSession(ros) if target else live.LiveSession(ros))
     elif source is not None:
         desk.open(request)
-        if desk.session.note:
-            messages.print(f"note: {source}: {desk.session.note}", soft_wrap=True)
+        print_notes(source, desk.session.notes)
     window.serve_tracking_window(
         desk,
         listening,

@@ -24,7 +24,7 @@ from cable_tracker.commands.serving import (
 )
 from cable_tracker.commands.terminal import console, counted, messages, progress_bar
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.source import Source
+from cable_tracker.sequences.source import ChosenRecording, Source
 
 
 def label(  # noqa: PLR0917
@@ -51,7 +51,8 @@ def label(  # noqa: PLR0917
     window = need_gui("labelling.window")
     workspaces = need_gui("labelling.workspace")
     server = need_gui("server")
-    with open_recording(source, topic, rate, None, skip_bad_frames, allow_outside) as recording:
+    chosen = ChosenRecording(source, topic, rate, None, skip_bad_frames, allow_outside)
+    with open_recording(chosen) as recording:
         _count_frames(recording)
         path = labels if labels is not None else workspaces.default_label_file(recording.path)
         workspace = workspaces.Workspace(recording, path, allow_outside=allow_outside)

@@ -24,8 +24,9 @@ from cable_tracker.commands.learning_sources import (
 from cable_tracker.commands.options import (
     ForceOption,
     OutsideOption,
-    PresetName,
+    PresetOption,
     RateOption,
+    SeedOption,
     SkipOption,
     TopicOption,
     TruthOption,
@@ -35,6 +36,7 @@ from cable_tracker.commands.terminal import console, counted, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.output_folder import output_file
+from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.tracking.parameter_files import read_parameter_file
 
@@ -70,17 +72,12 @@ def learn(  # noqa: PLR0917
             max=100,
         ),
     ] = 1,
-    preset_name: Annotated[
-        PresetName | None,
-        typer.Option("--preset", help="Values to start from.  [default: default]"),
-    ] = None,
+    preset_name: PresetOption = None,
     params: Annotated[
         Path | None,
         typer.Option(help="YAML file with the parameters that the table will be used with."),
     ] = None,
-    seed: Annotated[
-        int | None, typer.Option(help="Seed of the random numbers, instead of the preset's.")
-    ] = None,
+    seed: SeedOption = None,
     force: ForceOption = False,
     topic: TopicOption = None,
     rate: RateOption = 25.0,
@@ -106,8 +103,9 @@ def learn(  # noqa: PLR0917
     counts = ResponseCounts(elsewhere)
     with ExitStack() as stack:
         for path in paths:
-            recording = open_recording(path, topic, rate, truth, skip_bad_frames, allow_outside)
-            sequences.append(labelled_recording(stack.enter_context(recording), truth))
+            chosen = ChosenRecording(path, topic, rate, truth, skip_bad_frames, allow_outside)
+            recording = stack.enter_context(open_recording(chosen))
+            sequences.append(labelled_recording(recording, truth))
         file = stack.enter_context(output_file(output, is_table, overwrite=force))
         progress = stack.enter_context(progress_bar("learning", total_of(sequences)))
         for sequence in sequences:

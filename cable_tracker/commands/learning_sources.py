@@ -92,10 +92,12 @@ def parse_seeds(text: str) -> tuple[int, ...]:
         match = SEEDS.fullmatch(part.strip())
         first, last = (int(number) for number in match.groups(match[1])) if match else (1, 0)
         if first > last:
-            raise ParameterError(f"seeds: {text!r} is not of the form 0,4-6")
+            raise ParameterError(
+                f"seeds: {text!r} is not of the form 0,4-6; give numbers and ranges"
+            )
         seeds += range(first, min(last, first + MOST_SEEDS) + 1)
     if len(seeds) > MOST_SEEDS:
-        raise ParameterError(f"seeds: {text!r} are more than {MOST_SEEDS}")
+        raise ParameterError(f"seeds: {text!r} are more than {MOST_SEEDS}; give fewer")
     return tuple(dict.fromkeys(seeds))
 
 

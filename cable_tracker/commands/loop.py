@@ -16,19 +16,20 @@ from rich.table import Table
 
 from cable_tracker.campaigns.crew import ClusterSettings, stored_beside
 from cable_tracker.campaigns.task import MARKER
-from cable_tracker.commands.evaluate import seeds_from
-from cable_tracker.commands.loop_campaign import MOST_WORKERS, LoopCampaign, run_campaign
-from cable_tracker.commands.options import (
+from cable_tracker.commands.campaign_options import (
     MEMORY,
     DashboardOption,
-    ForceOption,
     MemoryOption,
     ResumeOption,
     SchedulerOption,
+    chosen_cluster,
+    seeds_from,
 )
+from cable_tracker.commands.loop_campaign import MOST_WORKERS, LoopCampaign, run_loops
+from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.simulate import parse_size
-from cable_tracker.commands.terminal import advance, console, messages, progress_bar
+from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.closed_loop.loop_campaign import (
     METHODS_TABLE,
@@ -118,11 +119,7 @@ def loop(  # noqa: PLR0917
     request = ros.LoopRequest(
         world=LiveSettings(seed, length, sand, altitude, current, parse_size(size), rate),
         method=methods[0],
-        tracker={
-            **(read_parameter_file(params) if params is not None else {}),
-            "seed": seed,
-            **({"detector": detector} if detector is not None else {}),
-        },
+        tracker=_tracker_values(params, seed, detector),
         speed=speed,
         realtime=realtime,
         standstill=standstill,
@@ -133,20 +130,35 @@ def loop(  # noqa: PLR0917
         return
     if not 1 <= workers <= MOST_WORKERS:
         raise ParameterError(f"workers is {workers}: give 1 to {MOST_WORKERS}")
-    shared = [
-        f"--length={length}", f"--buried={sand}", f"--current={current}", f"--altitude={altitude}",
-        f"--speed={speed}", f"--size={size}", f"--rate={rate}", f"--standstill={standstill}",
+    cluster = chosen_cluster(workers, scheduler, memory, dashboard)
+    campaign = LoopCampaign(methods, chosen, _shared_arguments(request, detector, params))
+    path = output if output is not None else Path("loop_runs")
+    _run_several(campaign, path, cluster, force=force, resume=resume)
+
+
+def _tracker_values(params: Path | None, seed: int, detector: str | None) -> dict[str, object]:
+    """Return the parameters that the user gives the tracker."""
+    values = read_parameter_file(params) if params is not None else {}
+    return values | {"seed": seed} | ({"detector": detector} if detector is not None else {})
+
+
+def _shared_arguments(
+    request: Any,  # noqa: ANN401  A class of the ROS part.
+    detector: str | None,
+    params: Path | None,
+) -> list[str]:
+    """Return the options of `cable-tracker loop` that each run of several is started with."""
+    world = request.world
+    width, height = world.image_size
+    return [
+        f"--length={world.length}", f"--buried={world.buried}", f"--current={world.current}",
+        f"--altitude={world.altitude}", f"--speed={request.speed}", f"--size={width}x{height}",
+        f"--rate={world.rate}", f"--standstill={request.standstill}",
         "--video" if request.with_video else "--no-video",
         *([f"--detector={detector}"] if detector is not None else []),
         *([f"--params={params}"] if params is not None else []),
-        *(["--realtime"] if realtime else []),
+        *(["--realtime"] if request.realtime else []),
     ]  # fmt: skip
-    if dashboard:
-        messages.print("Dask's pages: http://127.0.0.1:8787/status")
-    cluster = ClusterSettings(workers, scheduler, memory, dashboard)
-    campaign = LoopCampaign(methods, chosen, shared)
-    path = output if output is not None else Path("loop_runs")
-    _run_several(campaign, path, cluster, (force, resume))
 
 
 def _check_methods(methods: Sequence[str], *, is_tuned: bool) -> None:
@@ -172,9 +184,8 @@ def _run_one(ros: ModuleType, request: Any, folder: Path, force: bool) -> None: 
 
 
 def _run_several(
-    campaign: LoopCampaign, path: Path, cluster: ClusterSettings, over: tuple[bool, bool]
+    campaign: LoopCampaign, path: Path, cluster: ClusterSettings, *, force: bool, resume: bool
 ) -> None:
-    force, resume = over
     with (
         output_folder(path, RUNS, overwrite=force or resume) as folder,
         stored_beside(path, cluster, resume=resume) as crew,
@@ -184,7 +195,7 @@ def _run_several(
             for run in (marker.parent for marker in path.glob(f"*/{MARKER}")):
                 shutil.copytree(run, crew.store / run.name, dirs_exist_ok=True)
         with progress_bar("runs", len(campaign.cases())) as progress:
-            outcomes = run_campaign(
+            outcomes = run_loops(
                 campaign, crew.store, lambda: advance(progress), cluster=cluster, resume=resume
             )
         # The folders of the runs stand beside the tables.

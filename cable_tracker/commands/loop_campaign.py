@@ -68,7 +68,7 @@ class LoopTask:
     Attributes
     ----------
     method, seed
-        Who tracks, and what is drawn.
+        Name of the method that tracks, and seed of the world.
     arguments : tuple of str
         Of `cable-tracker loop`.
     """
@@ -146,7 +146,7 @@ def free_domain() -> Iterator[int]:
         time.sleep(POLL)
 
 
-def run_campaign(
+def run_loops(
     campaign: LoopCampaign,
     folder: Path,
     advance: Callable[[], None] = lambda: None,
@@ -175,10 +175,10 @@ def run_campaign(
         By method, then seed, in the campaign's order.
     """
     with needing_dask():
-        from cable_tracker.campaigns.runner import run_campaign as run_tasks  # noqa: PLC0415
+        from cable_tracker.campaigns.runner import run_campaign  # noqa: PLC0415
 
     tasks = [LoopTask(*case, tuple(campaign.arguments)) for case in campaign.cases()]
-    outcomes = run_tasks(
+    outcomes = run_campaign(
         tasks,
         folder,
         cluster or ClusterSettings(),

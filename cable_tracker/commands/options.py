@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -13,7 +14,7 @@ from cable_tracker.commands.terminal import messages
 from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
-from cable_tracker.sequences.source import Source, open_source
+from cable_tracker.sequences.source import ChosenRecording, Source
 
 
 class Storage(str, Enum):
@@ -22,18 +23,6 @@ class Storage(str, Enum):
     MCAP = "mcap"
     SQLITE3 = "sqlite3"
 
-
-SchedulerOption = Annotated[
-    str | None, typer.Option(help="Address of a running Dask scheduler: tcp://host:8786.")
-]
-MemoryOption = Annotated[str, typer.Option(help="Most memory of each worker.")]
-DashboardOption = Annotated[
-    bool, typer.Option("--dashboard", help="Serve Dask's pages at 127.0.0.1:8787.")
-]
-ResumeOption = Annotated[
-    bool, typer.Option("--resume", help="Do only what is missing or has changed.")
-]
-MEMORY = "4 GiB"
 
 PresetName = Enum("PresetName", {name: name for name in PRESETS}, type=str)  # type: ignore[misc]
 InitOption = Annotated[
@@ -106,6 +95,12 @@ OdometryOption = Annotated[
 FixOption = Annotated[
     str | None, typer.Option("--fix-topic", help="NavSatFix, or `none`; else by type.")
 ]
+BagOption = Annotated[
+    bool, typer.Option("--bag/--no-bag", help="Write the bag with the node's messages.")
+]
+TimingOption = Annotated[
+    bool, typer.Option(help="Fill the column `ms`, the only one that differs from run to run.")
+]
 ForceOption = Annotated[
     bool, typer.Option("--force", help="Replace an output of the same kind that exists already.")
 ]
@@ -129,28 +124,18 @@ def find_vehicle(
 ) -> RecordedVehicle:
     """Find the instruments of a recording, and say what the user should know about them."""
     found = recorded_vehicle(source, choice, vehicle_file)
-    for note in found.notes:
-        messages.print(f"note: {source.path}: {note}", soft_wrap=True)
+    print_notes(source.path, found.notes)
     return found
 
 
-def open_recording(  # noqa: PLR0917
-    path: Path,
-    topic: str | None,
-    rate: float,
-    truth: Path | None,
-    skip_bad_frames: bool,
-    allow_outside: bool,
-) -> Source:
-    """Open a source, and say what the user should know about it."""
-    source = open_source(
-        path,
-        topic=topic,
-        rate=rate,
-        truth=truth,
-        skip_bad_frames=skip_bad_frames,
-        allow_outside=allow_outside,
-    )
-    if source.note:
-        messages.print(f"note: {path}: {source.note}", soft_wrap=True)
+def open_recording(recording: ChosenRecording) -> Source:
+    """Open a recording, and say what the user should know about it."""
+    source = recording.open()
+    print_notes(recording.path, [source.note] if source.note else [])
     return source
+
+
+def print_notes(path: Path, notes: Iterable[str]) -> None:
+    """Say what the user should know about a recording, each note on a line of its own."""
+    for note in notes:
+        messages.print(f"note: {path}: {note}", soft_wrap=True)

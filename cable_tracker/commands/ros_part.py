@@ -6,6 +6,7 @@ from importlib import import_module
 from types import ModuleType
 
 from cable_tracker.errors import RosError
+from cable_tracker.ros.missing_ros import words_on_missing_ros
 
 
 def need_ros(name: str) -> ModuleType:
@@ -14,12 +15,12 @@ def need_ros(name: str) -> ModuleType:
     Raises
     ------
     RosError
-        ROS is not installed.
+        ROS is not installed, or does not fit this Python.
     """
     try:
         return import_module(f"cable_tracker.ros.{name}")
-    except ModuleNotFoundError as error:
-        raise RosError(
-            f"ROS 2 is not installed (no module {error.name}); run"
-            " `pip install '.[ros]'` in the package's folder, or source /opt/ros/jazzy/setup.bash"
-        ) from error
+    except ImportError as error:
+        words = words_on_missing_ros(error)
+        if not words:
+            raise
+        raise RosError(words) from error

@@ -47,7 +47,7 @@ def announce(url: str, ssh_line: str, is_local: bool) -> None:
     else:
         messages.print(
             "warning: the page can be reached from other machines, and what it says is not"
-            " encrypted; who knows the address with its token commands the tracker",
+            " encrypted; everyone with the address and its token can command the tracker",
             soft_wrap=True,
         )
     console.print("stop with Ctrl-C")

@@ -49,7 +49,7 @@ class SimulationFormat(str, Enum):
     SEQUENCE = "sequence"
 
 
-def simulate_command(  # noqa: PLR0912, PLR0917
+def simulate_command(  # noqa: PLR0917
     output: Annotated[
         Path | None, typer.Argument(help="Folder to write; none with --live.")
     ] = None,
@@ -103,17 +103,7 @@ def simulate_command(  # noqa: PLR0912, PLR0917
 ) -> None:
     """Simulate a cable or a target, with exact ground truth."""
     image_size = parse_size(size)
-    kinds = {
-        "--live": live or None,
-        "--target": target,
-        "--survey": survey,
-        "--scenario": scenario,
-    }
-    chosen = [name for name, value in kinds.items() if value is not None]
-    if len(chosen) > 1:
-        raise ParameterError(f"{' and '.join(chosen)}: give one of these")
-    if photographs is not None and chosen not in ([], ["--scenario"]):
-        raise ParameterError(f"--photographs covers the bottom of a scenario; not of {chosen[0]}")
+    _check_one_kind(live, target, survey, scenario, photographs)
     if live:
         _run_live(output, seed, image_size, rate)
         return
@@ -126,41 +116,108 @@ def simulate_command(  # noqa: PLR0912, PLR0917
     if survey is not None:
         if output_format is not SimulationFormat.BAG:
             raise ParameterError("--survey writes a bag, for the instruments; leave --format out")
-        settings_of_survey = replace(
-            usual_survey(survey, seed, cable_seed), rate=rate, image_size=image_size
-        )
-        _simulate_survey(output, settings_of_survey, storage, force)
+        usual = usual_survey(survey, seed, cable_seed)
+        inspection = replace(usual, rate=rate, image_size=image_size)
+        _simulate_survey(output, inspection, storage, force)
         return
-    source: Iterator[Frame]
-    below: tuple[Dive, float] | None = None
-    if scenario is not None and scenario in WORLDS:
-        if photographs is not None:
-            raise ParameterError(f"photographs: the world {scenario} has its own bottom")
-        frames = WORLDS[scenario].frame_count
-        source = (each.frame for each in simulate_world(scenario, seed, image_size))
-    elif scenario is not None:
-        frames = find_scenario(scenario).frame_count
-        simulated = simulate_scenario(scenario, seed, image_size, photographs=photographs)
-        source = (each.frame for each in simulated)
-        below = scenario_dive(scenario, seed, image_size), SCENARIO_RATE
-    elif photographs is not None:
-        raise ParameterError("photographs cover the bottom of a scenario; name one with --scenario")
+    if scenario is not None:
+        cable = _scenario_frames(scenario, seed, image_size, photographs)
     else:
-        settings = SimulationSettings(
-            frame_count=frames, rate=rate, image_size=image_size, clutter=clutter, seed=seed
-        )
-        source = simulate(settings)
-        below = simulated_dive(settings), rate
-    with progress_bar("simulating", frames) as progress:
-        dive = counted(source, progress)
-        if output_format is SimulationFormat.BAG and below is not None:
-            count = write_instrumented_bag(
-                output, dive, *below, seed, storage=storage.value, overwrite=force
+        cable = _own_frames(
+            SimulationSettings(
+                frame_count=frames, rate=rate, image_size=image_size, clutter=clutter, seed=seed
             )
-        elif output_format is SimulationFormat.BAG:
-            count = write_bag(output, dive, storage=storage.value, overwrite=force).count
+        )
+    _write_cable(output, cable, seed, output_format, storage=storage, force=force)
+
+
+def _check_one_kind(
+    live: bool,
+    target: str | None,
+    survey: float | None,
+    scenario: str | None,
+    photographs: Path | None,
+) -> None:
+    """See that one thing is simulated, and photographs only cover what they can."""
+    kinds = {
+        "--live": live or None,
+        "--target": target,
+        "--survey": survey,
+        "--scenario": scenario,
+    }
+    chosen = [name for name, value in kinds.items() if value is not None]
+    if len(chosen) > 1:
+        raise ParameterError(f"{' and '.join(chosen)}: give one of these")
+    if photographs is None or chosen == ["--scenario"]:
+        return
+    if chosen:
+        raise ParameterError(
+            f"--photographs covers the bottom of a scenario, not of {chosen[0]}; leave it out"
+        )
+    raise ParameterError("photographs cover the bottom of a scenario; name one with --scenario")
+
+
+@dataclass(frozen=True, slots=True)
+class _CableFrames:
+    """Frames of a simulated cable.
+
+    Attributes
+    ----------
+    count : int
+        How many there are.
+    frames : iterator of Frame
+        With their ground truth.
+    dive : (Dive, float) or None
+        What is simulated, and frames per second, for the instruments of a bag; None: it has none.
+    """
+
+    count: int
+    frames: Iterator[Frame]
+    dive: tuple[Dive, float] | None
+
+
+def _scenario_frames(
+    name: str, seed: int, image_size: tuple[int, int], photographs: Path | None
+) -> _CableFrames:
+    """Return the frames of a scenario or a world of the evaluation."""
+    if name in WORLDS:
+        if photographs is not None:
+            raise ParameterError(
+                f"photographs: the world {name} has its own bottom; leave --photographs out"
+            )
+        frames = (each.frame for each in simulate_world(name, seed, image_size))
+        return _CableFrames(WORLDS[name].frame_count, frames, None)
+    count = find_scenario(name).frame_count
+    simulated = simulate_scenario(name, seed, image_size, photographs=photographs)
+    dive = scenario_dive(name, seed, image_size)
+    return _CableFrames(count, (each.frame for each in simulated), (dive, SCENARIO_RATE))
+
+
+def _own_frames(settings: SimulationSettings) -> _CableFrames:
+    """Return the frames that the user's own settings describe."""
+    dive = simulated_dive(settings)
+    return _CableFrames(settings.frame_count, simulate(settings), (dive, settings.rate))
+
+
+def _write_cable(
+    output: Path,
+    cable: _CableFrames,
+    seed: int,
+    kind: SimulationFormat,
+    *,
+    storage: Storage,
+    force: bool,
+) -> None:
+    with progress_bar("simulating", cable.count) as progress:
+        frames = counted(cable.frames, progress)
+        if kind is SimulationFormat.SEQUENCE:
+            count = write_sequence(output, frames, overwrite=force)
+        elif cable.dive is None:
+            count = write_bag(output, frames, storage=storage.value, overwrite=force).count
         else:
-            count = write_sequence(output, dive, overwrite=force)
+            count = write_instrumented_bag(
+                output, frames, *cable.dive, seed, storage=storage.value, overwrite=force
+            )
     console.print(f"{count} frames: {output}", soft_wrap=True)
 
 
@@ -191,7 +248,7 @@ def _simulate_target(
     find_target_scenario(request.scenario)
     check_size(request.size)
     if request.frames < 1 or not (math.isfinite(request.rate) and request.rate > 0.0):
-        raise ParameterError("frames and rate must be positive")
+        raise ParameterError("frames and rate must be positive; give larger ones")
     with progress_bar("simulating", request.frames) as progress:
         labelled = request.labelled(lambda: advance(progress))
         if kind is SimulationFormat.BAG:
@@ -237,5 +294,7 @@ def parse_size(text: str) -> tuple[int, int]:
     """
     width, separator, height = text.lower().partition("x")
     if not separator or not width.isdecimal() or not height.isdecimal():
-        raise ParameterError(f"size: {text!r} is not of the form 320x240")
+        raise ParameterError(
+            f"size: {text!r} is not of the form 320x240; give width x height in px"
+        )
     return int(width), int(height)

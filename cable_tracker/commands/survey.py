@@ -9,28 +9,30 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from cable_tracker.campaigns.crew import ClusterSettings
-from cable_tracker.commands.options import (
+from cable_tracker.commands.campaign_options import (
     MEMORY,
+    DashboardOption,
+    MemoryOption,
+    ResumeOption,
+    SchedulerOption,
+    chosen_cluster,
+)
+from cable_tracker.commands.options import (
     AltitudeOption,
     CameraInfoOption,
-    DashboardOption,
     FixOption,
     ForceOption,
     ImuOption,
-    MemoryOption,
     OdometryOption,
     ParamsOption,
     PresetOption,
     RateOption,
-    ResumeOption,
-    SchedulerOption,
     SeedOption,
     TopicOption,
     VehicleOption,
     chosen_instruments,
 )
-from cable_tracker.commands.terminal import advance, console, messages, progress_bar
+from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.survey.campaign import RECORDINGS, REPORT, SurveyResult, run_survey
@@ -103,11 +105,9 @@ def survey(  # noqa: PLR0917
     )
     limits = Limits(least_burial=least_burial, bend_radius=bend_radius, most_aside=most_aside)
     settings = SurveySettings(forward, limits, parse_datum(datum), pictures)
-    cluster = ClusterSettings(workers, scheduler, memory, dashboard)
     _check_output(output, resume, force)
+    cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     begin = time.monotonic()
-    if dashboard:
-        messages.print("Dask's pages: http://127.0.0.1:8787/status")
     with progress_bar("surveying", None) as progress:
         result = run_survey(
             recordings, output, settings, cluster,
@@ -115,7 +115,10 @@ def survey(  # noqa: PLR0917
         )  # fmt: skip
     _print(result, output, time.monotonic() - begin)
     if all(row.state != "done" for row in result.rows):
-        raise RecordingError(f"none of the {len(result.rows)} recordings could be surveyed")
+        raise RecordingError(
+            f"none of the {len(result.rows)} recordings could be surveyed; see what is said of each"
+            " above"
+        )
 
 
 def parse_datum(text: str | None) -> tuple[float, float] | None:
@@ -131,9 +134,13 @@ def parse_datum(text: str | None) -> tuple[float, float] | None:
     try:
         latitude, longitude = (float(part) for part in text.split(","))
     except ValueError as error:
-        raise ParameterError(f"datum: {text!r} is not of the form 54.25,7.9") from error
+        raise ParameterError(
+            f"datum: {text!r} is not of the form 54.25,7.9; give latitude,longitude in degrees"
+        ) from error
     if not (abs(latitude) <= 90.0 and abs(longitude) <= 360.0):
-        raise ParameterError(f"datum: {text} is no place on the earth")
+        raise ParameterError(
+            f"datum: {text} is no place on the earth; give latitude,longitude in degrees"
+        )
     return latitude, longitude
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker.commands.options import (
+    BagOption,
     CameraInfoOption,
     ForceOption,
     ImuOption,
@@ -21,11 +22,13 @@ from cable_tracker.commands.options import (
     SeedOption,
     SkipOption,
     SourceArgument,
+    TimingOption,
     TopicOption,
     VehicleOption,
     chosen_instruments,
     find_vehicle,
     open_recording,
+    print_notes,
 )
 from cable_tracker.commands.results import (
     folder_beside,
@@ -43,6 +46,8 @@ from cable_tracker.evaluation.targets.track_target import (
 )
 from cable_tracker.metric.recorded_target import RecordedSight, node_values
 from cable_tracker.sequences.instruments import NO_TOPIC
+from cable_tracker.sequences.source import ChosenRecording
+from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import TARGET_PRESETS, target_preset
@@ -94,13 +99,8 @@ def target(  # noqa: PLR0917
     ros: Annotated[
         bool, typer.Option("--ros", help="Run the nodes and talk over DDS; needs ROS 2 Jazzy.")
     ] = False,
-    bag: Annotated[
-        bool, typer.Option("--bag/--no-bag", help="Write the bag with the node's messages.")
-    ] = True,
-    timing: Annotated[
-        bool,
-        typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
-    ] = True,
+    bag: BagOption = True,
+    timing: TimingOption = True,
 ) -> None:
     """Follow a target with an outline: a buoy, a vehicle, a diver.
 
@@ -113,55 +113,47 @@ def target(  # noqa: PLR0917
     parameters = chosen_target(preset_name.value if preset_name else None, values, seed)
     if init == DETECT:
         parameters = parameters.with_detector()
-    try:
-        start = parse_start(init)
-    except ParameterError as error:
-        raise ParameterError(f"init: {error}") from error
+    start = _chosen_start(init)
     folder = output if output is not None else folder_beside(source, "target")
+    chosen = ChosenRecording(source, topic, rate, None, skip_bad_frames, allow_outside)
+    choice = chosen_instruments(camera_info_topic, NO_TOPIC, imu_topic, odometry_topic, NO_TOPIC)
     with ExitStack() as stack:
-        recording = stack.enter_context(
-            open_recording(source, topic, rate, None, skip_bad_frames, allow_outside)
-        )
+        recording = stack.enter_context(open_recording(chosen))
         results = stack.enter_context(
             TargetFolder(folder, overwrite=force, timing=timing, with_bag=bag)
         )
         progress = stack.enter_context(progress_bar("following", recording.frame_count))
-        chosen = chosen_instruments(
-            camera_info_topic, NO_TOPIC, imu_topic, odometry_topic, NO_TOPIC
-        )
-        described = find_vehicle(recording, chosen, vehicle)
+        described = find_vehicle(recording, choice, vehicle)
         if ros:
-            ros_module = need_ros("clients.track_target")
-            request = ros_module.TargetRequest(
-                source={
-                    "source": str(source.resolve()),
-                    "topic": topic or "",
-                    "frame_rate": rate,
-                    "skip_bad_frames": skip_bad_frames,
-                    "allow_outside": allow_outside,
-                    "instruments": described.has_instruments,
-                    "vehicle": str(vehicle.resolve()) if vehicle else "",
-                    **{f"{each.value}_topic": name for each, name in chosen.topics.items()},
-                },
-                parameters=parameters,
-                initial_target=init,
-                sight=node_values(described, target_size),
+            client = need_ros("clients.track_target")
+            replayed = need_ros("clients.lockstep").replay_parameters(
+                chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            damage = ros_module.track_target_over_ros(
+            request = client.TargetRequest(
+                replayed, parameters, init, node_values(described, target_size)
+            )
+            damage = client.track_target_over_ros(
                 recording, request, results, lambda: advance(progress)
             )
         else:
             tracker = TargetTracker(parameters)
             if start is not None:
                 tracker.initialise(start)
-            sight = None
-            if described.has_instruments:
-                sight = stack.enter_context(RecordedSight(described, target_size))
-            damage = track_target(recording, tracker, results, lambda: advance(progress), sight)
+            sight = RecordedSight(described, target_size) if described.has_instruments else None
+            with sight or nullcontext():
+                damage = track_target(recording, tracker, results, lambda: advance(progress), sight)
         need_usable_frames(recording.path, [row.status for row in results.rows], damage)
+    print_notes(source, described.remarks())
     _print(results)
     if damage is not None:
         raise damage
+
+
+def _chosen_start(init: str) -> TargetStart | None:
+    try:
+        return parse_start(init)
+    except ParameterError as error:
+        raise ParameterError(f"init: {error}") from error
 
 
 def chosen_target(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -12,6 +12,7 @@ from rich.table import Table
 
 from cable_tracker.commands.options import (
     AltitudeOption,
+    BagOption,
     CameraInfoOption,
     ForceOption,
     ImuOption,
@@ -24,12 +25,14 @@ from cable_tracker.commands.options import (
     SeedOption,
     SkipOption,
     SourceArgument,
+    TimingOption,
     TopicOption,
     TruthOption,
     VehicleOption,
     chosen_instruments,
     find_vehicle,
     open_recording,
+    print_notes,
 )
 from cable_tracker.commands.results import (
     folder_beside,
@@ -49,6 +52,7 @@ from cable_tracker.evaluation.tracking.track_recording import (
     start_from,
     track_recording,
 )
+from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.trackers import make_tracker
 
 
@@ -77,9 +81,7 @@ def track(  # noqa: PLR0917
     video: Annotated[
         bool, typer.Option("--video/--no-video", help="Write the video overlay.webm.")
     ] = True,
-    bag: Annotated[
-        bool, typer.Option("--bag/--no-bag", help="Write the bag with the node's messages.")
-    ] = True,
+    bag: BagOption = True,
     pictures: Annotated[
         bool, typer.Option("--pictures/--no-pictures", help="Write contact sheet and plots.")
     ] = True,
@@ -88,10 +90,7 @@ def track(  # noqa: PLR0917
     altitude_topic: AltitudeOption = None,
     imu_topic: ImuOption = None,
     odometry_topic: OdometryOption = None,
-    timing: Annotated[
-        bool,
-        typer.Option(help="Fill the column `ms`, the only one that differs from run to run."),
-    ] = True,
+    timing: TimingOption = True,
 ) -> None:
     """Track a recording and write the results into a folder.
 
@@ -103,46 +102,36 @@ def track(  # noqa: PLR0917
     values = given_values(params, param)
     parameters = chosen_parameters(preset_name.value if preset_name else None, values, seed)
     folder = output if output is not None else folder_beside(source, "tracked")
+    chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
+    choice = chosen_instruments(camera_info_topic, altitude_topic, imu_topic, odometry_topic)
+    wanted = WantedResults(video=video, bag=bag, pictures=pictures)
     with ExitStack() as stack:
-        recording = stack.enter_context(
-            open_recording(source, topic, rate, truth, skip_bad_frames, allow_outside)
-        )
+        recording = stack.enter_context(open_recording(chosen))
         state = initial_state_for(recording, chosen_start(init, values), pair_limits(parameters))
-        wanted = WantedResults(video=video, bag=bag, pictures=pictures)
         results = stack.enter_context(
             ResultFolder(folder, overwrite=force, timing=timing, wanted=wanted)
         )
         progress = stack.enter_context(progress_bar("tracking", recording.frame_count))
-        chosen = chosen_instruments(camera_info_topic, altitude_topic, imu_topic, odometry_topic)
-        described = find_vehicle(recording, chosen, vehicle)
+        described = find_vehicle(recording, choice, vehicle)
         if ros:
-            ros_module = need_ros("clients.track_recording")
-            request = ros_module.RecordingRequest(
-                source={
-                    "source": str(source.resolve()),
-                    "topic": topic or "",
-                    "frame_rate": rate,
-                    "truth": str(truth.resolve()) if truth else "",
-                    "skip_bad_frames": skip_bad_frames,
-                    "allow_outside": allow_outside,
-                    "vehicle": str(vehicle.resolve()) if vehicle else "",
-                    **{f"{each.value}_topic": topic for each, topic in chosen.topics.items()},
-                },
-                parameters=parameters,
-                initial_state=state,
-                vehicle=described,
+            client = need_ros("clients.track_recording")
+            replayed = need_ros("clients.lockstep").replay_parameters(
+                chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            damage = ros_module.track_recording_over_ros(
+            request = client.RecordingRequest(replayed, parameters, state, described)
+            damage = client.track_recording_over_ros(
                 recording, request, results, lambda: advance(progress)
             )
         else:
             tracker = make_tracker(parameters)
             start_from(tracker, state)
             metres = described.metres()
-            if metres is not None:
-                stack.enter_context(metres)
-            damage = track_recording(recording, tracker, results, lambda: advance(progress), metres)
+            with metres or nullcontext():
+                damage = track_recording(
+                    recording, tracker, results, lambda: advance(progress), metres
+                )
         need_usable_frames(recording.path, [row.status for row in results.rows], damage)
+    print_notes(source, described.remarks())
     _print_results(results)
     for line in advice(results.rows, results.widths, parameters):
         console.print(line, soft_wrap=True)

@@ -195,7 +195,7 @@ class DetectorTracker:
         return best
 
     def _count(self, hit: bool) -> None:
-        """Keep the score of hits and misses, and draw the consequences."""
+        """Count hits and misses, and claim or give up the cable accordingly."""
         self._hits = self._hits + 1 if hit else 0
         self._misses = 0 if hit else self._misses + 1
         if self._status is TrackingStatus.TRACKING:

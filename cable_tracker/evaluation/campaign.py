@@ -124,7 +124,7 @@ def run_campaign(
     campaign : Campaign
         What to run.
     workers : int or Crew
-        Number of processes, or who else does it; with 1, everything happens in this one.
+        Number of processes, or a crew; with 1, everything happens in this process.
     advance : callable
         Told now and then how many more frames are done.
 

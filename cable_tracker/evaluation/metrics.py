@@ -67,7 +67,7 @@ def state_errors(estimate: CableState, truth: CableState) -> FloatArray:
 
 
 def is_off(errors: FloatArray, truth: CableState) -> bool:
-    """Tell whether an estimate misses the cable: off by half its width, or by 8 deg."""
+    """Tell whether errors (4,) [px, rad] miss the cable: off by half its width, or by 8 deg."""
     return bool(abs(errors[0]) > truth.width / 2 or abs(errors[1]) > ANGLE_TOLERANCE)
 
 

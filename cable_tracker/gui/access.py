@@ -1,4 +1,4 @@
-"""Who may reach the server: this machine alone, or those who have the token."""
+"""Access to the server: from this machine alone, or with the token."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class FrameChannel:
 
     A browser that is slow, or at the end of a slow link, misses pictures and is never behind: it
     gets the newest one when it has drawn the last. It makes no other part wait, neither the other
-    browsers nor who publishes.
+    browsers nor the publisher.
 
     Attributes
     ----------

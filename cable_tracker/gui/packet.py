@@ -47,7 +47,7 @@ def jpeg_section(data: bytes | memoryview, name: str = "picture") -> Section:
 
 
 def float_section(name: str, values: FloatArray) -> Section:
-    """Return the section of an array, sent as float32."""
+    """Return the section of an array of any shape, sent as float32."""
     return Section(name, "float32", values.shape, values.astype("<f4").tobytes())
 
 

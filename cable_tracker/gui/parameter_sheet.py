@@ -99,7 +99,9 @@ def values_from_text(
         It is no such file, or a value is not acceptable.
     """
     if text is None:
-        raise ParameterError(f"{name}: is too large for a file with parameters")
+        raise ParameterError(
+            f"{name}: is too large for a file with parameters; choose another file"
+        )
     values = parse_parameters(text, name, subject.node)
     of_node = {spec.name: spec for spec in subject.of_node}
     try:

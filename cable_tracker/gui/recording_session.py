@@ -20,10 +20,8 @@ from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.source import Source
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
-
-WARMING_UP = "WARMING UP"
-DISABLED = "DISABLED"
 
 LONGEST_PAUSE = 1.0
 """A longer one between two frames of a recording is shortened to this [s]."""
@@ -32,7 +30,7 @@ LONGEST_RUN = 25
 """Frames on the way to one a little further on are tracked, up to so many."""
 
 LARGEST_DELAY = 0.1
-"""Who is behind by more does not hurry to make up for it [s]."""
+"""A player that is behind by more does not catch up [s]."""
 
 
 class RecordingSession:
@@ -49,6 +47,11 @@ class RecordingSession:
         The recording.
     parameters : TrackerParameters or TargetParameters
         Those to begin with; they say what is followed.
+
+    Attributes
+    ----------
+    notes : tuple of str
+        What the user should know about the recording.
 
     Raises
     ------
@@ -72,7 +75,10 @@ class RecordingSession:
                 self._frames.frame(0)
             except IndexError as error:
                 raise RecordingError(f"{source.path}: holds no frames; record it again") from error
-            self.note = "; ".join(filter(None, (source.note, *(vehicle.notes if vehicle else ()))))
+            self.notes = (
+                *([source.note] if source.note else []),
+                *(vehicle.notes if vehicle else ()),
+            )
             self._resources = stack.pop_all()
         self.subject = self._follower.subject
         self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=False)
@@ -277,7 +283,7 @@ class RecordingSession:
         self._is_playing = False
 
     def _go_to(self, target: int) -> None:
-        """Track a frame, and first whatever is needed to believe there what was believed."""
+        """Track a frame, and before it those that an unbroken run would have tracked."""
         if target == self._position:
             return
         try:

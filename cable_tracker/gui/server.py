@@ -131,7 +131,7 @@ async def _when_listening(listening: Listening, started: Callable[[], None]) -> 
 
 @contextmanager
 def _signals_end_the_server() -> Iterator[None]:
-    """Let uvicorn take SIGINT and SIGTERM; it raises them again at its end, which says no more."""
+    """Let uvicorn take SIGINT and SIGTERM; it raises them again, without effect, at its end."""
 
     def has_ended(_number: int, _frame: FrameType | None) -> None:
         pass
@@ -171,7 +171,7 @@ def serve(
         Called when the server has begun to listen, and when it has ended.
     """
     if listening.token is None and not is_loopback(listening.host):
-        raise GuiError(f"{listening.host} can be reached by others; it needs a token")
+        raise GuiError(f"{listening.host} can be reached by others; give it a token")
     ui.page("/", title=title, dark=True)(page)
     app.add_api_websocket_route("/frames/{name}", channels.serve)
     app.add_middleware(AccessGuard, token=listening.token)

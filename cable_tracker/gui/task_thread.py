@@ -15,7 +15,7 @@ Result = TypeVar("Result")
 
 
 class TaskThread:
-    """Runs tasks one after the other, those of others first.
+    """Runs tasks one after the other; calls from other threads come before its own work.
 
     Parameters
     ----------

@@ -89,7 +89,7 @@ POINTER_HELP = {
 
 
 def commands_for(*, is_player: bool, noun: str = "cable") -> tuple[Command, ...]:
-    """Return those that make sense, in words of what is followed."""
+    """Return the commands of a recording or of a live node; `noun` is what is followed."""
     return tuple(
         replace(command, words=command.words.replace("cable", noun))
         for command in COMMANDS

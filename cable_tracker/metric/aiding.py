@@ -263,7 +263,7 @@ class MotionAiding:
     def _look(
         self, stamp: int, image: Image, predicted: PlaneMotion | None, rests: bool
     ) -> TextureMotion | None:
-        """Compare a frame with the one before, or trust in what was seen a moment ago."""
+        """Compare a frame with the one before, or keep the verdict of a moment ago."""
         before = self._seen
         if rests and predicted is not None and self._texture_gate.verdict and before is not None:
             self._texture.keep(image)

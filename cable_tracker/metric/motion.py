@@ -130,13 +130,8 @@ def _integrated(knots: list[tuple[int, FloatArray]], seconds: float) -> PoseChan
     return PoseChange(rotation, translation, covariance * seconds**2, seconds)
 
 
-def rotation_by(vector: FloatArray) -> FloatArray:
-    """Return the rotation by a rotation vector (3,) [rad], shape (3, 3); Rodrigues' formula."""
-    return np.asarray(rotations_by(vector[None, :])[0])
-
-
 def rotations_by(vectors: FloatArray) -> FloatArray:
-    """Return the rotations by rotation vectors (N, 3) [rad], shape (N, 3, 3)."""
+    """Return rotations by rotation vectors (N, 3) [rad], shape (N, 3, 3), by Rodrigues' formula."""
     angles = np.sqrt((vectors * vectors).sum(axis=1))
     cross = np.zeros((len(vectors), 3, 3))
     x, y, z = vectors.T

@@ -306,9 +306,13 @@ class RecordedVehicle:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the user should know."""
+        """What the user should know before anything is tracked."""
         found = () if self.source is None else self.source.found.notes
         return (*found, *self.vehicle.notes)
+
+    def remarks(self) -> tuple[str, ...]:
+        """Say what could not be read of the instruments so far; to be asked after tracking."""
+        return () if self.source is None else self.source.remarks()
 
     @property
     def has_instruments(self) -> bool:

@@ -296,7 +296,9 @@ def begin_relative_state(
             f"target_size is {target_size:g} m: give the root of its area, above 0"
         )
     if not seen.is_whole or not seen.angular_size > 0.0:
-        raise ParameterError("the range can only begin with a target that is seen as a whole")
+        raise ParameterError(
+            "the range can only begin with a target that is seen as a whole; wait for such a frame"
+        )
     empty = RelativeState(
         np.zeros(STATE_SIZE), np.eye(STATE_SIZE), target_size, noise or RelativeNoise()
     )

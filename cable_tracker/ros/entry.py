@@ -10,12 +10,9 @@ from importlib import import_module
 from typing import NoReturn
 
 from cable_tracker.errors import EXIT_USER_ERROR
+from cable_tracker.ros.missing_ros import words_on_missing_ros
 from cable_tracker.ros.process.stop_request import stop_on_signals
 
-MISSING_ROS = (
-    "error: rclpy or a message package is not installed ({name}); run"
-    " `pip install '.[ros]'` in the package's folder, or source /opt/ros/jazzy/setup.bash"
-)
 USAGE = (
     "usage: {node} --ros-args [-p NAME:=VALUE]... [--params-file FILE] [-r FROM:=TO]...\n"
     "docs/parameters.md lists the parameters. Everything must stand behind --ros-args."
@@ -31,8 +28,6 @@ NODES = {
     "controller": ("nodes.controller_node", "ControllerNode"),
 }
 """Module and class of each."""
-
-ROS_PACKAGES = ("rclpy", "_msgs", "std_srvs", "rosidl", "ament")
 
 
 def run(node_name: str, arguments: Sequence[str] | None) -> int:
@@ -50,10 +45,11 @@ def run(node_name: str, arguments: Sequence[str] | None) -> int:
 
         module_name, class_name = NODES[node_name]
         node_class = getattr(import_module(f"cable_tracker.ros.{module_name}"), class_name)
-    except ModuleNotFoundError as error:
-        if not any(part in str(error.name) for part in ROS_PACKAGES):
+    except ImportError as error:
+        words = words_on_missing_ros(error)
+        if not words:
             raise
-        print(MISSING_ROS.format(name=error.name), file=sys.stderr)
+        print(f"error: {words}", file=sys.stderr)
         return EXIT_USER_ERROR
     strangers = arguments_without_ros(arguments)
     if strangers:

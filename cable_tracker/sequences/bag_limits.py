@@ -1,4 +1,4 @@
-"""How much a bag may ask for, enforced where rosbags takes a bag at its word.
+"""How much a bag may ask for, enforced where rosbags trusts the sizes that it states.
 
 A few kilobytes can unpack to gigabytes, and a database can hold queries that never end. A bag that
 does is refused before it takes memory or disk.
@@ -206,7 +206,7 @@ def _unpacked_size(path: Path, room: int) -> int:
 def check_database(path: Path) -> None:
     """Check that a database is plain tables, as a recorder writes them, and as large as its file.
 
-    What is damaged but finite passes; who reads it will meet the damage.
+    What is damaged but finite passes; its reader will meet the damage.
 
     Raises
     ------

@@ -142,7 +142,7 @@ class RosbagsStorage:
 
     @staticmethod
     def _leave_messages_packed(reader: Reader1 | Reader2) -> None:
-        """Let a bag of compressed messages hand them out as they are; who reads them unpacks."""
+        """Let a bag of compressed messages hand them out as they are; the reader unpacks them."""
         if not isinstance(reader, Reader1) and reader.compression_mode == "message":
             storage = reader.storage
             storage.metadata = storage.metadata._replace(compression_mode=None)

@@ -173,7 +173,9 @@ def read_estimates(path: Path) -> list[EstimateRow]:
         with path.open(newline="", encoding="utf-8") as file:
             lines = list(csv.reader(file))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(f"{path}: cannot be read as a table of estimates ({error})") from error
+        raise RecordingError(
+            f"{path}: cannot be read as a table of estimates ({error}); track again"
+        ) from error
     if not lines or tuple(lines[0]) != HEADER:
         raise RecordingError(
             f"{path}: line 1 is not the header of a table of estimates with the columns"
@@ -184,5 +186,7 @@ def read_estimates(path: Path) -> list[EstimateRow]:
         try:
             rows.append(_parse_row(fields))
         except (ValueError, IndexError) as error:
-            raise RecordingError(f"{path}: line {number} is no estimate ({error})") from error
+            raise RecordingError(
+                f"{path}: line {number} is no estimate ({error}); track the recording again"
+            ) from error
     return rows

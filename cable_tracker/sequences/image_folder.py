@@ -18,6 +18,7 @@ from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame
 from cable_tracker.sequences.natural_order import natural_key, positions_by_number
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.picture_header import read_picture_header
+from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.stamps import stamp_of_frame
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm")
@@ -103,7 +104,7 @@ class ImageFolderSource(FrameSource):
         try:
             self.pictures = find_pictures(path)
         except OSError as error:
-            raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+            raise read_failure(path, error) from error
         if not self.pictures:
             raise RecordingError(
                 f"{path}: holds no pictures ({', '.join(PICTURE_SUFFIXES)}) and no bag"

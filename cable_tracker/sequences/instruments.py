@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.errors import RecordingError
+from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
 from cable_tracker.sequences.messages import Message
 from cable_tracker.sequences.stored_message import StoredMessage
@@ -193,7 +193,7 @@ def _named(storage: _Listed, instrument: Instrument, wanted: str) -> str:
     if not matching:
         known = ", ".join(sorted(storage.topics))
         raise RecordingError(
-            f"there is no topic {wanted} for {instrument.value}; there are {known}"
+            f"there is no topic {wanted} for {instrument.value}; choose one of {known}"
         )
     name = matching[0]
     types = FOUND_TYPES[instrument]
@@ -202,9 +202,20 @@ def _named(storage: _Listed, instrument: Instrument, wanted: str) -> str:
     if storage.topics[name].msgtype not in types:
         raise RecordingError(
             f"the topic {wanted} for {instrument.value} is of type {storage.topics[name].msgtype};"
-            f" {' or '.join(types)} can be read"
+            f" name one of type {' or '.join(types)}"
         )
     return name
+
+
+@dataclass(slots=True)
+class _Unreadable:
+    """What cannot be read of a topic: why the first message, and when each was received [ns].
+
+    Times, not a count: a bag is read several times, by copies and after jumps.
+    """
+
+    reason: str
+    times: set[int] = field(default_factory=set)
 
 
 class InstrumentSource:
@@ -240,6 +251,15 @@ class InstrumentSource:
             self.found = find_instruments(self._storage, image_topic, choice or InstrumentChoice())
         except RecordingError as error:
             raise RecordingError(f"{path}: {error}") from error
+        self._unreadable: dict[str, _Unreadable] = {}
+
+    def remarks(self) -> tuple[str, ...]:
+        """Say which messages could not be read so far: a sentence for each topic, by name."""
+        return tuple(
+            f"{topic}: {len(found.times)} of its messages cannot be read and are left out (the"
+            f" first: {found.reason}); check how the bag was recorded"
+            for topic, found in sorted(self._unreadable.items())
+        )
 
     def leave_out(self, instrument: Instrument) -> None:
         """Do not read an instrument after all."""
@@ -254,10 +274,10 @@ class InstrumentSource:
     ) -> Generator[InstrumentMessage]:
         """Yield the messages of the chosen topics of some instruments, in the order of the bag.
 
-        What was received before `start` [ns] is left out, and a message that cannot be read is
-        passed over. So is what was received sooner after another of its instrument than `pauses`
-        says [ns]. It ends without a word where the bag is damaged: the source of the frames says
-        so.
+        What was received before `start` [ns] is left out, and so is what was received sooner after
+        another message of its instrument than `pauses` says [ns]. A message that cannot be read is
+        left out too, see `remarks`. Where the bag is damaged the messages end, without an error:
+        the source of the frames reports the damage.
         """
         instruments = {topic: each for each, topic in self.found.topics.items() if each in only}
         own = {topic: (pauses or {}).get(each, 0) for topic, each in instruments.items()}
@@ -312,9 +332,14 @@ class InstrumentSource:
                 try:
                     message = deserialise(stored, is_ros1=self._is_ros1)
                 # Deserialising foreign bytes raises what the parser happens to raise.
-                except Exception:  # noqa: BLE001
+                except Exception as error:  # noqa: BLE001
+                    self._note_unreadable(stored, error)
                     continue
                 yield stored, message
+
+    def _note_unreadable(self, stored: StoredMessage, error: Exception) -> None:
+        found = self._unreadable.setdefault(stored.topic, _Unreadable(one_line(error)))
+        found.times.add(stored.time)
 
 
 def _stamp_of(message: Message, received: int) -> int:

@@ -105,6 +105,11 @@ class PartialOutput:
         shutil.rmtree(self._partial, ignore_errors=True)
 
 
+def holds(marker: str) -> Callable[[Path], bool]:
+    """Return a test of whether a path is an empty folder, or one that holds a file of a name."""
+    return lambda path: path.is_dir() and ((path / marker).is_file() or not any(path.iterdir()))
+
+
 @contextmanager
 def output_folder(path: Path, marker: str, *, overwrite: bool) -> Iterator[Path]:
     """Give a folder to write into, which appears at its path when the context ends well.
@@ -126,11 +131,7 @@ def output_folder(path: Path, marker: str, *, overwrite: bool) -> Iterator[Path]
     OutputError
         The path is taken, or the disk does not let us write.
     """
-
-    def is_ours(folder: Path) -> bool:
-        return folder.is_dir() and ((folder / marker).is_file() or not any(folder.iterdir()))
-
-    with output_file(path, is_ours, overwrite=overwrite) as folder:
+    with output_file(path, holds(marker), overwrite=overwrite) as folder:
         folder.mkdir()
         yield folder
 

@@ -22,6 +22,7 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
 from cable_tracker.sequences.image_folder import DEFAULT_RATE, load_picture
+from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.sequences.video import (
     VIDEO_SUFFIXES,
     frame_rate,
@@ -111,7 +112,7 @@ def _read_lines(path: Path) -> Iterator[str]:
             f"{path}: is no text; expected lines of the form: d alpha w beta # filename"
         ) from error
     except OSError as error:
-        raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+        raise read_failure(path, error) from error
 
 
 def read_labels(path: Path, *, allow_outside: bool = False) -> list[Label]:
@@ -197,7 +198,9 @@ def _resolve(sequence: Path, label: Label, allow_outside: bool) -> Path:
     try:
         file = (folder / label.filename).resolve()
     except (OSError, RuntimeError) as error:
-        raise RecordingError(f"{sequence}: {label.filename} cannot be followed") from error
+        raise RecordingError(
+            f"{sequence}: {label.filename} cannot be followed; check the links on its way"
+        ) from error
     if not (allow_outside or file.is_relative_to(folder)):
         raise RecordingError(
             f"{sequence}: {label.filename} leads outside the folder of the sequence file; a file"

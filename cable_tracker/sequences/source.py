@@ -16,6 +16,7 @@ from cable_tracker.sequences.bag_storage import BAG_SUFFIXES, METADATA, is_ros1,
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import FrameSource
 from cable_tracker.sequences.image_folder import ImageFolderSource, find_pictures
+from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.sequences.sequence_file import (
     SEQUENCE_SUFFIXES,
     Label,
@@ -230,7 +231,7 @@ def open_source(
             path = path.parent
         source = _open_unlabelled(path, topic, rate, skip_bad_frames, allow_outside, with_truth)
     except OSError as error:
-        raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+        raise read_failure(path, error) from error
     if truth is not None and is_bag(truth):
         _label_from_bag(source, truth)
     elif truth is not None:

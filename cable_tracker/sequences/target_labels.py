@@ -27,6 +27,7 @@ from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.image_writer import picture_name, write_picture
 from cable_tracker.sequences.messages import make_header, stamp_of
 from cable_tracker.sequences.output_folder import output_folder
+from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source, is_bag
 from cable_tracker.sequences.target_messages import box_corners, make_polygon
@@ -80,7 +81,7 @@ def read_boxes(path: Path) -> dict[str, Box | None]:
     except UnicodeDecodeError as error:
         raise RecordingError(f"{path}: is no text; expected lines of the form: {FORM}") from error
     except OSError as error:
-        raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+        raise read_failure(path, error) from error
     boxes: dict[str, Box | None] = {}
     for number, line in enumerate(lines, start=1):
         words = line.split()
@@ -189,7 +190,9 @@ def _numbered(
             number = int(name)
         count = source.frame_count
         if number is None or (count is not None and number >= count):
-            raise RecordingError(f"{truth}: labels {name}, which is no frame of {source.path}")
+            raise RecordingError(
+                f"{truth}: labels {name}, which is no frame of {source.path}; remove the line"
+            )
         found[number] = box
     return found
 
@@ -198,7 +201,7 @@ def _storage(path: Path) -> BagStorage:
     try:
         return open_storage(path)
     except OSError as error:
-        raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+        raise read_failure(path, error) from error
 
 
 def _box_topic(storage: BagStorage) -> str:

@@ -17,6 +17,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.picture_header import MAX_PIXELS
+from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.stamps import stamp_of_frame
 
 VIDEO_SUFFIXES = (".mp4", ".avi", ".mkv", ".mov", ".webm", ".mpg", ".m4v", ".ts")
@@ -41,14 +42,15 @@ def opened_video(path: Path) -> Iterator[cv2.VideoCapture]:
     try:
         size = path.stat().st_size
     except OSError as error:
-        raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
+        raise read_failure(path, error) from error
     if not size:
         raise RecordingError(f"{path}: the file is empty; record or copy it again")
     capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     try:
         if not capture.isOpened():
             raise RecordingError(
-                f"{path}: no video can be read from it; it is damaged, truncated, or not a video"
+                f"{path}: no video can be read from it; it is damaged, truncated, or not a video;"
+                " copy it again"
             )
         _need_bounded_size(path, capture)
         yield capture

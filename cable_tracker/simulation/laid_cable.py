@@ -36,7 +36,7 @@ class BuriedStretch:
     ramp: float
 
     def level(self, along: Image) -> Image:
-        """Return what the stretch adds to the level of the sand."""
+        """Return what the stretch adds to the level of the sand, of the shape of the places."""
         rising = smooth_step(along, self.start - self.ramp, self.start)
         return SAND_DEPTH * (rising - smooth_step(along, self.end, self.end + self.ramp))
 
@@ -68,7 +68,7 @@ class CableSkin:
     shade: float
 
     def hides(self) -> BoolArray:
-        """Tell where the cable is covered."""
+        """Tell where the cable is covered, of the shape of the places."""
         return np.asarray(np.maximum(np.maximum(self.growth, self.turf), self.burial) > 0.5)
 
 

@@ -93,7 +93,7 @@ class Move:
     amount: float
 
     def values(self, times: FloatArray) -> FloatArray:
-        """Return the change at times [s]: 0 before the move, `amount` after it."""
+        """Return the change at times (N,) [s]: 0 before the move, `amount` after it."""
         share = np.clip((times - self.start) / self.duration, 0.0, 1.0)
         risen: FloatArray = share**3 * (10 - share * (15 - 6 * share))
         return self.amount * risen
@@ -116,7 +116,7 @@ class Pause:
     ramp: float
 
     def lost(self, times: FloatArray) -> FloatArray:
-        """Return the time lost until `times` [s]."""
+        """Return the time lost until `times` (N,) [s]."""
         stopping = _integral_of_move((times - self.start + self.ramp) / self.ramp)
         starting = _integral_of_move((times - self.end) / self.ramp)
         return self.ramp * (stopping - starting)
@@ -151,11 +151,11 @@ class Signal:
     strength: tuple[Move, ...] = ()
 
     def steady(self, times: FloatArray) -> FloatArray:
-        """Return the mean and the moves, without the harmonics, at times [s]."""
+        """Return the mean and the moves, without the harmonics, at times (N,) [s]."""
         return self.mean + sum((move.values(times) for move in self.moves), np.zeros_like(times))
 
     def wavering(self, times: FloatArray) -> FloatArray:
-        """Return the harmonics alone at times [s]."""
+        """Return the harmonics alone at times (N,) [s]."""
         strength = sum((move.values(times) for move in self.strength), np.ones_like(times))
         wavering: FloatArray = strength * self.harmonics.values(times)
         return wavering

@@ -179,6 +179,7 @@ def track_forwards(
             if not len(dive.table):
                 raise
             dive.notes.append(str(error))
+        dive.notes += vehicle.remarks()
         if run.passed_over:
             total = run.passed_over + len(dive.table)
             dive.notes.append(

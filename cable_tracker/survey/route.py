@@ -49,7 +49,7 @@ class Profile:
     start : float
         Where it begins along the way [m]; the places are `PROFILE_SPACING` apart.
     seen : FloatArray
-        How clearly the borders are seen, shape (B,); NaN where nobody looked while tracking.
+        How clearly the borders are seen, shape (B,); NaN where they were not measured.
     in_view : BoolArray
         Whether the cable, seen or not, was inside some picture, shape (B,).
     """

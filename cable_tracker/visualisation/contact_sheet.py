@@ -98,7 +98,7 @@ class ContactSheet:
             self._stride *= 2
 
     def draw(self) -> Image:
-        """Return the sheet, blue-green-red, uint8.
+        """Return the sheet, shape (H, W, 3), blue-green-red, uint8.
 
         Raises
         ------

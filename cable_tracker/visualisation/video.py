@@ -88,7 +88,7 @@ class VideoWriter:
 
     def __enter__(self) -> VideoWriter:
         try:
-            import av  # noqa: PLC0415  (only who writes a video needs it)
+            import av  # noqa: PLC0415  (needed for writing videos only)
         except ImportError as error:
             raise OutputError(
                 f"{self._path}: videos need PyAV; install it with 'pip install av' or "

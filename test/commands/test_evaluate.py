@@ -3,7 +3,7 @@ import shutil
 import pytest
 
 from cable_tracker import cli
-from cable_tracker.commands.evaluate import tuned_filters
+from cable_tracker.commands.cable_campaign import tuned_filters
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.report import REPORT
 from cable_tracker.sequences.image_writer import write_sequence

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from cable_tracker.commands.loop_campaign import LoopCampaign, run_campaign
+from cable_tracker.commands.loop_campaign import LoopCampaign, run_loops
 
 pytestmark = pytest.mark.slow
 
@@ -14,7 +14,7 @@ SHORT = ("--length=1.5", "--buried=0", "--size=160x120", "--no-video")
 def test_a_run_that_fails_says_why_and_does_not_end_the_others(tmp_path):
     done: list[bool] = []
     campaign = LoopCampaign(("hough",), (-1, 5), SHORT)
-    bad, good = run_campaign(campaign, tmp_path, lambda: done.append(True))
+    bad, good = run_loops(campaign, tmp_path, lambda: done.append(True))
     assert (bad.seed, bad.summary) == (-1, None)
     assert bad.failure.startswith("seed is -1")
     assert good.summary is not None and good.summary.seed == 5

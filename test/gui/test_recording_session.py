@@ -16,7 +16,7 @@ from cable_tracker.evaluation.tracking.track_recording import (
     track_recording,
 )
 from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.gui.recording_session import LONGEST_RUN, WARMING_UP, RecordingSession
+from cable_tracker.gui.recording_session import LONGEST_RUN, RecordingSession
 from cable_tracker.gui.session import Player
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
@@ -24,6 +24,7 @@ from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.trackers import make_tracker
+from cable_tracker.tracking.idle_status import WARMING_UP
 
 TIMEOUT = 60.0
 LAST = 59

@@ -8,11 +8,12 @@ import pytest
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.targets.metrics import overlap
 from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.gui.recording_session import WARMING_UP, RecordingSession
+from cable_tracker.gui.recording_session import RecordingSession
 from cable_tracker.gui.subject import TARGET
 from cable_tracker.gui.tracking_desk import TrackingDesk, start_with_box
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.idle_status import WARMING_UP
 
 TIMEOUT = 120.0
 PARAMETERS = TargetParameters(particle_count=80, seed=4)

@@ -17,7 +17,7 @@ from cable_tracker.metric.homography import (
     homography,
     move_states,
 )
-from cable_tracker.metric.motion import PoseChange, rotation_by
+from cable_tracker.metric.motion import PoseChange, rotations_by
 
 DEGREE = math.pi / 180
 STATES = np.array([[20.0, 0.1, 40.0, 0.03], [-60.0, 1.5, 25.0, -0.02], [0.0, -1.5, 60.0, 0.0]])
@@ -25,7 +25,7 @@ STATES = np.array([[20.0, 0.1, 40.0, 0.03], [-60.0, 1.5, 25.0, -0.02], [0.0, -1.
 
 def change_of(translation, turn, covariance=None, seconds=0.04) -> PoseChange:
     unsure = np.zeros((6, 6)) if covariance is None else covariance
-    return PoseChange(rotation_by(np.array(turn)), np.array(translation), unsure, seconds)
+    return PoseChange(rotations_by(np.array([turn]))[0], np.array(translation), unsure, seconds)
 
 
 @pytest.fixture

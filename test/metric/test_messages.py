@@ -110,7 +110,7 @@ def test_a_twist_comes_with_its_covariance() -> None:
     message.twist.covariance = covariance.ravel().tolist()
     twist, stated = read_twist(message, (0.1, 0.05))
     np.testing.assert_array_equal(twist, [0.4, 0.0, 0.0, 0.0, 0.0, -0.2])
-    # What is not given, or smaller than anybody would believe, is raised.
+    # What is not given, or implausibly small, is raised.
     np.testing.assert_allclose(np.diag(stated), [0.04, 0.04, 0.01, 0.01, 0.01, 0.0025])
     assert stated[0, 1] == stated[1, 0] == 0.01
     assert stated[1, 5] == stated[5, 1] == 0.0

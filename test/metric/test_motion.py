@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cable_tracker.metric.motion import FROZEN_COUNT, NoMotion, Odometry, PoseChange, rotation_by
+from cable_tracker.metric.motion import FROZEN_COUNT, NoMotion, Odometry, PoseChange, rotations_by
 
 SECOND = 1_000_000_000
 STEP = SECOND // 50
@@ -113,7 +113,7 @@ def test_a_time_that_cannot_be_bridged(end):
 
 @given(VECTORS)
 def test_a_rotation_turns_about_its_vector(vector):
-    rotation = rotation_by(vector)
+    rotation = rotations_by(vector[None])[0]
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-9)
     np.testing.assert_allclose(rotation @ vector, vector, atol=1e-9)
     assert np.trace(rotation) == pytest.approx(1 + 2 * math.cos(np.linalg.norm(vector)), abs=1e-9)

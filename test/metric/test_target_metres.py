@@ -5,7 +5,7 @@ import pytest
 
 from cable_tracker.metric.calibration import Calibration, camera_for
 from cable_tracker.metric.frames import Mounting
-from cable_tracker.metric.motion import NoMotion, PoseChange, rotation_by
+from cable_tracker.metric.motion import NoMotion, PoseChange, rotations_by
 from cable_tracker.metric.relative_state import RelativeState
 from cable_tracker.metric.target_metres import (
     TargetRange,
@@ -47,14 +47,14 @@ def estimate_of(
 
 
 def way(x, y, z, turn=0.0):
-    rotation = rotation_by(np.array([0.0, 0.0, turn]))
+    rotation = rotations_by(np.array([[0.0, 0.0, turn]]))[0]
     return PoseChange(rotation, np.array([x, y, z]), np.zeros((6, 6)), 0.04), True
 
 
 class TestTurnOfPicture:
     @pytest.mark.parametrize("turn", [(0.0, 0.0, 0.02), (0.0, 0.03, 0.0), (0.05, 0.0, 0.0)])
     def test_what_stands_still_moves_in_the_picture_as_the_camera_sees_it(self, turn):
-        rotation = rotation_by(np.array(turn))
+        rotation = rotations_by(np.array([turn]))[0]
         motion = turn_of_picture(camera(), AHEAD, rotation)
         for place in ([4.0, 0.5, -0.3], [9.0, -2.0, 1.0]):
             before = estimate_of(place).state[None]
@@ -62,12 +62,12 @@ class TestTurnOfPicture:
             assert motion.moved(before, 1.0)[0, :2] == pytest.approx(after, abs=1e-6)
 
     def test_a_turn_to_the_left_moves_the_picture_to_the_right(self):
-        rotation = rotation_by(np.array([0.0, 0.0, 0.1]))
+        rotation = rotations_by(np.array([[0.0, 0.0, 0.1]]))[0]
         moved = turn_of_picture(camera(), AHEAD, rotation).moved(np.zeros((1, 6)), 1.0)
         assert moved[0, 0] == pytest.approx(FOCAL * math.tan(0.1))
 
     def test_a_roll_turns_the_target(self):
-        rotation = rotation_by(np.array([0.1, 0.0, 0.0]))
+        rotation = rotations_by(np.array([[0.1, 0.0, 0.0]]))[0]
         moved = turn_of_picture(camera(), AHEAD, rotation).moved(np.zeros((1, 6)), 1.0)
         assert abs(moved[0, 3]) == pytest.approx(0.1, abs=1e-6)
 

@@ -8,9 +8,17 @@ from pathlib import Path
 import pytest
 
 
-@pytest.mark.parametrize("name", ["tracker", "replay"])
-def test_without_ros_the_nodes_say_what_to_install(name: str, tmp_path: Path) -> None:
-    (tmp_path / "rclpy.py").write_text("raise ModuleNotFoundError('no rclpy', name='rclpy')\n")
+@pytest.mark.parametrize(
+    ("name", "raised", "missing"),
+    [
+        ("tracker", "ModuleNotFoundError('no rclpy', name='rclpy')", "(rclpy)"),
+        ("replay", "ImportError('librcl.so: cannot open shared object file')", "(librcl.so: "),
+    ],
+)
+def test_without_ros_the_nodes_say_what_to_install(
+    name: str, raised: str, missing: str, tmp_path: Path
+) -> None:
+    (tmp_path / "rclpy.py").write_text(f"raise {raised}\n")
     path = os.pathsep.join((str(tmp_path), os.environ["PYTHONPATH"]))
     code = f"from cable_tracker.ros.entry import {name}; {name}()"
     run = subprocess.run(
@@ -21,7 +29,8 @@ def test_without_ros_the_nodes_say_what_to_install(name: str, tmp_path: Path) ->
         check=False,
     )
     assert run.returncode == 2
-    assert run.stderr.startswith("error: rclpy or a message package is not installed (rclpy)")
+    words = f"error: rclpy or a message package is not installed {missing}"
+    assert run.stderr.startswith(words)
     assert len(run.stderr.splitlines()) == 1
 
 

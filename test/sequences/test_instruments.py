@@ -76,7 +76,7 @@ def test_what_is_known_as_truth_is_no_instrument():
 
 
 def test_a_topic_that_is_not_there_is_said_with_those_that_are():
-    with pytest.raises(RecordingError, match=r"no topic below for altitude; there are /port"):
+    with pytest.raises(RecordingError, match=r"no topic below for altitude; choose one of /port"):
         find(Listed(port=RANGE), altitude="below")
 
 
@@ -114,6 +114,21 @@ def test_what_comes_sooner_after_another_than_is_asked_for_is_passed_over(bag):
     source = InstrumentSource(bag, "/image")
     assert [each.received for each in source.messages({Instrument.ALTITUDE: 11})] == [15, 35]
     assert len(list(source.messages({Instrument.IMU: 11}))) == 3
+
+
+def test_messages_that_cannot_be_read_are_left_out_and_said_once_for_each_topic(tmp_path):
+    path = tmp_path / "dive"
+    with BagWriter(path) as writer:
+        message = make_range(FACTORY, make_header(FACTORY, 10, "altimeter"), 2.0)
+        writer.write("/altitude", RANGE, message, 15)
+        for received in (25, 35):
+            writer.write_serialised("/altitude", RANGE, b"\x00\x01\x00\x00\x07", received)
+    source = InstrumentSource(path, "/image")
+    assert source.remarks() == ()
+    for _ in range(2):
+        assert [each.received for each in source.messages()] == [15]
+    (remark,) = source.remarks()
+    assert remark.startswith("/altitude: 2 of its messages cannot be read and are left out (the")
 
 
 def test_the_mounting_is_read_from_tf_static(bag):

@@ -25,6 +25,7 @@ from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.experiments.noise import increment_variances
 from cable_tracker.evaluation.judged_sequences import check_labels
+from cable_tracker.sequences.source import ChosenRecording
 
 SMALLEST_COUNT = 2
 """Steps from which a variance can be told."""
@@ -46,10 +47,9 @@ def estimate_noise(  # noqa: PLR0917
     filter should allow for. Steps to and from frames without a label do not count.
     """
     states: list[FloatArray] = []
+    chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
     with ExitStack() as stack:
-        recording = stack.enter_context(
-            open_recording(source, topic, rate, truth, skip_bad_frames, allow_outside)
-        )
+        recording = stack.enter_context(open_recording(chosen))
         if truth is not None:
             check_labels(recording, truth)
         progress = stack.enter_context(progress_bar("reading", recording.frame_count))

@@ -11,22 +11,20 @@ import typer
 from rich.table import Table
 
 from cable_tracker.campaigns.crew import move_store, stored_beside
-from cable_tracker.commands.evaluate import (
+from cable_tracker.commands.campaign_options import (
+    MEMORY,
+    DashboardOption,
     FirstSeedOption,
+    MemoryOption,
+    ResumeOption,
+    SchedulerOption,
     SeedsOption,
     WorkersOption,
     chosen_cluster,
     seeds_from,
 )
 from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.options import (
-    MEMORY,
-    DashboardOption,
-    ForceOption,
-    MemoryOption,
-    ResumeOption,
-    SchedulerOption,
-)
+from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment

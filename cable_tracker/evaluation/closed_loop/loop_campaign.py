@@ -22,7 +22,7 @@ class LoopOutcome:
     Attributes
     ----------
     method : str
-        Who tracked.
+        Name of the method that tracked.
     seed : int
         Of the run.
     summary : LoopSummary or None
@@ -46,7 +46,7 @@ class MethodTotals:
     Attributes
     ----------
     method : str
-        Who tracked.
+        Name of the method that tracked.
     runs, failed : int
         How many runs there were, and how many of them did not come to an end.
     kept : int

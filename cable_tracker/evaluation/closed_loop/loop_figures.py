@@ -177,7 +177,7 @@ class MapPanel:
         self._way: list[tuple[float, float]] = []
 
     def draw(self, place: tuple[float, float], yaw: float, words: Sequence[str]) -> Image:
-        """Draw the vehicle at x, y [m] with some lines of text; blue-green-red, uint8."""
+        """Draw the vehicle at x, y [m] with lines of text; (H, W, 3), blue-green-red, uint8."""
         self._way.append(place)
         width, height = self._size
         canvas: Image = np.full((height, width, 3), 40, dtype=np.uint8)

@@ -262,7 +262,9 @@ def read_summary(path: Path) -> LoopSummary:
         kinds = get_type_hints(LoopSummary)
         return LoopSummary(**{name: _value(row[name], kind) for name, kind in kinds.items()})
     except (OSError, StopIteration, KeyError, ValueError) as error:
-        raise RecordingError(f"{path}: this is no summary of a closed loop") from error
+        raise RecordingError(
+            f"{path}: this is no summary of a closed loop; run `cable-tracker loop` again"
+        ) from error
 
 
 def _value(cell: str, kind: type) -> Any:  # noqa: ANN401

@@ -54,7 +54,7 @@ class OwnTracker:
         self._tracker = TargetTracker(parameters)
 
     def start(self, image: Image, box: Box, stamp: int) -> Box | None:
-        """Take what is in the box for the target."""
+        """Take what is in the box for the target; frames are (H, W) or (H, W, 3)."""
         self._tracker.initialise(TargetStart.from_box(*box))
         return self.update(image, stamp)
 

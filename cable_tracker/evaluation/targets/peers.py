@@ -18,7 +18,7 @@ class BoxTracker(Protocol):
     """What follows a box from frame to frame."""
 
     def start(self, image: Image, box: Box, stamp: int) -> Box | None:
-        """Take what is in the box for the target; return the first claim."""
+        """Take what is in the box for the target; return the first claim; (H, W) or (H, W, 3)."""
         ...
 
     def update(self, image: Image, stamp: int) -> Box | None:
@@ -46,7 +46,7 @@ class OpenCvTracker:
         self._tracker: Any = None
 
     def start(self, image: Image, box: Box, stamp: int) -> Box | None:
-        """Take what is in the box for the target."""
+        """Take what is in the box for the target; frames are (H, W) or (H, W, 3)."""
         self._tracker = self._make()
         self._tracker.init(_in_colour(image), _whole(box))
         return box

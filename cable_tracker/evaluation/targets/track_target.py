@@ -387,7 +387,10 @@ class TargetFolder:
             _write_csv(self._content / METRES, METRES_HEADER, self.metres)
         self._sheet.write(self._content / CONTACT_SHEET)
         if not (self._content / CONTACT_SHEET).is_file():
-            raise OutputError(f"{self.path / CONTACT_SHEET}: could not be written")
+            raise OutputError(
+                f"{self.path / CONTACT_SHEET}: could not be written; check the folder and its"
+                " free space"
+            )
 
 
 def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:

@@ -18,7 +18,7 @@ from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessage
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.output_folder import PartialOutput
+from cable_tracker.sequences.output_folder import PartialOutput, holds
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.drawing_thread import DrawingThread
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence
@@ -67,10 +67,6 @@ class WantedResults:
 
 
 EVERYTHING = WantedResults()
-
-
-def _is_result_folder(path: Path) -> bool:
-    return path.is_dir() and ((path / ESTIMATES).is_file() or not any(path.iterdir()))
 
 
 class ResultFolder:
@@ -127,9 +123,7 @@ class ResultFolder:
         self._video: VideoWriter | None = None
 
     def __enter__(self) -> Self:
-        self._folder = PartialOutput(
-            self.path, overwrite=self._overwrite, is_ours=_is_result_folder
-        )
+        self._folder = PartialOutput(self.path, overwrite=self._overwrite, is_ours=holds(ESTIMATES))
         self._writers = ExitStack()
         try:
             self._content.mkdir()
@@ -149,7 +143,7 @@ class ResultFolder:
         return self
 
     def _abandon(self, error: BaseException) -> None:
-        """Close all that was opened, and let it know why: no writer is to complain of its own."""
+        """Close all writers with the error as their reason, so that none raises another one."""
         try:
             self._writers.__exit__(type(error), error, error.__traceback__)
         finally:

@@ -60,7 +60,9 @@ def read_autosave(path: Path) -> tuple[dict[int, FrameLabel], dict[int, int]]:
         with path.open(newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(f"{path}: cannot be read ({one_line(error)})") from error
+        raise RecordingError(
+            f"{path}: cannot be read ({one_line(error)}); check or remove the file"
+        ) from error
     if not rows or tuple(rows[0]) != HEADER:
         raise RecordingError(
             f"{path}: line 1 is not the header {','.join(HEADER)}; remove the file"

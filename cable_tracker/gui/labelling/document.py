@@ -110,19 +110,6 @@ class LabelDocument:
         """Take the label of a frame away; see `change`."""
         return self.change(frame, {frame: None})
 
-    def copy_to_next(self, frame: int) -> Changes:
-        """Give the next frame the label of this one; by hand, as the user wants it so.
-
-        Raises
-        ------
-        ParameterError
-            The frame has no label.
-        """
-        label = self._labels.get(frame)
-        if label is None:
-            raise ParameterError(f"frame {frame} has no label to copy")
-        return self.change(frame, {frame + 1: FrameLabel(label.state)})
-
     def gaps_to_fill(self, frame: int | None) -> list[Gap]:
         """Return the gap at a frame, or all gaps.
 

@@ -21,6 +21,7 @@ from cable_tracker.gui.labelling.labels import (
 )
 from cable_tracker.gui.labelling.names import FrameNames
 from cable_tracker.sequences.csv_text import csv_text
+from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.sequences.sequence_file import (
     Label,
     format_labels,
@@ -140,9 +141,13 @@ def _read_flags(path: Path) -> list[Flag]:
     except FileNotFoundError:
         return []
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(f"{path}: cannot be read ({one_line(error)})") from error
+        raise RecordingError(
+            f"{path}: cannot be read ({one_line(error)}); check or remove the file"
+        ) from error
     if not rows or tuple(rows[0]) != FLAGS_HEADER:
-        raise RecordingError(f"{path}: line 1 is not the header {','.join(FLAGS_HEADER)}")
+        raise RecordingError(
+            f"{path}: line 1 is not the header {','.join(FLAGS_HEADER)}; correct or remove the file"
+        )
     flags = []
     for number, fields in enumerate(rows[1:], start=2):
         try:
@@ -236,7 +241,7 @@ def digest(path: Path) -> str | None:
         except FileNotFoundError:
             data = None
         except OSError as error:
-            raise RecordingError(f"{part}: cannot be read ({error.strerror})") from error
+            raise read_failure(part, error) from error
         found = found or data is not None
         hasher.update(b"-" if data is None else b"+%d:" % len(data) + data)
     return hasher.hexdigest() if found else None

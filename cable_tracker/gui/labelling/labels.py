@@ -113,7 +113,7 @@ def drawn_state(values: Iterable[object]) -> CableState:
         if isinstance(value, (int, float)) and not isinstance(value, bool)
     ]
     if len(numbers) != 4 or not all(map(math.isfinite, numbers)):
-        raise ParameterError("a label needs four finite numbers: d, alpha, w, beta")
+        raise ParameterError("a label needs four finite numbers d, alpha, w, beta; draw it again")
     distance, _, width, skew = numbers
     if not SMALLEST_WIDTH <= width <= LARGEST_LENGTH:
         raise ParameterError(f"w must be from {SMALLEST_WIDTH:g} px up, not {width:g}")

@@ -194,7 +194,7 @@ class Workspace:
             There is no such frame.
         """
         if frame < 0 or (self.count is not None and frame >= self.count):
-            raise ParameterError(f"there is no frame {frame}")
+            raise ParameterError(f"there is no frame {frame}; choose one of the recording")
 
     def interpolate(self, frame: int, wanted: list[Gap]) -> None:
         """Fill gaps between key frames."""
@@ -249,7 +249,7 @@ class Workspace:
             It is missing or cannot be read. Nothing has changed.
         """
         if not path.is_file():
-            raise RecordingError(f"{path}: there is no such file")
+            raise RecordingError(f"{path}: there is no such file; check the path")
         # What was not saved stays beside its own file, and is offered when that is opened again.
         self.autosave()
         self._open(path)
@@ -270,7 +270,7 @@ class Workspace:
             self.tell(None)
 
     def autosave(self) -> None:
-        """Keep the labels safe, as they are now; without a word where nothing is to be kept."""
+        """Save changed labels beside the label file; without changes, remove what lies there."""
         if self.autosaved is not None:
             return
         path = autosave_path(self.path)

@@ -33,7 +33,6 @@ from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener, Snapshot
 from cable_tracker.gui.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
-from cable_tracker.ros.health.diagnostics import DISABLED
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.environment import check_profile
 from cable_tracker.sequences.messages import (
@@ -46,6 +45,7 @@ from cable_tracker.sequences.messages import (
 )
 from cable_tracker.sequences.target_messages import make_polygon
 from cable_tracker.target.model.start import TargetStart
+from cable_tracker.tracking.idle_status import DISABLED
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
 ANSWER_TIMEOUT = 5.0
@@ -211,7 +211,10 @@ class LiveSession:
         specs = {spec.name: spec for spec in self.table}
         unknown = sorted(values.keys() - specs.keys())
         if unknown:
-            raise ParameterError(f"{', '.join(unknown)}: the node has no such parameter at runtime")
+            raise ParameterError(
+                f"{', '.join(unknown)}: the node has no such parameter at runtime; give it when"
+                " the node starts"
+            )
         changed = [
             Parameter(name, value=specs[name].coerce(value)) for name, value in values.items()
         ]
@@ -271,7 +274,9 @@ class LiveSession:
 
     def _need_node(self) -> None:
         if not self._is_there:
-            raise RosError(self.trouble or f"no node {self.name}")
+            raise RosError(
+                self.trouble or f"no node {self.name}; is it running, and in this ROS domain?"
+            )
 
     def _answer(self, future: Future) -> Any:  # noqa: ANN401
         done = threading.Event()
@@ -333,7 +338,7 @@ class LiveSession:
         )
 
     def _truth_topic(self, image: str) -> str:
-        """Return the ground truth beside the image or the node, if anybody publishes it."""
+        """Return the ground truth beside the image or the node, if it is published."""
         beside = (f"{image.rpartition('/')[0]}/ground_truth", self._resolved("ground_truth"))
         return next((name for name in beside if self._node.count_publishers(name)), "")
 

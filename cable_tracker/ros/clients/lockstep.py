@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 from rclpy.executors import SingleThreadedExecutor
@@ -19,15 +20,16 @@ from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.instruments import InstrumentChoice
 from cable_tracker.sequences.messages import Message
-from cable_tracker.sequences.source import Source
+from cable_tracker.sequences.source import ChosenRecording, Source
 from cable_tracker.tracking.parameter_table import ParameterValue
 
 FRAME_TIMEOUT = 60.0
 END_TIMEOUT = 10.0
 
 READY_SOON: Final[Mapping[str, ParameterValue]] = {"diagnostics_period": 0.1}
-"""Of a tracker: who waits for its diagnostics, which tell when it is ready, waits shortly."""
+"""Of a tracker whose diagnostics are waited for: they tell when it is ready."""
 
 EVERY_FRAME: Final[Mapping[str, ParameterValue]] = {"image_reliability": "reliable"}
 """Of a tracker that answers every frame that is sent."""
@@ -38,11 +40,45 @@ EVERY_MEASUREMENT: Final[Mapping[str, ParameterValue]] = {
 }
 """Of a tracker whose frames wait until what was measured before them has come.
 
-It has been sent, so that it is not waited for in vain.
+A replay has sent it before the frame, so that it always comes.
 """
 
 NO_WATCH: Final[Mapping[str, ParameterValue]] = {"input_timeout": 3600.0}
 """Of a tracker whose frames come when others are ready for them."""
+
+
+def replay_parameters(
+    recording: ChosenRecording,
+    instruments: InstrumentChoice,
+    vehicle: Path | None,
+    *,
+    has_instruments: bool,
+) -> dict[str, ParameterValue]:
+    """Return the parameters of the replay node that name a recording.
+
+    Parameters
+    ----------
+    recording : ChosenRecording
+        The recording, with a rate.
+    instruments : InstrumentChoice
+        Topics that the user has chosen.
+    vehicle : Path or None
+        The user's `vehicle.yaml`.
+    has_instruments : bool
+        Whether the node sends what the instruments said.
+    """
+    assert recording.rate is not None
+    return {
+        "source": str(recording.path.resolve()),
+        "topic": recording.topic or "",
+        "frame_rate": recording.rate,
+        "truth": str(recording.truth.resolve()) if recording.truth else "",
+        "skip_bad_frames": recording.skip_bad_frames,
+        "allow_outside": recording.allow_outside,
+        "instruments": has_instruments,
+        "vehicle": str(vehicle.resolve()) if vehicle else "",
+        **{f"{each.value}_topic": topic for each, topic in instruments.topics.items()},
+    }
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,11 +17,11 @@ from sensor_msgs.msg import JointState
 from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
-from cable_tracker.ros.health.diagnostics import WARMING_UP
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.messages import Message
 from cable_tracker.sequences.output_topics import OutputTopic
+from cable_tracker.tracking.idle_status import WARMING_UP
 
 RECORDED = (
     output_topics.STATE,

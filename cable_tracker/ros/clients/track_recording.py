@@ -43,7 +43,7 @@ class RecordingRequest:
     Attributes
     ----------
     source : dict
-        Parameters of the replay node that name the recording.
+        Parameters of the replay node that name the recording, see `replay_parameters`.
     parameters : TrackerParameters
         Parameters of the filter.
     initial_state : CableState or None
@@ -101,12 +101,7 @@ def track_recording_over_ros(
         results.add(frame, _row(frame, recorded, state), cloud)
         return state
 
-    has_instruments = request.vehicle is not None and request.vehicle.has_instruments
-    nodes = LockstepNodes(
-        "tracker",
-        _tracker_parameters(request),
-        {**request.source, "instruments": has_instruments},
-    )
+    nodes = LockstepNodes("tracker", _tracker_parameters(request), request.source)
     return track_in_lockstep(source, nodes, take, advance)
 
 

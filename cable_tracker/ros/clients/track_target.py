@@ -34,7 +34,7 @@ class TargetRequest:
     Attributes
     ----------
     source : dict
-        Parameters of the replay node that name the recording.
+        Parameters of the replay node that name the recording, see `replay_parameters`.
     parameters : TargetParameters
         Parameters of the filter.
     initial_target : str

@@ -9,11 +9,10 @@ from enum import IntEnum
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.ros.health.latency import LatencyStatistics
 from cable_tracker.sequences.messages import Message, MessageFactory
+from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 
-WARMING_UP = "WARMING UP"
 STALE_INPUT = "STALE INPUT"
 FROZEN_INPUT = "FROZEN INPUT"
-DISABLED = "DISABLED"
 
 WINDOW = 2.0
 """Time over which the frame rate is averaged [s]."""

@@ -8,8 +8,8 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
 from cable_tracker.ros import qos
-from cable_tracker.ros.health.diagnostics import WARMING_UP
 from cable_tracker.sequences.messages import Message
+from cable_tracker.tracking.idle_status import WARMING_UP
 
 HOLDS = 60.0
 """A tracker that said so counts as warming up for so long without another message [s].

@@ -1,4 +1,4 @@
-"""Publishers and subscriptions that notice whom they cannot reach."""
+"""Publishers and subscriptions that report endpoints whose quality of service does not fit."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rclpy.subscription import Subscription
 
 
 class WatchedPublishers:
-    """Creates publishers that notice whom they cannot reach, and remembers their profiles.
+    """Creates publishers that report unfit subscriptions, and remembers their profiles.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ class FrozenInput:
 
     @property
     def picture(self) -> Image | None:
-        """The last picture, grey."""
+        """The last picture, grey levels, shape (H, W)."""
         return self._picture
 
     def take(self, picture: Image, stamp: int) -> float:
@@ -52,7 +52,7 @@ class FrozenInput:
 
 
 def same(picture: Image, other: Image) -> bool:
-    """Tell whether two pictures are the same in every pixel."""
+    """Tell whether two pictures, (H, W) or (H, W, 3), are the same in every pixel."""
     if picture.shape != other.shape or picture.dtype != other.dtype:
         return False
     sample = (slice(None, None, LOOK_AT_EVERY), slice(None, None, LOOK_AT_EVERY))

@@ -20,9 +20,7 @@ from cable_tracker.errors import FrameError
 from cable_tracker.node_parameter_tables import CAMERA_START_PARAMETERS
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import (
-    DISABLED,
     FROZEN_INPUT,
-    WARMING_UP,
     FrameStatistics,
     frame_values,
     make_diagnostics,
@@ -40,6 +38,7 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.messages import Message, make_header
 from cable_tracker.sequences.serialised_images import MessageHeader
+from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 
 SLOWEST_WATCH, FASTEST_WATCH = 0.25, 0.025
 """Limits of the period of the watchdog [s]; it is half the shortest time-out."""

@@ -55,7 +55,7 @@ class ControllerNode(GuidanceNode):
 
     @property
     def mode(self) -> Mode:
-        """What the controller is about."""
+        """What the controller is doing, as diagnostics show it."""
         return self._controller.mode
 
     def _settings(self) -> ControllerSettings:

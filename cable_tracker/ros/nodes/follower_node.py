@@ -51,7 +51,7 @@ class FollowerNode(GuidanceNode):
 
     @property
     def mode(self) -> FollowMode:
-        """What the follower is about."""
+        """What the follower is doing, as diagnostics show it."""
         return self._follower.mode
 
     def on_relative_pose(self, message: Message) -> None:

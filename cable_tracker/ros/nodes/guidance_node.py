@@ -28,7 +28,7 @@ POLL = 0.005
 
 
 class GuidanceNode(ProcessNode):
-    """Answers each `state` of a tracker with a `cmd_vel`, and tells what it is about.
+    """Answers each `state` of a tracker with a `cmd_vel`, and reports its mode.
 
     Without a `state` for `state_timeout` the vehicle is stopped. In lockstep there is no such
     watch, and no first answer before the command has a subscriber.
@@ -70,7 +70,7 @@ class GuidanceNode(ProcessNode):
 
     @property
     def mode(self) -> Enum:
-        """What the node is about."""
+        """What the node is doing, as diagnostics show it."""
         raise NotImplementedError
 
     def _is_complete(self, stamp: int, is_claimed: bool) -> bool:

@@ -187,6 +187,10 @@ class InstrumentReplay:
         self._publishers[Instrument.CAMERA_INFO].publish(info)
         self._sent[Instrument.CAMERA_INFO] += 1
 
+    def remarks(self) -> tuple[str, ...]:
+        """Say what could not be read and was not sent so far."""
+        return () if self._source is None else self._source.remarks()
+
     def close(self) -> None:
         """Read no more."""
         self._feed.close()

@@ -329,7 +329,7 @@ class ReplayNode(ProcessNode):
         if self._damage is not None:
             raise self._damage
         if not self._sent:
-            raise ParameterError(f"start: {NO_FRAME_THERE} in {self._source.path}")
+            raise ParameterError(f"start: {NO_FRAME_THERE} in {self._source.path}; give less")
         self.finished = True
 
     def report(self) -> str:
@@ -370,6 +370,8 @@ class ReplayNode(ProcessNode):
         """Say what was sent, close the recording and destroy the node."""
         self.get_logger().info(self.report())
         if self._instruments is not None:
+            for remark in self._instruments.remarks():
+                self.get_logger().warning(remark)
             self._instruments.close()
         self._source.__exit__(None, None, None)
         super().destroy_node()

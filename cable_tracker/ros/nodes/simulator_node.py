@@ -55,7 +55,7 @@ FLUSH_TIMEOUT = Duration(seconds=5)
 
 
 class WorldSettings(Protocol):
-    """What a node wants to know of a world."""
+    """The settings of a world that its node needs."""
 
     @property
     def altitude(self) -> float:
@@ -83,7 +83,7 @@ class World(Protocol):
 
     @property
     def settings(self) -> WorldSettings:
-        """What it is like."""
+        """Its settings."""
         ...
 
     @property

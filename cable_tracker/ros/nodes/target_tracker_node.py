@@ -98,7 +98,7 @@ class TargetTrackerNode(CameraNode):
         if len(start.boxes) > len(self._prefixes):
             raise ParameterError(
                 f"initial_target marks {len(start.boxes)} targets; target_count is"
-                f" {len(self._prefixes)}"
+                f" {len(self._prefixes)}: mark fewer, or raise target_count"
             )
         return start
 

@@ -116,7 +116,9 @@ def _made(make_node: Callable[[Context], ProcessNode], context: Context) -> Proc
         return make_node(context)
     except rclpy_implementation.RCLError as error:
         # The middleware refuses: security that it was not built with, a domain out of range.
-        raise RosError(f"ROS cannot make the node ({' '.join(str(error).split())})") from error
+        raise RosError(
+            f"ROS cannot make the node ({one_line(error)}); check what stands behind --ros-args"
+        ) from error
 
 
 def _spin(node: ProcessNode, executor: SingleThreadedExecutor, stop: StopRequest) -> None:

@@ -69,7 +69,7 @@ class MethodTracker:
         self._method.initialise(prior.state)
 
     def process(self, image: Image, stamp: int, motion: MotionAid | None = None) -> CableEstimate:
-        """Take one frame into account; baselines know nothing of odometry.
+        """Take one frame (H, W) into account; `motion` is not used: baselines take no odometry.
 
         Raises
         ------

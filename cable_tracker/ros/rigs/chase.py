@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -35,22 +34,22 @@ from cable_tracker.ros.clients.lockstep import (
     READY_SOON,
 )
 from cable_tracker.ros.clients.recorder import spin_until
-from cable_tracker.ros.health.diagnostics import WARMING_UP
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
+from cable_tracker.ros.rigs.silence import SilenceWatch
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages import read_compressed_image, stamp_of
 from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.idle_status import WARMING_UP
 from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.video import VideoWriter
 
 VIDEO = "chase.webm"
 
-SILENCE_TIMEOUT = 90.0
 """Nothing new for so long, and something is wrong [s]."""
 
 SETTLE_TIME = 1.0
@@ -231,7 +230,7 @@ def run_chase(
         _follow(recorder, simulator, spin, video, advance)
         rows = recorder.rows()
         if not rows:
-            raise RosError("the simulator has sent no frames")
+            raise RosError("the simulator has sent no frames; run it again on an idle machine")
         summary = summarise_chase(rows, request.distance)
         write_chase(folder, rows, summary)
     return summary
@@ -245,7 +244,7 @@ def _follow(
     advance: Callable[[int], None],
 ) -> None:
     """Listen until the simulator has ended and every frame is answered."""
-    heard, seen = time.monotonic(), 0
+    silence, seen = SilenceWatch(), 0
     while simulator.running or len(recorder.states) < len(recorder.truths):
         complaint = spin()
         overlays, recorder.overlays = recorder.overlays, []
@@ -254,9 +253,9 @@ def _follow(
             video.add(picture, stamp_of(message.header))
         if len(recorder.states) > seen:
             advance(len(recorder.states) - seen)
-            seen, heard = len(recorder.states), time.monotonic()
-        if not complaint and time.monotonic() - heard > SILENCE_TIMEOUT:
-            complaint = f"nothing came for {SILENCE_TIMEOUT:g} s"
+            seen = len(recorder.states)
+            silence.hear()
+        complaint = complaint or silence.complaint()
         if complaint:
             raise RosError(complaint)
 

@@ -39,6 +39,7 @@ from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.loop_recorder import LoopRecorder, SeenFrame
+from cable_tracker.ros.rigs.silence import SilenceWatch
 from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.dive import CABLE_RADIUS
 from cable_tracker.simulation.live_world import MOUNTING, LiveSettings, cable_course
@@ -48,7 +49,6 @@ from cable_tracker.visualisation.video import VideoWriter
 
 WAY, ERRORS, VIDEO = "way.png", "cross_track.png", "loop.webm"
 
-SILENCE_TIMEOUT = 90.0
 """Nothing new for so long, and something is wrong [s]."""
 
 SETTLE_TIMEOUT = 3.0
@@ -235,7 +235,7 @@ class _Run:
 
     def follow(self, simulator: NodeProcess) -> None:
         """Draw frame after frame until the simulator has ended, and all of them have come."""
-        heard = time.monotonic()
+        silence = SilenceWatch()
         ended: float | None = None
         while ended is None or not self._has_settled(ended):
             self._executor.spin_once(timeout_sec=0.02)
@@ -243,13 +243,11 @@ class _Run:
             for frame in frames:
                 self._draw(frame)
                 self._advance(frame.place[0])
-            now = time.monotonic()
-            heard = now if frames else heard
+            if frames:
+                silence.hear()
             if ended is None and not simulator.running:
-                ended = now
-            complaint = self._group.what_has_died()
-            if not complaint and now - heard > SILENCE_TIMEOUT:
-                complaint = f"nothing came for {SILENCE_TIMEOUT:g} s"
+                ended = time.monotonic()
+            complaint = self._group.what_has_died() or silence.complaint()
             if complaint:
                 raise RosError(complaint)
 
@@ -278,7 +276,7 @@ class _Run:
         """Write everything but the video."""
         rows = self._recorder.rows()
         if not rows:
-            raise RosError("the simulator has sent no frames")
+            raise RosError("the simulator has sent no frames; run it again on an idle machine")
         world, burial = self._request.world, self._request.burial
         summary = summarise_loop(rows, world.seed, world.length, burial)
         write_rows(folder / TABLE, rows)

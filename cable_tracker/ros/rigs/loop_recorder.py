@@ -19,10 +19,10 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
 from cable_tracker.metric.messages import Y, yaw_of
 from cable_tracker.ros import qos
-from cable_tracker.ros.health.diagnostics import WARMING_UP
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages import Message, read_image, read_state, stamp_of
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.idle_status import WARMING_UP
 
 
 @dataclass(slots=True)

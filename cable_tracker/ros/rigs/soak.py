@@ -124,10 +124,6 @@ class SoakSettings:
 class _TrackerProcess(NodeProcess):
     """A node that can be killed, stopped and continued."""
 
-    @property
-    def pid(self) -> int:
-        return self._process.pid
-
     def send(self, number: signal.Signals) -> None:
         self._process.send_signal(number)
 

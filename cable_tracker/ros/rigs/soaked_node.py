@@ -44,7 +44,7 @@ class SoakedNode:
     start : mapping
         Parameters that it is started with, beside the usual ones.
     mark_type, mark_topic
-        With which somebody says where to start.
+        Type of the messages that say where to start.
     bad_mark : callable
         Returns a spoilt mark of a header.
     heard : tuple of (type, str, Check)

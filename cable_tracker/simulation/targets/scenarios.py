@@ -19,7 +19,7 @@ Body = Callable[[float], list[Patch]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cast:
-    """Who appears in one run of a scenario.
+    """What appears in one run of a scenario.
 
     Attributes
     ----------

@@ -65,7 +65,7 @@ class TargetFrame:
 
 
 def box_of(mask: BoolArray) -> tuple[float, float, float, float] | None:
-    """Return left, top, right and bottom of a mask [px]; None for an empty one."""
+    """Return left, top, right and bottom of a mask (H, W) [px]; None for an empty one."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if len(rows) == 0:
         return None
@@ -143,12 +143,12 @@ def _frame(  # noqa: PLR0917
     rng: np.random.Generator,
 ) -> TargetFrame:
     height, width = picture.shape[:2]
-    nobody = np.zeros((height, width), np.float32)
+    nothing = np.zeros((height, width), np.float32)
     if scenario.surface is not None:
         _mirror(scenario, cast, picture, time, zoom)
     own = _painted(scenario, cast.way(time), picture, zoom)
     twin = _painted(scenario, cast.twin(time) if cast.twin else None, picture, zoom)
-    hidden = nobody.copy()
+    hidden = nothing.copy()
     for colours, coverage in (own, twin) if cast.twin_in_front else (twin, own):
         picture *= (1.0 - coverage)[..., None]
         picture += colours

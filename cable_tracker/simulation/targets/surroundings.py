@@ -54,7 +54,7 @@ class Surroundings:
         return lit.astype(np.float32)
 
     def snow(self, picture: Image, time: float) -> None:
-        """Strew the marine snow over a picture, in place."""
+        """Strew the marine snow over a picture (H, W, 3), in place."""
         height, width = picture.shape[:2]
         x = (self.flakes[:, 0] + self.flakes[:, 2] * time) % 1.0 * width
         y = (self.flakes[:, 1] + self.flakes[:, 3] * time) % 1.0 * height

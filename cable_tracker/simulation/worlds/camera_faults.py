@@ -97,7 +97,7 @@ class Overlaid:
     captions: tuple[tuple[int, int], ...]
 
     def put_on(self, picture: Image, frame: int) -> None:
-        """Cover a picture, uint8, in place."""
+        """Cover a picture, (H, W), uint8, in place."""
         picture[self.where] = self.pixels[self.where]
         size = 0.35 * picture.shape[1] / 320
         for number, corner in enumerate(self.captions):

@@ -18,36 +18,36 @@ _CLEAR = (2.5, 5.5)
 _INSPECTED = (MotionKind.INSPECTION,)
 
 
-def _kinds() -> Iterator[World]:
-    """Yield each kind of world, without a split."""
-    base = World("", "", Split.TUNE)
-    yield replace(
-        base,
+_BASE = World("", "", Split.TUNE)
+
+_KINDS = (
+    replace(
+        _BASE,
         name="clear",
         description="clear cables, little around them",
         contrast=_CLEAR,
         disturbance=Disturbance(lines=0.3),
-    )
-    yield replace(
-        base,
+    ),
+    replace(
+        _BASE,
         name="faint",
         description="faint, overgrown cables, some bright here and dark there",
         contrast=_FAINT,
         turning=0.3,
         cover=Cover(growth=(0.0, 0.4), drift=(0.0, 0.3), silt=(0.0, 0.5)),
         disturbance=Disturbance(lines=0.7),
-    )
-    yield replace(
-        base,
+    ),
+    replace(
+        _BASE,
         name="inspection",
         description="clear pipes over real sea bed, seen as inspections by ROV see them",
         photographed=True,
         motions=_INSPECTED,
         widths=None,
         contrast=_CLEAR,
-    )
-    yield replace(
-        base,
+    ),
+    replace(
+        _BASE,
         name="inspection_hard",
         description="pipes over real sea bed with growth, sand and shadows",
         photographed=True,
@@ -57,57 +57,59 @@ def _kinds() -> Iterator[World]:
         turning=0.2,
         cover=Cover(growth=(0.1, 0.45), drift=(0.0, 0.4), silt=(0.0, 0.4)),
         disturbance=Disturbance(shadow=0.7, lines=0.5),
-    )
-    yield replace(
-        base,
+    ),
+    replace(
+        _BASE,
         name="shadows",
         description="shadows as dark as a dark cable beside the cable, uneven lamps that sway",
         contrast=(1.5, 4.0),
         disturbance=Disturbance(shadow=1.0, lines=0.4),
         optics=Optics(lamps=(0.3, 0.9), sway=(0.0, 30.0), vignette=(0.2, 0.7)),
-    )
-    yield replace(
-        base,
+    ),
+    replace(
+        _BASE,
         name="sand",
         description="sand over one border for a long way",
         contrast=(1.5, 4.0),
         cover=Cover(drift=(0.4, 0.8), drift_lengths=(8.0, 40.0)),
         disturbance=Disturbance(lines=0.3),
-    )
-    yield replace(
-        base,
+    ),
+    replace(
+        _BASE,
         name="bars",
         description="black bars, captions, a part of the vehicle in view",
         contrast=(1.8, 4.5),
         disturbance=Disturbance(lines=0.3, bars=1.0, caption=0.5, vehicle_part=0.4),
-    )
-    yield replace(
-        base,
+    ),
+    replace(
+        _BASE,
         name="compressed",
         description="strong compression, picture by picture or as a video",
         contrast=(1.5, 4.0),
         disturbance=Disturbance(lines=0.3),
         optics=Optics(quality=(12, 45)),
-    )
-    yield replace(
-        base,
+    ),
+    replace(
+        _BASE,
         name="empty",
         description="no cable: real sea bed alone",
         photographed=True,
         has_cable=False,
-    )
-    yield replace(
-        base,
+    ),
+    replace(
+        _BASE,
         name="decoys",
         description="no cable, but single and double lines, trenches, glaring rocks",
         has_cable=False,
         disturbance=Disturbance(lines=1.5, pairs=1.5, bars=0.2),
-    )
+    ),
+)
+"""Each kind of world, without a split."""
 
 
 def _all() -> Iterator[World]:
     for split in Split:
-        for kind in _kinds():
+        for kind in _KINDS:
             yield replace(kind, name=f"{split.value}_{kind.name}", split=split)
 
 

@@ -10,7 +10,6 @@ from cable_tracker.gui.labelling.document import LabelDocument
 from cable_tracker.gui.labelling.labels import (
     WITHOUT_CABLE,
     FrameLabel,
-    Origin,
     filled_gap,
     gaps,
 )
@@ -84,23 +83,6 @@ def test_strokes_on_another_frame_are_another_step():
     document.set(5, key(2.0), merges=True)
     document.undo()
     assert distances(document) == {4: 1.0, 5: 0.0}
-
-
-def test_a_copied_label_is_the_next_frames_own():
-    document = LabelDocument({7: FrameLabel(key(5.0).state, Origin.PROPOSED)})
-    document.copy_to_next(7)
-    assert document.labels[8] == key(5.0)
-
-
-def test_no_cable_is_copied_too():
-    document = LabelDocument({7: WITHOUT_CABLE})
-    document.copy_to_next(7)
-    assert document.labels[8] == WITHOUT_CABLE
-
-
-def test_a_frame_without_label_cannot_be_copied():
-    with pytest.raises(ParameterError, match="frame 7 has no label"):
-        LabelDocument().copy_to_next(7)
 
 
 def test_interpolation_fills_the_gap_at_a_frame():

@@ -6,8 +6,8 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from cable_tracker.ros.health import warming_trackers
-from cable_tracker.ros.health.diagnostics import WARMING_UP
 from cable_tracker.ros.health.warming_trackers import WarmingTrackers
+from cable_tracker.tracking.idle_status import WARMING_UP
 
 
 def says(trackers: WarmingTrackers, **words: str) -> None:

@@ -25,7 +25,6 @@ from cable_tracker.errors import ParameterError, RecordingError, RosError
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.node_parameter_tables import REPLAY_START_PARAMETERS
 from cable_tracker.ros import qos
-from cable_tracker.ros.health.diagnostics import WARMING_UP
 from cable_tracker.ros.nodes import replay_node
 from cable_tracker.sequences.bag_storage import open_storage
 from cable_tracker.sequences.bag_writer import BagWriter
@@ -44,6 +43,7 @@ from cable_tracker.sequences.messages import (
 )
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
+from cable_tracker.tracking.idle_status import WARMING_UP
 
 Dive = Callable[..., Path]
 MILLISECOND = 1_000_000

@@ -10,8 +10,8 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image, JointState
 from std_msgs.msg import Header
 
-from cable_tracker.ros.health.diagnostics import WARMING_UP
 from cable_tracker.ros.rigs.loop_recorder import LoopRecorder
+from cable_tracker.tracking.idle_status import WARMING_UP
 
 
 class Loop:

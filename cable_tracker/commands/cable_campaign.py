@@ -1,0 +1,125 @@
+"""`cable-tracker evaluate`: cable filters and other methods, on the same frames."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import date
+from pathlib import Path
+
+from rich.table import Table
+
+from cable_tracker.campaigns.crew import ClusterSettings, move_store, stored_beside
+from cable_tracker.commands.machine import machine, typed_command
+from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.tuning import chosen_parameters, given_values
+from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter
+from cable_tracker.evaluation.report import (
+    REPORT,
+    ReportHeader,
+    TableView,
+    summary_table,
+    write_report,
+)
+from cable_tracker.evaluation.tables import CSV_FILES
+from cable_tracker.sequences.output_folder import output_folder
+
+TITLE = "How well the cable is followed"
+
+PRINTED_METRICS = (
+    "useful", "wrong_claims", "false_tracking", "longest_loss", "held_rmse_d", "held_rmse_alpha",
+    "start_right", "ms",
+)  # fmt: skip
+"""What fits on a terminal; the report has more."""
+
+
+def tuned_filters(
+    files: Sequence[Path] | None, words: Sequence[str] | None, table: Path | None
+) -> tuple[ConfiguredFilter, ...]:
+    """Return the trackers with parameters of the user's: one for each file, or one for the words.
+
+    Parameters
+    ----------
+    files : sequence of Path or None
+        Parameter files; each tracker is named after its file.
+    words : sequence of str or None
+        Single values, `name=value`, for all of them.
+    table : Path or None
+        Response table for all of them.
+
+    Raises
+    ------
+    ParameterError
+        A value is not acceptable, two files have one name, or a file is named like a method.
+    """
+    more = given_values(None, words)
+    if table is not None:
+        more["response_table"] = str(table.resolve())
+    if not (files or more):
+        return ()
+    given = {file.stem: given_values(file, None) for file in files or ()} or {"tuned": {}}
+    taken = sorted(set(given) & set(METHODS))
+    if taken or len(given) < len(files or ()):
+        raise ParameterError(
+            f"--params: {', '.join(taken) or 'a file name'} stands for two methods; rename a file"
+        )
+    return tuple(
+        ConfiguredFilter(name, chosen_parameters(None, values | more, None))
+        for name, values in given.items()
+    )
+
+
+def evaluate_cables(
+    campaign: Campaign, output: Path, cluster: ClusterSettings, *, force: bool, resume: bool
+) -> None:
+    """Judge, write the report and its tables into a folder, and print the summary.
+
+    Raises
+    ------
+    OutputError
+        The folder is there already, or cannot be written.
+    RecordingError
+        A recording cannot be judged.
+    """
+    header = ReportHeader(TITLE, typed_command(), machine(), date.today().isoformat())
+    total = campaign.frame_count()
+    with (
+        output_folder(output, REPORT, overwrite=force or resume) as folder,
+        stored_beside(output, cluster, resume=resume) as crew,
+    ):
+        with progress_bar("evaluating", total) as progress:
+            results = run_campaign(
+                campaign, workers=crew, advance=lambda count: advance(progress, count)
+            )
+        move_store(crew, folder)
+        with progress_bar("writing the report", None):
+            write_report(
+                folder,
+                results,
+                header,
+                methods=_descriptions(campaign),
+                sequences={each.name: each.description for each in campaign.sequences},
+            )
+    _print_table(summary_table(results, PRINTED_METRICS))
+    for name in (REPORT, *(name for name, _ in CSV_FILES)):
+        console.print(f"  {output / name}", soft_wrap=True)
+
+
+def _descriptions(campaign: Campaign) -> dict[str, str]:
+    """Return what each method of a campaign is, by its name."""
+    tuned = dict.fromkeys(
+        (each.name for each in campaign.filters), "particle filter with parameters of yours"
+    )
+    return {name: METHODS[name].description for name in campaign.methods} | tuned
+
+
+def _print_table(view: TableView) -> None:
+    """Print a table of the report on the terminal."""
+    table = Table(title="means over all runs")
+    table.add_column(view.corner, no_wrap=True)
+    for label, unit in view.headings:
+        table.add_column(f"{label} [{unit}]" if unit else label, justify="right")
+    for name, cells in view.rows:
+        table.add_row(name, *(cell.text for cell in cells))
+    console.print(table)

@@ -1,0 +1,74 @@
+"""Options of the commands that do many runs, and what is made of them."""
+
+from __future__ import annotations
+
+import os
+from typing import Annotated
+
+import typer
+
+from cable_tracker.campaigns.crew import ClusterSettings
+from cable_tracker.commands.terminal import messages
+from cable_tracker.errors import ParameterError
+
+MEMORY = "4 GiB"
+"""Of each worker, where the user says nothing."""
+
+DASHBOARD_URL = "http://127.0.0.1:8787/status"
+"""Where Dask serves its pages."""
+
+LARGEST_FIRST_SEED = 1_000_000_000
+"""Far enough below the largest seed of a tracker for all that is added to it."""
+
+FirstSeedOption = Annotated[
+    int, typer.Option(help="Seed of the first run; keep seeds for tuning and for reports apart.")
+]
+SeedsOption = Annotated[
+    int, typer.Option(help="Number of runs, with the first seed and those that follow it.")
+]
+WorkersOption = Annotated[
+    int | None, typer.Option(help="Number of processes.  [default: one for each processor]")
+]
+SchedulerOption = Annotated[
+    str | None, typer.Option(help="Address of a running Dask scheduler: tcp://host:8786.")
+]
+MemoryOption = Annotated[str, typer.Option(help="Most memory of each worker.")]
+DashboardOption = Annotated[
+    bool, typer.Option("--dashboard", help="Serve Dask's pages at 127.0.0.1:8787.")
+]
+ResumeOption = Annotated[
+    bool, typer.Option("--resume", help="Do only what is missing or has changed.")
+]
+
+
+def chosen_cluster(
+    workers: int | None, scheduler: str | None, memory: str, dashboard: bool
+) -> ClusterSettings:
+    """Return where tasks run, and say where Dask's pages are.
+
+    Raises
+    ------
+    ParameterError
+        The number of workers is out of range.
+    """
+    if workers is None:
+        workers = os.cpu_count() or 1
+    settings = ClusterSettings(workers, scheduler, memory, dashboard)
+    if dashboard:
+        messages.print(f"Dask's pages: {DASHBOARD_URL}")
+    return settings
+
+
+def seeds_from(count: int, first: int = 0) -> tuple[int, ...]:
+    """Return so many seeds from a first one upwards.
+
+    Raises
+    ------
+    ParameterError
+        The count is not positive, or the first seed out of range.
+    """
+    if count < 1:
+        raise ParameterError(f"seeds is {count}: give at least 1")
+    if not 0 <= first <= LARGEST_FIRST_SEED:
+        raise ParameterError(f"first-seed is {first}: give 0 to {LARGEST_FIRST_SEED}")
+    return tuple(range(first, first + count))
