@@ -59,7 +59,7 @@ class Process:
 
     def end(self, number: int = signal.SIGINT) -> int:
         self.process.send_signal(number)
-        return self.process.wait(20.0)
+        return self.process.wait(120.0)
 
     def close(self) -> None:
         if self.process.poll() is None:
@@ -251,7 +251,7 @@ class TestProcesses:
             assert old.process.wait() == -signal.SIGKILL
             new = start(node, *arguments)
             heard = len(states)
-            world.spin(lambda heard=heard: len(states) > heard + 3, patience=40.0)
+            world.spin(lambda heard=heard: len(states) > heard + 3)
             assert new.process.poll() is None
 
     def test_two_trackers_at_one_camera_by_namespace(
@@ -305,7 +305,7 @@ class TestProcesses:
         self, start: Make, tmp_path: Path
     ) -> None:
         tracker = start("tracker", **{PROFILE_VARIABLE: str(tmp_path / "gone.xml")})
-        assert tracker.process.wait(30.0) == 2
+        assert tracker.process.wait(120.0) == 2
         assert len(tracker.words.splitlines()) == 1
         assert tracker.words.startswith("error: the Fast DDS profile")
 
@@ -335,7 +335,7 @@ class TestNetwork:
         assert "0.0.0.0" in page.read_text(encoding="utf-8")
 
 
-def wait(condition: Callable[[], bool], process: Process, patience: float = 60.0) -> None:
+def wait(condition: Callable[[], bool], process: Process, patience: float = 120.0) -> None:
     deadline = time.monotonic() + patience
     while not condition():
         assert time.monotonic() < deadline and process.process.poll() is None, process.words

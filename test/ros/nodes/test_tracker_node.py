@@ -642,4 +642,4 @@ class TestServicesAndStatus:
 
     def test_a_camera_that_never_sends_is_stale_input_too(self, world: Any) -> None:
         node = world.tracker(input_timeout=0.2)
-        world.spin(lambda: node.status == "STALE INPUT", patience=5.0)
+        world.spin(lambda: node.status == "STALE INPUT")

@@ -42,7 +42,7 @@ def test_the_last_words_of_a_node_that_has_died_can_be_read(
     process: Callable[..., NodeProcess],
 ) -> None:
     with process("replay", "-p", "source:=/missing.mcap") as replay:
-        assert replay.wait(20.0) == 2
+        assert replay.wait(120.0) == 2
         assert replay.last_line().startswith("error: /missing.mcap: there is no such file")
 
 

@@ -49,7 +49,7 @@ class Run:
         begin = time.monotonic()
         if signal_number is not None:
             self.process.send_signal(signal_number)
-        code = self.process.wait(30.0)
+        code = self.process.wait(120.0)
         return code, time.monotonic() - begin
 
     def errors(self) -> str:
