@@ -106,8 +106,8 @@ def target(  # noqa: PLR0917
 
     Writes a table, a sheet of pictures, a video and a bag into one folder. Where a bag holds a
     calibration, and odometry or an imu, turns of the camera are taken out, and metres.csv says in
-    which direction and how far the target is (with --ros the bag alone does). The same recording,
-    parameters and seed give the same estimates, with --ros and without.
+    which direction and how far the target is. The same recording, parameters and seed give the
+    same estimates, with --ros and without.
     """
     values = read_parameter_file(params, NODE) if params is not None else {}
     parameters = chosen_target(preset_name.value if preset_name else None, values, seed)

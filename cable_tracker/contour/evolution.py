@@ -154,7 +154,7 @@ def _evolve(
     left, top, right, bottom = _inside_picture(window, data.shape)
     levels = levels_of_mask(start)
     cut = np.ascontiguousarray(levels[top:bottom, left:right])
-    inside = int((cut < 0).sum())
+    inside = int(np.count_nonzero(cut < 0))
     if min(inside, cut.size - inside) < FEWEST:
         raise FrameError(
             f"a contour needs {FEWEST} points on either side, not {inside} and {cut.size - inside}"

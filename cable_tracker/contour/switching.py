@@ -163,8 +163,9 @@ def switch_points(
                 DEPTHS[other],
             )
     for row in range(height):
+        first = (row + 1) * stride + 1
         for column in range(width):
-            levels[row, column] = sides[(row + 1) * stride + column + 1]
+            levels[row, column] = sides[first + column]
     inside, outside = regions.sums[INSIDE], regions.sums[OUTSIDE]
     return iterations, switches == before, regions.sizes[INSIDE], inside, outside, switches
 
@@ -179,18 +180,28 @@ def _read(
 ) -> None:
     """Fill in sides, values and regions from a picture and its levels."""
     height, width = levels.shape
+    inner, outer, inside, inside_sum, outside_sum = 0, 0, 0, 0.0, 0.0
     for row in range(height):
+        first = (row + 1) * (width + 2) + 1
+        for column in range(width):
+            sides[first + column] = levels[row, column]
+            values[first + column] = data[row, column]
         for column in range(width):
             level, value = levels[row, column], data[row, column]
-            point = (row + 1) * (width + 2) + column + 1
-            sides[point] = level
-            values[point] = value
-            region = INSIDE if level < 0 else OUTSIDE
-            regions.sizes[region] += 1
-            regions.sums[region] += value
-            if level == EDGES[region]:
-                regions.edges[region, regions.edge_sizes[region]] = point
-                regions.edge_sizes[region] += 1
+            if level < 0:
+                inside += 1
+                inside_sum += value
+                if level == EDGES[INSIDE]:
+                    regions.edges[INSIDE, inner] = first + column
+                    inner += 1
+            else:
+                outside_sum += value
+                if level == EDGES[OUTSIDE]:
+                    regions.edges[OUTSIDE, outer] = first + column
+                    outer += 1
+    regions.edge_sizes[INSIDE], regions.edge_sizes[OUTSIDE] = inner, outer
+    regions.sizes[INSIDE], regions.sizes[OUTSIDE] = inside, height * width - inside
+    regions.sums[INSIDE], regions.sums[OUTSIDE] = inside_sum, outside_sum
 
 
 @compiled_loop

@@ -79,6 +79,9 @@ FIRST_LIKENESS, FIRST_GREY_LIKENESS = UsualScore(0.8, 0.01), UsualScore(0.95, 0.
 WHOLE_SIZE = 0.2
 """Log scales this far from the usual one still belong to a target that nothing hides."""
 
+WHOLE_HASTE = 3.0
+"""The usual size follows so much faster while the whole contour is seen, in its usual shape."""
+
 RIVAL_SCORE = 0.75
 """Another peak whose region scores at least this share of the target's usual score is like it."""
 
@@ -265,10 +268,10 @@ class PoseFilter:
         chosen = self._cluster(self._particles)
         self._estimate = weighted_mean(drawn.states, chosen)
         score = float(self._scores(look, self._estimate[None])[0])
-        self._follow_size(dt)
-        return self._conclude(
-            look, chosen, score, effective_sample_size(self._particles.log_weights)
-        )
+        n_eff = effective_sample_size(self._particles.log_weights)
+        finding = self._conclude(look, chosen, score, n_eff)
+        self._follow_size(dt, is_whole=finding.is_whole)
+        return finding
 
     def _log_size_factor(self, states: FloatArray) -> FloatArray:
         """Return how likely the scales are beside the usual one, against that one, shape (N,)."""
@@ -279,12 +282,13 @@ class PoseFilter:
         factors: FloatArray = -0.5 * (SIZE_TAIL + 1.0) * np.log1p(gaps**2 / SIZE_TAIL)
         return factors
 
-    def _follow_size(self, dt: float) -> None:
+    def _follow_size(self, dt: float, *, is_whole: bool) -> None:
         """Let the usual size follow while the target is surely in view."""
         assert self._known is not None
         if self._presence < self._parameters.presence_to_track:
             return
-        share = 1.0 - math.exp(-dt / self._parameters.size_time)
+        haste = WHOLE_HASTE if is_whole else 1.0
+        share = 1.0 - math.exp(-dt * haste / self._parameters.size_time)
         gap = float(self._estimate[PoseColumn.LOG_SCALE]) - self._known.usual_log_scale
         self._known = replace(
             self._known, usual_log_scale=self._known.usual_log_scale + share * gap
@@ -514,11 +518,10 @@ class PoseFilter:
             return np.empty((0, PLACES)), np.empty(0)
         template, angle = self._known.template, float(self._estimate[PoseColumn.ANGLE])
         extent = template.extent(angle)
-        centre = self._estimate[PoseColumn.LOG_SCALE]
         places = find_places(
             look.ratios,
             (extent[0] * template.size, extent[1] * template.size),
-            centre + np.array(SCALES_LOOKED_FOR),
+            self._scales_looked_for(),
             self._parameters.place_count,
         )
         if not places:
@@ -526,6 +529,16 @@ class PoseFilter:
         poses = np.array([[place.x, place.y, place.log_scale, angle] for place in places])
         strengths = np.array([place.strength for place in places])
         return poses, strengths / strengths.sum()
+
+    def _scales_looked_for(self) -> FloatArray:
+        """Return the log scales at which peaks are looked for."""
+        assert self._known is not None
+        expected = self._estimate
+        if self._presence < self._parameters.presence_to_lose:
+            # The estimate is then on something else, whose size says nothing.
+            expected = self._known.births.last
+        scales: FloatArray = expected[PoseColumn.LOG_SCALE] + np.array(SCALES_LOOKED_FOR)
+        return scales
 
     def _survival(self, centres: FloatArray, look: _Look, dt: float) -> FloatArray:
         p = self._parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,10 +13,11 @@ from typing import Self
 
 import cv2
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, OutputError, RecordingError
 from cable_tracker.metric.recorded_target import RecordedSight
 from cable_tracker.metric.relative_state import RelativeState
+from cable_tracker.metric.target_facts import TARGET_METRES_KEYS, target_facts
 from cable_tracker.metric.target_metres import TargetMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.particle_filter.particles import Particles
@@ -68,11 +69,7 @@ HEADER = (
 
 METRES = "metres.csv"
 
-METRES_HEADER = (
-    "frame", "stamp", "bearing_x", "bearing_y", "bearing_z", "x", "y", "z", "range",
-    "range_sigma", "why_not",
-)  # fmt: skip
-"""Unit vector in the camera's optical frame; place in base_link [m], range from the camera [m]."""
+METRES_HEADER = ("frame", "stamp", *TARGET_METRES_KEYS)
 
 CLAIM_SIZE = 13
 """Columns of the table from `x` to `area`."""
@@ -207,26 +204,28 @@ def _follow(
         return
     particles = tracker.particles
     picture = draw_target(image, estimate, particles.states if particles is not None else None)
-    messages.write_estimate(estimate, particles, picture, ms)
+    facts: dict[str, str] = {}
     if sight is not None:
         metres = sight.take(estimate)
         messages.write_metres(metres, sight)
-        results.metres.append(metres_row(frame, metres, sight.settings.mounting.position))
+        facts = target_facts(metres, sight.settings.mounting.position)
+        results.metres.append(metres_row(frame, facts))
+    messages.write_estimate(estimate, particles, picture, ms, facts)
     results.add(frame, row_of(frame, estimate, ms), picture)
 
 
-def metres_row(frame: Frame, metres: TargetMetres, camera_place: FloatArray) -> tuple[str, ...]:
-    """Return a frame's row of the table in metres; empty cells where something is not told."""
-    ray: Sequence[str] = ("", "", "")
-    place: Sequence[str] = ("", "", "", "", "")
-    if not isinstance(metres.ray, Withheld):
-        ray = [repr(float(value)) for value in metres.ray]
-    if isinstance(metres.relative, RelativeState):
-        state = metres.relative
-        numbers = (*(state.position() + camera_place), state.range, state.range_sigma)
-        place = [repr(float(value)) for value in numbers]
-    why = str(metres.relative) if isinstance(metres.relative, Withheld) else ""
-    return (str(frame.index), format_stamp(frame.stamp), *ray, *place, why)
+def metres_row(frame: Frame, facts: Mapping[str, str]) -> tuple[str, ...]:
+    """Return a frame's row of the table in metres; empty cells where something is not told.
+
+    Parameters
+    ----------
+    frame : Frame
+        The frame.
+    facts : mapping
+        What its report says, see `target_facts`.
+    """
+    cells = (facts.get(key, "") for key in TARGET_METRES_KEYS)
+    return (str(frame.index), format_stamp(frame.stamp), *cells)
 
 
 class FrameMessages:
@@ -257,13 +256,32 @@ class FrameMessages:
         self._write(output_topics.TARGET_REPORT, report)
 
     def write_estimate(
-        self, estimate: TargetEstimate, particles: Particles | None, picture: Image, ms: float
+        self,
+        estimate: TargetEstimate,
+        particles: Particles | None,
+        picture: Image,
+        ms: float,
+        facts: Mapping[str, str],
     ) -> None:
-        """Write everything about a frame that was used; `picture` is what the overlay shows."""
+        """Write everything in pixels about a frame that was used.
+
+        Parameters
+        ----------
+        estimate : TargetEstimate
+            What was found.
+        particles : Particles or None
+            The belief.
+        picture : Image
+            What the overlay shows.
+        ms : float
+            Time the tracker took [ms].
+        facts : mapping
+            What the report says in metres, see `target_facts`.
+        """
         factory, header = self._factory, self._header
         self._write(output_topics.STATE, make_target_state(factory, header, estimate))
         count = particles.count if particles is not None else 0
-        values = target_report_values(estimate, ms, count)
+        values = target_report_values(estimate, ms, count) | dict(facts)
         report = make_report(factory, header, estimate.status.value, values)
         self._write(output_topics.TARGET_REPORT, report)
         if is_claimed(estimate) and estimate.box is not None:

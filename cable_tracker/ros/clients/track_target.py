@@ -8,7 +8,12 @@ from functools import partial
 from typing import ClassVar
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.evaluation.targets.track_target import TargetFolder, TargetRow
+from cable_tracker.evaluation.targets.track_target import (
+    TargetFolder,
+    TargetRow,
+    metres_row,
+)
+from cable_tracker.metric.target_facts import has_bearing, has_place
 from cable_tracker.ros.clients.lockstep import LockstepNodes, track_in_lockstep, write_messages
 from cable_tracker.ros.clients.recorder import RecordedFrame, Recorder
 from cable_tracker.sequences import output_topics
@@ -79,6 +84,10 @@ class TargetRecorder(Recorder):
             topics += [output_topics.TARGET, output_topics.BOX]
         if values["corners"]:
             topics.append(output_topics.CONTOUR)
+        if has_bearing(values):
+            topics.append(output_topics.BEARING)
+        if has_place(values):
+            topics.append(output_topics.RELATIVE_POSE)
         return topics
 
 
@@ -122,6 +131,9 @@ def track_target_over_ros(
         if output_topics.TARGET_OVERLAY in recorded.messages:
             overlay = read_compressed_image(recorded.read(output_topics.TARGET_OVERLAY))
             picture = decode_bgr(overlay)
+            if request.sight:
+                facts = report_facts(recorded.read(output_topics.TARGET_REPORT))
+                results.metres.append(metres_row(frame, facts))
         results.add(frame, row_of_messages(frame, recorded, state), picture)
         return state
 

@@ -16,6 +16,7 @@ from visualization_msgs.msg import MarkerArray
 from cable_tracker.arrays import FloatArray
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.metric.relative_state import RelativeState
+from cable_tracker.metric.target_facts import target_facts
 from cable_tracker.metric.target_metres import TargetMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.particle_filter.particles import Particles
@@ -209,9 +210,25 @@ class TargetOutputs:
             self._overlay_compressed.publish(jpeg)
 
     def publish_states(
-        self, header: Message, answers: Sequence[TargetAnswer], milliseconds: float
+        self,
+        header: Message,
+        answers: Sequence[TargetAnswer],
+        milliseconds: float,
+        camera_place: FloatArray,
     ) -> None:
-        """Publish reports and states; last, because a lockstep replay goes on upon a state."""
+        """Publish reports and states; last, because a lockstep replay goes on upon a state.
+
+        Parameters
+        ----------
+        header : Message
+            Stamp and frame of the image.
+        answers : sequence of TargetAnswer
+            Of each target.
+        milliseconds : float
+            What the frame took.
+        camera_place : FloatArray
+            Of the camera in base_link, shape (3,) [m].
+        """
         if self._report.get_subscription_count():
             self._publish_report(
                 [
@@ -223,7 +240,8 @@ class TargetOutputs:
                             answer.estimate,
                             milliseconds,
                             answer.particles.count if answer.particles is not None else 0,
-                        ),
+                        )
+                        | target_facts(answer.metres, camera_place),
                     )
                     for answer in answers
                 ]

@@ -193,7 +193,7 @@ class TargetTrackerNode(CameraNode):
         self._statistics.tracked += 1
         self._estimates = estimates
         self._outputs.publish_pictures(header, answers, picture)
-        self._outputs.publish_states(header, answers, milliseconds)
+        self._outputs.publish_states(header, answers, milliseconds, place)
         events = dict.fromkeys(estimate.event for estimate in estimates if estimate.event)
         return FrameOutcome(status_of(estimates), "; ".join(events))
 

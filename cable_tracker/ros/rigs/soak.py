@@ -54,7 +54,12 @@ LONG_AGO = 100 * NANOSECONDS
 FAR_AHEAD = 3600 * NANOSECONDS
 END_OF_TIME = (2**31 - 1) * NANOSECONDS
 
-REPLAY_PATIENCE = 60.0
+REPLAY_PATIENCE = 300.0
+"""For a replay, which starts anew and gives up by itself where it is not answered [s].
+
+On a loaded machine its start alone may take a minute.
+"""
+
 PATIENCE = 10.0
 """What has not come after this long will not come [s]."""
 

@@ -106,11 +106,14 @@ def _smoothed(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
 def _smoothed_along(values: FloatArray, count: int, stride: int) -> FloatArray:
     """Weigh neighbours along an axis of `count` bins, `stride` apart, by 1/4, 1/2, 1/4."""
     result = np.empty_like(values)
-    for index in range(len(values)):
-        place = index // stride % count
-        before = values[index - stride] if place > 0 else values[index]
-        after = values[index + stride] if place < count - 1 else values[index]
-        result[index] = 0.25 * before + 0.5 * values[index] + 0.25 * after
+    for block in range(0, len(values), count * stride):
+        for place in range(count):
+            first = block + place * stride
+            back = stride if place > 0 else 0
+            forth = stride if place < count - 1 else 0
+            for index in range(first, first + stride):
+                before, after = values[index - back], values[index + forth]
+                result[index] = 0.25 * before + 0.5 * values[index] + 0.25 * after
     return result
 
 

@@ -18,23 +18,24 @@ NO_SCORE = -10.0
 
 
 @compiled_inside
-def _mean_at(
-    ratios: NDArray[np.float32], points: FloatArray, x: float, y: float, cosine: float, sine: float
-) -> tuple[float, float]:
-    """Return the mean ratio at points of a pose, and the share of them within the picture."""
+def _mean_around(
+    ratios: NDArray[np.float32],
+    points: FloatArray,
+    place: tuple[float, float],
+    turn: tuple[float, float],
+) -> float:
+    """Return the mean ratio at points of a pose; 0 where none is within the picture."""
     height, width = ratios.shape
     total = 0.0
     within = 0
     for index in range(len(points)):
         across, up = points[index, 0], points[index, 1]
-        column = math.floor((width - 1) * 0.5 + x + cosine * across - sine * up + 0.5)
-        row = math.floor((height - 1) * 0.5 - y - sine * across - cosine * up + 0.5)
+        column = math.floor((width - 1) * 0.5 + place[0] + turn[0] * across - turn[1] * up + 0.5)
+        row = math.floor((height - 1) * 0.5 - place[1] - turn[1] * across - turn[0] * up + 0.5)
         if 0 <= column < width and 0 <= row < height:
             total += ratios[row, column]
             within += 1
-    if within == 0:
-        return 0.0, 0.0
-    return total / within, within / len(points)
+    return total / max(within, 1)
 
 
 class HueModel(NamedTuple):
@@ -56,29 +57,39 @@ class HueModel(NamedTuple):
 
 
 @compiled_inside
-def _likeness_at(
+def _seen_inside(
+    ratios: NDArray[np.float32],
     hues: HueModel,
     counts: FloatArray,
     points: FloatArray,
     place: tuple[float, float],
     turn: tuple[float, float],
-) -> float:
-    """Return the Bhattacharyya coefficient of the hues at points of a pose with the target's."""
-    height, width = hues.bins.shape
+) -> tuple[float, float, float]:
+    """Return the mean ratio inside a pose, the share of it within the picture, and its likeness.
+
+    The likeness is the Bhattacharyya coefficient of its hues with the target's; `counts`, shape
+    (K,), is overwritten.
+    """
+    height, width = ratios.shape
+    kinds = len(counts)
     counts[:] = 0.0
+    sum_of_ratios = 0.0
     within = 0
     for index in range(len(points)):
         across, up = points[index, 0], points[index, 1]
         column = math.floor((width - 1) * 0.5 + place[0] + turn[0] * across - turn[1] * up + 0.5)
         row = math.floor((height - 1) * 0.5 - place[1] - turn[1] * across - turn[0] * up + 0.5)
         if 0 <= column < width and 0 <= row < height:
-            counts[hues.bins[row, column] % len(counts)] += 1.0
+            sum_of_ratios += ratios[row, column]
+            counts[hues.bins[row, column] % kinds] += 1.0
             within += 1
-    total = 0.0
-    for hue in range(len(counts)):
+    if within == 0:
+        return 0.0, 0.0, 0.0
+    likeness = 0.0
+    for hue in range(kinds):
         if counts[hue] > 0.0:
-            total += math.sqrt(counts[hue]) * hues.roots[hue]
-    return total / math.sqrt(max(within, 1))
+            likeness += math.sqrt(counts[hue]) * hues.roots[hue]
+    return sum_of_ratios / within, within / len(points), likeness / math.sqrt(within)
 
 
 @compiled
@@ -111,14 +122,13 @@ def score_poses(
     scores = np.empty(len(states))
     counts = np.empty(len(hues.roots))
     for row in range(len(states)):
-        x, y = states[row, 0], states[row, 1]
+        place = (states[row, 0], states[row, 1])
         length = size * math.exp(states[row, 2])
-        cosine, sine = length * math.cos(states[row, 3]), length * math.sin(states[row, 3])
-        mean, share = _mean_at(ratios, inside, x, y, cosine, sine)
+        turn = (length * math.cos(states[row, 3]), length * math.sin(states[row, 3]))
+        mean, share, likeness = _seen_inside(ratios, hues, counts, inside, place, turn)
         if share < MIN_SHARE:
             scores[row] = NO_SCORE
             continue
-        ring, _ = _mean_at(ratios, around, x, y, cosine, sine)
-        likeness = _likeness_at(hues, counts, inside, (x, y), (cosine, sine))
+        ring = _mean_around(ratios, around, place, turn)
         scores[row] = math.sqrt(share) * (mean - ring + hues.weight * likeness)
     return scores
