@@ -95,7 +95,8 @@ def test_from_node_to_node_if_asked_for(run, tmp_path, monkeypatch):
 
 
 def test_without_ros_it_says_how_to_get_it(run, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "cable_tracker.ros.rigs.node_latency", None)
+    monkeypatch.delitem(sys.modules, "cable_tracker.ros.rigs.node_latency", raising=False)
+    monkeypatch.setitem(sys.modules, "rclpy", None)
     refused = run("--dds")
     assert isinstance(refused.exception, RosError)
     assert "pip install '.[ros]'" in str(refused.exception)
