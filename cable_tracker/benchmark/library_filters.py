@@ -20,7 +20,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.measure.border_responses import BorderResponseModel
 from cable_tracker.cable.measure.working_image import WorkingImage, make_working_image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.initialisation import (
@@ -33,6 +32,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 
 SMALLEST_WEIGHT = 1e-300
 """Added to weights before they are normalised, as the manual of filterpy does."""

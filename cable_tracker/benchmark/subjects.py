@@ -15,7 +15,6 @@ from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod
 from cable_tracker.benchmark.round_robin import Label, Step, Subject
 from cable_tracker.benchmark.yardstick import Yardstick
 from cable_tracker.cable.hypotheses.proposer import CableProposer
-from cable_tracker.cable.measure.border_responses import BorderResponseModel
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import WorkingImage, make_working_image
 from cable_tracker.cable.model.geometry import project_borders, sample_points
@@ -24,6 +23,7 @@ from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
+from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.particle_filter.particles import Particles

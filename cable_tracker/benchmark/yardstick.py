@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.measure.border_responses import SMALLEST_SUM
 from cable_tracker.cable.model.initialisation import StatePrior, states_from_prior
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.cable.thesis.border_response_model import SMALLEST_SUM
 from cable_tracker.compilation import compiled
 
 YARDSTICK_SEED = 7

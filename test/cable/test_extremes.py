@@ -14,7 +14,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cable_tracker.cable.measure.border_responses import BorderResponseModel
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import project_borders, wrap_states
@@ -24,6 +23,7 @@ from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
+from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.weights import normalise_log_weights

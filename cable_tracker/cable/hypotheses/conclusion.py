@@ -33,7 +33,6 @@ from cable_tracker.particle_filter.weights import (
     effective_sample_size,
     exponentials,
     log_sum_exp,
-    logarithms,
 )
 
 WIDTH = int(StateColumn.WIDTH)
@@ -107,24 +106,17 @@ def conclude(
     rules: CorrectionRules,
 ) -> Conclusion:
     """Conclude from the first `end` rows of a sample."""
-    image_width = config.image_size[0]
-    states = sample.states[:end].copy()
-    for row in range(end):
-        unwrap_state(states[row], 0.0, states[row])
+    states = _wrapped_states(sample, end)
     densities, evidence = sample.densities, sample.evidence
-    log_importance = log_weights(
-        0.0, sample.ratios[:end], densities.full[:end], sample.mixture[:end]
-    )
-    posterior = np.empty(end)
-    for row in range(end):
-        posterior[row] = log_importance[row] + sample.ratios[row]
-    groups, count = find_groups(states, posterior, image_width, anchors)
+    log_prior = log_weights(0.0, sample.ratios[:end], densities.full[:end], sample.mixture[:end])
+    log_posterior = _sum(log_prior, sample.ratios)
+    groups, count = find_groups(states, log_posterior, config.image_size[0], anchors)
     if count == 0:
-        return _nothing(states, posterior)
-    background = _background(states, posterior, groups, count, inputs, config)
+        return _nothing(states, log_posterior)
+    background = _background(states, log_posterior, groups, count, inputs, config)
     corrected = corrected_weights(
-        posterior,
-        log_importance,
+        log_posterior,
+        log_prior,
         densities.full[:end],
         densities.survived[:end],
         densities.width_penalties[:end],
@@ -134,18 +126,13 @@ def conclude(
         background.alike,
         rules,
     )
-    log_evidence = log_sum_exp(corrected)
-    normalised = np.empty(end)
-    for row in range(end):
-        normalised[row] = corrected[row] - log_evidence
+    normalised = _normalised(corrected)
     weights = exponentials(normalised)
     clusters = clusters_of(states, weights, groups, count)
     if not len(clusters.masses):
         # Correcting may leave all groups light and the rest heavy.
-        groups, count = find_groups(
-            states, logarithms(weights), image_width, np.empty((0, STATE_SIZE))
-        )
-        background = _background(states, logarithms(weights), groups, count, inputs, config)
+        groups, count = find_groups(states, normalised, config.image_size[0], anchors[:0])
+        background = _background(states, normalised, groups, count, inputs, config)
         clusters = clusters_of(states, weights, groups, count)
     border_evidence, visible_length, posterior_bright = _summary(
         clusters.labels,
@@ -179,6 +166,34 @@ def conclude(
         clear.shown,
         posterior_bright,
     )
+
+
+@compiled_part
+def _wrapped_states(sample: Sample, end: int) -> FloatArray:
+    """Return the first rows of a sample with angles in (-pi/2, pi/2]."""
+    states = sample.states[:end].copy()
+    for row in range(end):
+        unwrap_state(states[row], 0.0, states[row])
+    return states
+
+
+@compiled_part
+def _sum(log_prior: FloatArray, log_ratios: FloatArray) -> FloatArray:
+    """Return the logarithms of prior times likelihood; `log_ratios` may have more rows."""
+    result = np.empty(len(log_prior))
+    for row in range(len(log_prior)):
+        result[row] = log_prior[row] + log_ratios[row]
+    return result
+
+
+@compiled_part
+def _normalised(log_values: FloatArray) -> FloatArray:
+    """Return log-weights whose exponentials add up to 1."""
+    total = log_sum_exp(log_values)
+    result = np.empty(len(log_values))
+    for row in range(len(log_values)):
+        result[row] = log_values[row] - total
+    return result
 
 
 @compiled_part

@@ -65,8 +65,7 @@ from cable_tracker.cable.hypotheses.survival_and_birth import (
     survival_rates,
 )
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior, updated_width_prior
-from cable_tracker.cable.measure.border_points import frame_scan
-from cable_tracker.cable.measure.border_responses import MINIMUM_POINTS
+from cable_tracker.cable.measure.border_points import MINIMUM_POINTS, frame_scan
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis

@@ -26,6 +26,9 @@ NEAREST, FARTHEST_BEHIND, FARTHEST_MIDDLE = 3.0, 12.0, 40.0
 OUTSIDE = 6.0
 """The outside is looked at so far from the border [px at the reference width]."""
 
+MINIMUM_POINTS = 3.0
+"""A border with fewer points inside the image shows nothing."""
+
 SMALLEST_RESPONSE = np.float32(1.0)
 """Added to a response before its slope is divided by it [robust scales]: noise has no ridge."""
 

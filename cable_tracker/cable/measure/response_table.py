@@ -80,7 +80,7 @@ EDGE_SMOOTHING = (2.0, 0.7)
 CONTRAST_SMOOTHING = (0.7, 1.0)
 """Sigma of the Gaussian that smooths a histogram, along its rows' and its columns' axis [bins]."""
 
-SHIPPED = "border_responses.json"
+SHIPPED = "response_table.json"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,7 +9,6 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.filter import CableFilter, Finding, ParticleBelief, equal_states
-from cable_tracker.cable.measure.border_responses import BorderResponseModel
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.response_table import ResponseTable
 from cable_tracker.cable.measure.working_image import WorkingImage
@@ -20,6 +19,7 @@ from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.particle_filter.weights import effective_sample_size

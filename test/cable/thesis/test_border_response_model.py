@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.border_responses import (
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.cable.thesis.border_response_model import (
     BorderResponseModel,
     border_sums,
     response_weights,
 )
-from cable_tracker.cable.measure.working_image import make_working_image
-from cable_tracker.cable.model.state import CableState
-from cable_tracker.cable.parameters.presets import preset
 
 SIZE = (320, 240)
 STRIP = CableState(12.0, 0.2, 24.0, 0.03)

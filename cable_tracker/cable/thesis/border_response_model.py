@@ -11,6 +11,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.border_points import (
+    MINIMUM_POINTS,
     FrameScan,
     border_normal,
     frame_scan,
@@ -22,9 +23,6 @@ from cable_tracker.compilation import compiled
 
 SMALLEST_SUM = 1e-3
 """Sums below this are the rounding of float32 pixels [grey levels]."""
-
-MINIMUM_POINTS = 3.0
-"""A border with fewer points inside the image shows nothing."""
 
 NOISE_FLOOR = 0.3
 """Smallest robust scale of a frame [grey levels per working px]: below it lies the rounding of
