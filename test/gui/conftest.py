@@ -27,7 +27,7 @@ DIVE_LENGTH = 60
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
 START_TIMEOUT = 120.0
 """Seconds until a command must have printed its address, on a busy machine, compiling included."""
-PAGE_TIMEOUT = 30_000
+PAGE_TIMEOUT = 120_000
 """Milliseconds that Playwright waits for anything on a page."""
 
 
