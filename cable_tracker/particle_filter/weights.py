@@ -40,15 +40,6 @@ def exponentials(values: FloatArray) -> FloatArray:
     return result
 
 
-@compiled_part
-def logarithms(values: FloatArray) -> FloatArray:
-    """Return log(values), shape (N,), of values that are not negative."""
-    result = np.empty(len(values))
-    for row in range(len(values)):
-        result[row] = np.log(values[row])
-    return result
-
-
 @compiled
 def log_sum_exp(values: FloatArray) -> float:
     """Return log(sum(exp(values))) without overflow or underflow; -inf for weights all zero."""

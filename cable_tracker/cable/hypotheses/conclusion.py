@@ -32,7 +32,7 @@ from cable_tracker.compilation import compiled, compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import (
     effective_sample_size,
     exponentials,
-    log_sum_exp,
+    normalise_log_weights,
 )
 
 WIDTH = int(StateColumn.WIDTH)
@@ -126,7 +126,7 @@ def conclude(
         background.alike,
         rules,
     )
-    normalised = _normalised(corrected)
+    normalised, _, _ = normalise_log_weights(corrected)
     weights = exponentials(normalised)
     clusters = clusters_of(states, weights, groups, count)
     if not len(clusters.masses):
@@ -183,16 +183,6 @@ def _sum(log_prior: FloatArray, log_ratios: FloatArray) -> FloatArray:
     result = np.empty(len(log_prior))
     for row in range(len(log_prior)):
         result[row] = log_prior[row] + log_ratios[row]
-    return result
-
-
-@compiled_part
-def _normalised(log_values: FloatArray) -> FloatArray:
-    """Return log-weights whose exponentials add up to 1."""
-    total = log_sum_exp(log_values)
-    result = np.empty(len(log_values))
-    for row in range(len(log_values)):
-        result[row] = log_values[row] - total
     return result
 
 

@@ -17,7 +17,7 @@ from cable_tracker.cable.measure.likelihood_ratio import marginal_log_ratio
 from cable_tracker.cable.model.geometry import borders_cross_inside
 from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.student_t import peak_density, relative_density
-from cable_tracker.particle_filter.weights import exponentials, logarithms
+from cable_tracker.particle_filter.weights import exponentials
 
 
 class Peaks(NamedTuple):
@@ -141,7 +141,7 @@ def find_peaks(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return masses (K,), means (K, 4) and factors (K, 4, 4) of the clusters to draw about."""
     weights = exponentials(log_shares)
-    labels, count = find_groups(states, logarithms(weights), image_width, np.empty((0, 8)))
+    labels, count = find_groups(states, log_shares, image_width, np.empty((0, 8)))
     order, masses, means = group_means(states, weights, labels, count)
     number = 1
     while number < min(most, len(order)) and masses[number] >= smallest_mass:
