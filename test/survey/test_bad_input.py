@@ -5,6 +5,8 @@ from __future__ import annotations
 import resource
 import shutil
 import signal
+from copy import deepcopy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveySettings as Simulated
 from cable_tracker.survey.campaign import names_of, run_survey
 from cable_tracker.survey.events import EventKind
+from cable_tracker.survey.forwards import ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
 
 pytestmark = pytest.mark.slow
@@ -58,6 +61,48 @@ def test_mixed_cameras_are_a_failure_that_names_them(surveyed):
     row, _ = surveyed(change)
     assert row.state.startswith("failed: ")
     assert "/image" in row.state and "/stern/image" in row.state and "--topic" in row.state
+
+
+def smaller(topic, message, times=2):
+    """Make a picture, or a calibration, so many times smaller."""
+    if topic.endswith("image"):
+        rows = message.data.reshape(message.height, message.width, -1)[::times, ::times]
+        message.height, message.width = rows.shape[:2]
+        message.step, message.data = rows[0].size, rows.reshape(-1).copy()
+    elif topic.endswith("camera_info"):
+        message.width, message.height = message.width // times, message.height // times
+        scale = np.array([times, 1, times, 1, times, times, 1, 1, 1], float)
+        message.k = message.k / scale
+        message.p = message.p / np.insert(scale, [3, 6, 9], 1.0)
+
+
+def test_one_of_two_cameras_of_different_sizes_can_be_chosen(bag, tmp_path):
+    def change(topic, message, time):
+        yield topic, message, time
+        if topic in {"/image", "/camera_info"}:
+            other = deepcopy(message)
+            smaller(topic, other)
+            yield f"/stern{topic}", other, time
+
+    path = rewritten(bag, tmp_path / "both", change)
+    routes = []
+    for topic in ("/image", "/stern/image"):
+        settings = replace(PLAIN, forward=ForwardSettings(topic=topic))
+        result = run_survey([path], tmp_path / f"map{len(routes)}", settings, ALONE)
+        assert result.rows[0].state == "done"
+        routes.append(result.routes[0])
+    assert routes[0].places[-1] == pytest.approx(routes[1].places[-1], abs=0.3)
+
+
+def test_recordings_of_different_cameras_are_one_survey(bag, tmp_path):
+    def change(topic, message, time):
+        smaller(topic, message)
+        yield topic, message, time
+
+    path = rewritten(bag, tmp_path / "small", change)
+    result = run_survey([bag, path], tmp_path / "map", PLAIN, ALONE)
+    assert [row.state for row in result.rows] == ["done", "done"]
+    assert sum(len(route.recordings) for route in result.routes) == 2
 
 
 def test_the_calibration_of_another_camera_gives_no_metres_and_says_so(surveyed):
