@@ -19,6 +19,7 @@ from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.output_folder import PartialOutput, holds
+from cable_tracker.sequences.stored_rows import StoredRows
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.drawing_thread import DrawingThread
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence
@@ -89,11 +90,11 @@ class ResultFolder:
     ----------
     path : Path
         Where it is to appear.
-    rows : list of EstimateRow
+    rows : StoredRows of EstimateRow
         The table so far.
     truths : dict
         Ground truth by frame number, of the frames that have one.
-    widths : list of (float, int)
+    widths : StoredRows of (float, int)
         Widths of the leading hypothesis and of the image, of the frames that have one [px].
     bag : BagWriter or NoMessages
         Where to write messages.
@@ -115,9 +116,7 @@ class ResultFolder:
         self.path = path
         self.wanted = wanted
         self._timing = timing
-        self.rows: list[EstimateRow] = []
         self.truths: dict[int, CableState] = {}
-        self.widths: list[tuple[float, int]] = []
         self._overwrite = overwrite
         self._sheet = ContactSheet() if wanted.pictures else None
         self._video: VideoWriter | None = None
@@ -127,6 +126,8 @@ class ResultFolder:
         self._writers = ExitStack()
         try:
             self._content.mkdir()
+            self.rows: StoredRows[EstimateRow] = StoredRows(self._content)
+            self.widths: StoredRows[tuple[float, int]] = StoredRows(self._content)
             self.bag: MessageSink = NoMessages()
             if self.wanted.bag:
                 self.bag = self._writers.enter_context(BagWriter(self._content / BAG))
