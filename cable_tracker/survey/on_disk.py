@@ -71,8 +71,17 @@ class Disk:
         return tempfile.TemporaryFile(dir=self.folder)
 
     def mapped(self, file: IO[bytes], dtype: npt.DTypeLike) -> AnyArray:
-        """Return what a file holds as an array that can be written, shape (N,)."""
-        mapping = mmap.mmap(file.fileno(), 0)
+        """Return what a file holds as an array that can be written, shape (N,).
+
+        Raises
+        ------
+        OutputError
+            The folder's file system does not map files into memory.
+        """
+        try:
+            mapping = mmap.mmap(file.fileno(), 0)
+        except OSError as error:
+            raise write_failure(self.folder, error) from error
         self._maps.add(mapping)
         return np.frombuffer(mapping, dtype)
 
