@@ -7,8 +7,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cable_tracker.cable.hypotheses.proposer import CableProposer, NoProposer
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.detection.pair_limits import pair_limits

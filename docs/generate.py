@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
@@ -161,7 +161,7 @@ API = (
     (CableTracker.process, "cable_tracker.cable.tracker"),
     (CableTracker.initialise, "cable_tracker.cable.tracker"),
     (CableTracker.reset, "cable_tracker.cable.tracker"),
-    (StatePrior.around, "cable_tracker.cable.model.initialisation"),
+    (GivenState.around, "cable_tracker.cable.model.initial_state"),
     (CableEstimate, "cable_tracker.cable.model.estimate"),
     (CableState, "cable_tracker.cable.model.state"),
     (open_source, "cable_tracker.sequences.source"),

@@ -17,7 +17,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.presets import PRESETS, preset
 from cable_tracker.evaluation.judged_sequences import ScenarioSequence
@@ -79,7 +79,7 @@ def track(frames: Image, told: FloatArray, name: str) -> FloatArray:
     rows = []
     for number, frame in enumerate(frames):
         if number == TOLD and np.isfinite(told).all():
-            tracker.initialise(StatePrior.around(CableState.from_array(told)))
+            tracker.initialise(GivenState.around(CableState.from_array(told)))
         rows.append(numbers_of(tracker.process(frame, stamp=(number + 1) * STEP)))
     return np.array(rows)
 

@@ -3,10 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.proposer import NoProposer
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS
+from cable_tracker.cable.proposer_interface import NoProposer
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.errors import ParameterError
 from cable_tracker.trackers import PROPOSERS, make_proposer, make_tracker

@@ -22,10 +22,10 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.working_image import WorkingImage, make_working_image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.model.initialisation import (
-    StatePrior,
+from cable_tracker.cable.model.initial_state import (
+    GivenState,
+    draw_given_states,
     random_states,
-    states_from_prior,
 )
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import CableState
@@ -206,7 +206,7 @@ class LibraryMethod:
     def _first_states(self, width: int) -> FloatArray:
         if self._prior is None:
             return random_states(self._parameters, width, self._rng)
-        return states_from_prior(StatePrior.around(self._prior), self._parameters, width, self._rng)
+        return draw_given_states(GivenState.around(self._prior), self._parameters, width, self._rng)
 
     @contextmanager
     def _own_global_state(self) -> Iterator[None]:

@@ -14,15 +14,15 @@ from cable_tracker.benchmark.footage import FIRST_STAMP, FRAME_STEP, Footage, Fr
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.benchmark.round_robin import Label, Step, Subject
 from cable_tracker.benchmark.yardstick import Yardstick
-from cable_tracker.cable.hypotheses.proposer import CableProposer
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import WorkingImage, make_working_image
 from cable_tracker.cable.model.geometry import project_borders, sample_points
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
+from cable_tracker.cable.proposer_interface import CableProposer
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
@@ -184,7 +184,7 @@ def moment_of(parameters: TrackerParameters, shown: Footage, frames: int) -> Mom
     """Follow the cable for some frames, and stop."""
     noting = _NotingProposer(make_proposer(parameters))
     tracker = CableTracker(parameters, noting)
-    tracker.initialise(StatePrior.around(shown.truths[0]))
+    tracker.initialise(GivenState.around(shown.truths[0]))
     for number in range(frames):
         frame = shown.images[shown.index_at(number)]
         tracker.process(frame, FIRST_STAMP + number * FRAME_STEP)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.model.initialisation import StatePrior, states_from_prior
+from cable_tracker.cable.model.initial_state import GivenState, draw_given_states
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
@@ -67,7 +67,7 @@ def make_yardstick(image: Image, truth: CableState) -> Yardstick:
     """Return the yardstick on a frame of 320x240: the cables lie about the true one."""
     parameters = preset("thesis")
     rng = np.random.default_rng(YARDSTICK_SEED)
-    states = states_from_prior(StatePrior.around(truth), parameters, image.shape[1], rng)
+    states = draw_given_states(GivenState.around(truth), parameters, image.shape[1], rng)
     return yardstick_of(image, states, parameters)
 
 

@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.filter import CableFilter, Finding, ParticleBelief
+from cable_tracker.cable.filter_interface import BeliefSummary, CableFilter, ParticleBelief
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import MultiHypothesisFilter
-from cable_tracker.cable.hypotheses.proposer import CableProposer, NoProposer
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.measure.working_image import WorkingImage, check_frame, make_working_image
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.initialisation import StatePrior, states_from_prior
+from cable_tracker.cable.model.initial_state import GivenState, draw_given_states
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.proposer_interface import CableProposer, NoProposer
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
@@ -63,7 +63,7 @@ class CableTracker:
         self._table = load_table(self._parameters.response_table)
         self._filter: CableFilter[Any] | None = None
         self._belief: ParticleBelief | None = None
-        self._prior: StatePrior | None = None
+        self._given: GivenState | None = None
         self._status = StatusMachine()
         self._frame: FrameMark | None = None
 
@@ -106,7 +106,7 @@ class CableTracker:
         self._filter = None
         if self._frame is not None and self._belief is not None:
             self._filter = self._make_filter(self._frame.size)
-            self._belief = self._filter.adapted(self._belief)
+            self._belief = self._filter.converted(self._belief)
         if proposer is not None:
             self._proposer = proposer
 
@@ -115,7 +115,7 @@ class CableTracker:
         self._rng = np.random.default_rng(self._parameters.seed)
         self._filter = None
         self._belief = None
-        self._prior = None
+        self._given = None
         self._status = StatusMachine()
         self._frame = None
 
@@ -125,8 +125,8 @@ class CableTracker:
         shared = {id(part): part for part in (self._table, self._parameters)}
         return copy.deepcopy(self, shared)
 
-    def initialise(self, prior: StatePrior) -> None:
-        """Start the next frame from a given belief instead of the present one.
+    def initialise(self, given: GivenState) -> None:
+        """Start the next frame from a given state instead of the present belief.
 
         The cable is claimed with that frame already if its borders are there.
 
@@ -135,9 +135,9 @@ class CableTracker:
         FrameError
             The state is not finite, or a sigma is negative.
         """
-        if not prior.state.is_finite() or bool(np.any(prior.sigma < 0.0)):
+        if not given.state.is_finite() or bool(np.any(given.sigma < 0.0)):
             raise FrameError("the initial state must be finite, and its sigmas not negative")
-        self._prior = prior
+        self._given = given
 
     def process(self, image: Image, stamp: int, motion: MotionAid | None = None) -> CableEstimate:
         """Take one frame into account.
@@ -172,32 +172,33 @@ class CableTracker:
             self._parameters.sample_spacing,
         )
         known = motion if has_moved and not step.event else None
-        finding = self._find(working_image, step.dt, known)
-        return self._estimate(finding, step.dt, step.event)
+        summary = self._find(working_image, step.dt, known)
+        return self._estimate(summary, step.dt, step.event)
 
-    def _find(self, image: WorkingImage, dt: float, motion: MotionAid | None) -> Finding:
+    def _find(self, image: WorkingImage, dt: float, motion: MotionAid | None) -> BeliefSummary:
         if self._filter is None:
             self._filter = self._make_filter(image.frame_size)
-        believed, step = self._believed(self._filter, image, dt)
-        detections = self._proposer.propose(image)
-        self._belief = self._filter.step(believed, image, step, detections, motion)
-        return self._filter.finding(self._belief, image)
-
-    def _believed(
-        self, cable_filter: CableFilter[Any], image: WorkingImage, dt: float
-    ) -> tuple[ParticleBelief, float]:
-        """Return what is believed before a frame, and how much older than the frame that is [s]."""
-        prior, self._prior = self._prior, None
-        if prior is not None:
-            states = states_from_prior(prior, self._parameters, image.frame_size[0], self._rng)
+        before = self._belief
+        if self._given is not None:
+            before, dt = self._given_belief(self._filter, self._given), 0.0
+            self._given = None
             self._status = StatusMachine().expecting()
-            return cable_filter.given_belief(states), 0.0
-        if self._belief is None:
-            return cable_filter.first_belief(), dt
-        if self._status.is_search_due(cable_filter.search_time):
+        elif before is None:
+            before = self._filter.first_belief()
+        elif self._status.is_search_due(self._filter.search_time):
+            before = self._filter.first_belief()
             self._status = self._status.searched()
-            return cable_filter.first_belief(), dt
-        return self._belief, dt
+        detections = self._proposer.propose(image)
+        self._belief = self._filter.step(before, image, dt, detections, motion)
+        return self._filter.summary(self._belief, image)
+
+    def _given_belief(self, cable_filter: CableFilter[Any], given: GivenState) -> ParticleBelief:
+        """Return the belief in what an operator or planner gave about this very frame."""
+        assert self._frame is not None
+        width = self._frame.size[0]
+        states = draw_given_states(given, self._parameters, width, self._rng)
+        belief: ParticleBelief = cable_filter.given_belief(states)
+        return belief
 
     def _make_filter(self, image_size: tuple[int, int]) -> CableFilter[Any]:
         parameters = self._parameters
@@ -207,26 +208,26 @@ class CableTracker:
         ratio = BorderLikelihoodRatio(parameters, self._table)
         return MultiHypothesisFilter(parameters, ratio, image_size, self._rng)
 
-    def _estimate(self, finding: Finding, dt: float, event: str) -> CableEstimate:
+    def _estimate(self, summary: BeliefSummary, dt: float, event: str) -> CableEstimate:
         assert self._frame is not None
-        converged = self._has_converged(finding.covariance, self._frame.size[0])
+        converged = self._has_converged(summary.covariance, self._frame.size[0])
         self._status = self._status.after(
-            rises=converged and finding.rises,
-            holds=converged and finding.holds,
+            supports_claim=converged and summary.supports_claim,
+            supports_keeping=converged and summary.supports_keeping,
             dt=dt,
             parameters=self._parameters,
         )
         return CableEstimate(
             stamp=self._frame.stamp,
             status=self._status.status,
-            state=CableState.from_array(finding.mean),
-            covariance=finding.covariance,
-            effective_sample_size=finding.effective_sample_size,
-            evidence=finding.evidence,
+            state=CableState.from_array(summary.mean),
+            covariance=summary.covariance,
+            effective_sample_size=summary.effective_sample_size,
+            evidence=summary.evidence,
             image_size=self._frame.size,
             event=event,
-            presence=finding.presence,
-            hypotheses=finding.hypotheses,
+            presence=summary.presence,
+            hypotheses=summary.hypotheses,
         )
 
     def _has_converged(self, covariance: FloatArray, image_width: int) -> bool:

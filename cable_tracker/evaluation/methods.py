@@ -13,7 +13,7 @@ from typing import Protocol
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import PRESETS, preset
@@ -69,7 +69,7 @@ class ParticleFilterMethod:
 
     def initialise(self, state: CableState) -> None:
         """Start from this cable at the next frame."""
-        self._tracker.initialise(StatePrior.around(state))
+        self._tracker.initialise(GivenState.around(state))
 
     def process(self, image: Image, stamp: int) -> CableEstimate:
         """Take a frame into account; see `CableTracker.process`."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.pair_limits import pair_limits
@@ -229,7 +229,7 @@ class CableFollower(Follower):
 
     def initialise(self, start: AnyStart) -> None:
         """Start the next frame from a belief."""
-        assert isinstance(start, StatePrior), "a cable is not marked with an outline"
+        assert isinstance(start, GivenState), "a cable is not marked with an outline"
         self._tracker.initialise(start)
 
     def _configure_tracker(self, parameters: ParameterSet) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import Hypothesis
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.gui.subject import Subject
 from cable_tracker.metric.cross_track import CrossTrack
@@ -130,7 +130,7 @@ class TargetSnapshot:
 
 AnySnapshot: TypeAlias = Snapshot | TargetSnapshot
 
-AnyStart: TypeAlias = StatePrior | TargetStart
+AnyStart: TypeAlias = GivenState | TargetStart
 """What a user says about where a cable or a target is."""
 
 Listener: TypeAlias = Callable[[AnySnapshot], None]

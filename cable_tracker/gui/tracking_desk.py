@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.cable.model.geometry import wrap_state
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import GuiError
@@ -151,7 +151,7 @@ def start_at(session: Session, state: CableState) -> None:
     FrameError
         The state is not finite.
     """
-    session.initialise(StatePrior.around(state))
+    session.initialise(GivenState.around(state))
 
 
 def start_with_box(session: Session, first: Point, second: Point) -> None:

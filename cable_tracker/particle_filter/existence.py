@@ -12,6 +12,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from cable_tracker.compilation import compiled_inside
+
+LARGEST_LOG_ODDS = 700.0
+"""The exponential of larger ones overflows."""
+
+
+@compiled_inside
+def probability_of(log_odds: float) -> float:
+    """Return the probability that has these log-odds."""
+    return 1.0 / (1.0 + math.exp(min(max(-log_odds, -LARGEST_LOG_ODDS), LARGEST_LOG_ODDS)))
+
+
+def log_odds_of(probability: float) -> float:
+    """Return the log-odds of a probability above 0 and below 1."""
+    return math.log(probability) - math.log1p(-probability)
+
 
 @dataclass(frozen=True, slots=True)
 class PredictedExistence:
@@ -67,6 +83,5 @@ def update_existence(
     absent = 1.0 - predicted.total
     if log_evidence == -math.inf:
         return least
-    log_odds = log_evidence - math.log(max(absent, 1e-300))
-    probability = 1.0 / (1.0 + math.exp(-min(max(log_odds, -700.0), 700.0)))
+    probability = probability_of(log_evidence - math.log(max(absent, 1e-300)))
     return min(max(probability, least), most)

@@ -36,6 +36,8 @@ class KernelMixture(NamedTuple):
         The centres from the first one, over the scales, float32, shape (4, M).
     target : Image
         Weights that sum to one, float32, shape (M,).
+    values : Image
+        Room for the kernels at one point, over their peak, float32, shape (M,).
     """
 
     places: FloatArray
@@ -44,6 +46,7 @@ class KernelMixture(NamedTuple):
     peak: float
     relative: Image
     target: Image
+    values: Image
 
 
 def kernel_mixture(
@@ -57,12 +60,14 @@ def kernel_mixture(
         peak=peak_density(degrees_of_freedom, DIMENSIONS) / math.prod(scales.tolist()),
         relative=np.ascontiguousarray(((places - places[0]) / scales).T, np.float32),
         target=target.astype(np.float32),
+        values=np.empty(len(target), np.float32),
     )
 
 
 @compiled_fast_loop
-def kernels_at(point: FloatArray, mixture: KernelMixture, kernels: Image) -> None:
-    """Fill in the kernels (M,) at a point (4 or more,), over their peak."""
+def evaluate_kernels(mixture: KernelMixture, point: FloatArray) -> None:
+    """Fill in the values of the kernels at a point (4 or more,)."""
+    kernels = mixture.values
     origin, scales = mixture.places[0], mixture.scales
     first, second, third, fourth = (
         np.float32((point[0] - origin[0]) / scales[0]),
@@ -90,8 +95,9 @@ def kernels_at(point: FloatArray, mixture: KernelMixture, kernels: Image) -> Non
 
 
 @compiled_fast_loop
-def weighted_sums(kernels: Image, mixture: KernelMixture) -> tuple[float, float]:
-    """Return the sum of kernels (M,) by the weights of the mixture, and their mean."""
+def weighted_sums(mixture: KernelMixture) -> tuple[float, float]:
+    """Return the sum of the kernels' values by their weights, and the mean of the values."""
+    kernels = mixture.values
     first, second = np.float32(0.0), np.float32(0.0)
     for index in range(len(kernels)):
         first += mixture.target[index] * kernels[index]
@@ -100,11 +106,11 @@ def weighted_sums(kernels: Image, mixture: KernelMixture) -> tuple[float, float]
 
 
 @compiled_loop
-def choose_kernel(kernels: Image, mixture: KernelMixture, factor: float, position: float) -> int:
-    """Return which kernel a position in their sums times `factor` falls on; -1 for none."""
+def choose_kernel(mixture: KernelMixture, factor: float, position: float) -> int:
+    """Return which kernel a position in their densities times `factor` falls on; -1 for none."""
     cumulative = 0.0
-    for index in range(len(kernels)):
-        cumulative += factor * mixture.peak * mixture.target[index] * kernels[index]
+    for index in range(len(mixture.values)):
+        cumulative += factor * mixture.peak * mixture.target[index] * mixture.values[index]
         if cumulative > position:
             return index
     return -1

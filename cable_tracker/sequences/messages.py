@@ -16,7 +16,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import foot_point, project_borders, segment_inside
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import STATE_SIZE, STATE_SYMBOLS, CableState, StateColumn
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
@@ -225,7 +225,7 @@ def _yaw(orientation: Message) -> float:
     return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
-def read_prior(message: Message) -> StatePrior:
+def read_prior(message: Message) -> GivenState:
     """Read an initial state, encoded like `centreline`.
 
     Width, skew and rates are not part of it and count as not known. So does a variance of
@@ -248,7 +248,7 @@ def read_prior(message: Message) -> StatePrior:
     sigma = np.full(STATE_SIZE, np.inf)
     sigma[:2] = np.where(variances == 0.0, np.nan, np.sqrt(variances))
     sigma[:2][variances >= UNKNOWN_VARIANCE] = np.inf
-    return StatePrior(state, sigma)
+    return GivenState(state, sigma)
 
 
 def cloud_of(particles: Particles) -> FloatArray:

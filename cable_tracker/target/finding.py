@@ -33,7 +33,7 @@ class Finding:
         Probability that the target is in view.
     effective_sample_size, score : float
         As in `TargetEstimate`.
-    rises, holds : bool
+    supports_claim, supports_keeping : bool
         Whether the frame speaks for claiming the target, and for going on to claim it.
     """
 
@@ -45,8 +45,8 @@ class Finding:
     presence: float
     effective_sample_size: float
     score: float
-    rises: bool
-    holds: bool
+    supports_claim: bool
+    supports_keeping: bool
 
 
 class TargetEngine(Protocol):

@@ -629,8 +629,8 @@ class PoseFilter:
             presence=self._presence,
             effective_sample_size=n_eff,
             score=score,
-            rises=is_sure,
-            holds=self._presence >= p.presence_to_lose and is_near,
+            supports_claim=is_sure,
+            supports_keeping=self._presence >= p.presence_to_lose and is_near,
         )
 
     def _shown(self, look: _Look, outline: Outline | None) -> _Shown | None:

@@ -242,7 +242,10 @@ class TargetTracker:
         assert self._frame is not None
         self._presence = finding.presence
         self._status = self._status.after(
-            rises=finding.rises, holds=finding.holds, dt=dt, parameters=self._parameters
+            supports_claim=finding.supports_claim,
+            supports_keeping=finding.supports_keeping,
+            dt=dt,
+            parameters=self._parameters,
         )
         zooms = np.array([self._zoom, self._zoom, 1.0, 1.0, self._zoom, self._zoom])
         outline = finding.outline

@@ -69,13 +69,13 @@ class StatusMachine:
         return self.unclaimed_time >= search_time
 
     def after(
-        self, *, rises: bool, holds: bool, dt: float, parameters: StatusTimes
+        self, *, supports_claim: bool, supports_keeping: bool, dt: float, parameters: StatusTimes
     ) -> StatusMachine:
         """Return the status after one more frame.
 
         Parameters
         ----------
-        rises, holds : bool
+        supports_claim, supports_keeping : bool
             Whether the frame speaks for claiming a target, and for going on to claim it.
         dt : float
             Time since the frame before [s]. A frame counts for it, but against a claim for no more
@@ -84,20 +84,24 @@ class StatusMachine:
             Times.
         """
         if self.status is TrackingStatus.TRACKING:
-            return self._while_claimed(holds, dt, parameters)
-        return self._while_unclaimed(rises, dt, parameters)
+            return self._while_claimed(supports_keeping, dt, parameters)
+        return self._while_unclaimed(supports_claim, dt, parameters)
 
-    def _while_claimed(self, holds: bool, dt: float, parameters: StatusTimes) -> StatusMachine:
-        if holds:
+    def _while_claimed(
+        self, supports_keeping: bool, dt: float, parameters: StatusTimes
+    ) -> StatusMachine:
+        if supports_keeping:
             return replace(self, contrary_time=0.0, unclaimed_time=0.0)
         contrary = self.contrary_time + min(dt, LARGEST_STEP * parameters.loss_time)
         if contrary >= parameters.loss_time:
             return StatusMachine(TrackingStatus.LOST)
         return replace(self, contrary_time=contrary)
 
-    def _while_unclaimed(self, rises: bool, dt: float, parameters: StatusTimes) -> StatusMachine:
+    def _while_unclaimed(
+        self, supports_claim: bool, dt: float, parameters: StatusTimes
+    ) -> StatusMachine:
         unclaimed = self.unclaimed_time + dt
-        if not rises:
+        if not supports_claim:
             return replace(self, contrary_time=0.0, unclaimed_time=unclaimed)
         contrary = self.contrary_time + dt
         if contrary >= parameters.confirmation_time:

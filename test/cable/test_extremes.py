@@ -17,7 +17,7 @@ from hypothesis.extra.numpy import arrays
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.geometry import project_borders, wrap_states
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
@@ -98,7 +98,7 @@ def parameters(request: pytest.FixtureRequest) -> TrackerParameters:
 @pytest.mark.parametrize("state", PLACES.values(), ids=PLACES)
 def test_wherever_the_cable_is_believed_to_be_the_estimate_is_sound(parameters, state, picture):
     tracker = CableTracker(parameters)
-    tracker.initialise(StatePrior.around(state))
+    tracker.initialise(GivenState.around(state))
     for _, stamp in zip(range(4), stamps(), strict=False):
         check(tracker.process(picture, stamp))
 
@@ -127,7 +127,7 @@ def test_any_picture_at_any_time_is_answered_or_refused(name, picture, gaps):
 def test_a_cable_across_the_image_is_followed_over_the_wrap(name, seed):
     parameters = preset(name).replaced({"particle_count": 300, "seed": seed % 1000})
     tracker = CableTracker(parameters)
-    tracker.initialise(StatePrior.around(CableState(0.0, RIGHT, 20.0)))
+    tracker.initialise(GivenState.around(CableState(0.0, RIGHT, 20.0)))
     angles = []
     for index, stamp in zip(range(8), stamps(), strict=False):
         angle = RIGHT + math.radians(2.0 * (index - 4))

@@ -6,7 +6,7 @@ import pytest
 from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.geometry import unwrap_states
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
@@ -31,7 +31,7 @@ def run(tracker, frames) -> list:
 
 def told(state, **changes) -> CableTracker:
     tracker = CableTracker(TrackerParameters().replaced(changes))
-    tracker.initialise(StatePrior.around(state))
+    tracker.initialise(GivenState.around(state))
     return tracker
 
 
@@ -74,7 +74,7 @@ def assert_sound(estimate, count) -> None:
 def test_a_cable_that_was_told_is_followed(dive, name, angle_tolerance):
     frames = dive()
     tracker = CableTracker(preset(name))
-    tracker.initialise(StatePrior.around(frames[0][2]))
+    tracker.initialise(GivenState.around(frames[0][2]))
     estimates = run(tracker, frames)
     assert [estimate.status for estimate in estimates] == [TRACKING] * len(frames)
     distance, angle, width, skew = rmse(estimates, frames)
@@ -191,7 +191,7 @@ def test_what_was_told_counts_also_where_the_tracker_starts_anew(draw_strip):
     tracker = told(STRIP)
     run(tracker, repeated(draw_strip(STRIP, (160, 120)), 3))
     larger = CableState(24.0, 0.2, 48.0, 0.03)
-    tracker.initialise(StatePrior.around(larger))
+    tracker.initialise(GivenState.around(larger))
     estimate = tracker.process(draw_strip(larger, (320, 240)), START + 3 * FRAME)
     assert estimate.event
     assert estimate.status is TRACKING
@@ -298,7 +298,7 @@ def test_who_is_told_of_a_cable_that_is_not_there_claims_none(noise_picture):
 def test_a_cable_that_disappears_is_lost_in_time_and_found_again(draw_strip, noise_picture):
     parameters = TrackerParameters()
     tracker = make_tracker(parameters)
-    tracker.initialise(StatePrior.around(STRIP))
+    tracker.initialise(GivenState.around(STRIP))
     cable = draw_strip(STRIP, (160, 120))
     present = repeated(cable, 10)
     absent = [(noise_picture(k), START + (10 + k) * FRAME, None) for k in range(50)]
@@ -376,7 +376,7 @@ def test_a_cable_that_turns_through_the_wrap_is_followed(draw_strip):
 def test_one_particle_is_enough_to_run(draw_strip, noise_picture, name, kind):
     tracker = CableTracker(preset(name).replaced({"particle_count": 1, "border_displacement": 0.0}))
     if kind == "told":
-        tracker.initialise(StatePrior.around(STRIP))
+        tracker.initialise(GivenState.around(STRIP))
     frames = [
         *repeated(draw_strip(STRIP, (160, 120)), 20),
         *[(noise_picture(k), START + (20 + k) * FRAME, None) for k in range(40)],
@@ -422,9 +422,9 @@ def test_extreme_resampling_thresholds_run(dive, threshold):
 @pytest.mark.parametrize(
     "prior",
     [
-        StatePrior.around(CableState(np.nan, 0.0, 30.0)),
-        StatePrior.around(CableState(0.0, np.inf, 30.0)),
-        StatePrior(CableState(0.0, 0.0, 30.0), np.array([1.0, -1.0, *[1.0] * 6])),
+        GivenState.around(CableState(np.nan, 0.0, 30.0)),
+        GivenState.around(CableState(0.0, np.inf, 30.0)),
+        GivenState(CableState(0.0, 0.0, 30.0), np.array([1.0, -1.0, *[1.0] * 6])),
     ],
 )
 def test_an_impossible_prior_is_refused(prior):
@@ -477,7 +477,7 @@ def test_a_table_that_cannot_be_read_leaves_the_tracker_as_it_was(dive):
 
 def test_a_cable_is_tracked_on_within_a_second_after_three_without_a_frame(draw_strip):
     tracker = make_tracker(TrackerParameters(maximum_gap=5.0))
-    tracker.initialise(StatePrior.around(STRIP))
+    tracker.initialise(GivenState.around(STRIP))
     image = draw_strip(STRIP, (160, 120))
     run(tracker, repeated(image, 10))
     late = run(tracker, repeated(image, 25, START + 9 * FRAME + 3_000_000_000))

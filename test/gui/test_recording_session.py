@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, GuiError, ParameterError, RecordingError
@@ -180,10 +180,10 @@ def test_after_a_jump_and_a_reset_there_are_metres_of_the_frame_shown(watch, sur
     watched = watch(surveyed_dive, init="hough")
     watched.at(0)
     truth = watched.go_to(34).truth
-    watched.session.initialise(StatePrior.around(truth))
+    watched.session.initialise(GivenState.around(truth))
     known = watched.wait(lambda now: isinstance(now.metres, CrossTrack))
     assert known.frame == 34
-    watched.session.initialise(StatePrior.around(truth))
+    watched.session.initialise(GivenState.around(truth))
     again = watched.wait(lambda now: now.number > known.number)
     assert (
         abs(again.metres.offset - known.metres.offset) < 3 * known.metres.standard_deviations()[0]
@@ -288,7 +288,7 @@ def test_where_it_stands_still_a_drawn_cable_is_tried_at_once(watch):
     watched = watch(init="random")
     watched.at(0)
     truth = watched.go_to(20).truth
-    watched.session.initialise(StatePrior.around(truth))
+    watched.session.initialise(GivenState.around(truth))
     now = watched.wait(lambda now: now.status == "TRACKING")
     assert now.frame == 20
     assert abs(now.state.distance - truth.distance) < 5.0
@@ -297,7 +297,7 @@ def test_where_it_stands_still_a_drawn_cable_is_tried_at_once(watch):
 def test_what_the_user_drew_belongs_to_the_belief_that_comes_back(watch):
     watched = watch(init="random")
     watched.at(0)
-    watched.session.initialise(StatePrior.around(watched.go_to(20).truth))
+    watched.session.initialise(GivenState.around(watched.go_to(20).truth))
     played = watched.play_to_the_end()
     assert same_belief(watched.go_to(22), played[22])
 
@@ -306,7 +306,7 @@ def test_a_state_that_is_no_number_is_refused(watch):
     watched = watch()
     before = watched.at(0)
     with pytest.raises(FrameError):
-        watched.session.initialise(StatePrior.around(CableState(math.nan, 0.0, 10.0)))
+        watched.session.initialise(GivenState.around(CableState(math.nan, 0.0, 10.0)))
     assert watched.latest is before
 
 

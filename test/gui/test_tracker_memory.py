@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
@@ -73,7 +73,7 @@ def test_after_a_jump_both_pieces_are_known_and_nothing_between(run):
 def test_a_belief_that_the_user_gives_replaces_what_came_after(run):
     before = run.track(range(60))
     run.go_to(30)
-    run.tracker.initialise(StatePrior.around(CableState(3.0, 0.1, 12.0)))
+    run.tracker.initialise(GivenState.around(CableState(3.0, 0.1, 12.0)))
     run.memory.forget_from(31)
     after = run.track(range(31, 50))
     assert not np.array_equal(after[31], before[31])

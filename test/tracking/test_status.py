@@ -19,8 +19,8 @@ TRACKING, LOST, INITIALISING = (
 
 def after(machine, evidence, dt=0.05, converged=True) -> StatusMachine:
     return machine.after(
-        rises=converged and evidence >= PARAMETERS.evidence_to_track,
-        holds=converged and evidence >= PARAMETERS.evidence_to_lose,
+        supports_claim=converged and evidence >= PARAMETERS.evidence_to_track,
+        supports_keeping=converged and evidence >= PARAMETERS.evidence_to_lose,
         dt=dt,
         parameters=PARAMETERS,
     )

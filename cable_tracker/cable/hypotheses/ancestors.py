@@ -8,14 +8,14 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS, Clusters
-from cable_tracker.cable.model.geometry import image_reach, unwrap_states
-from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.model.geometry import insets, unwrap_states
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import ResamplingScheme
 from cable_tracker.tracking.survival import SurvivalRates, survival_probability
 
 SMALLEST_CLUSTER_SHARE = 0.06
-"""Share of the ancestors that every cluster has, however light: so it can prove itself."""
+"""Share of the ancestors that every cluster has, however light: frames may yet speak for it."""
 
 LEAST_SURVIVING = 1e-300
 """Weight of an ancestor that cannot have survived: of none could a mixture be made."""
@@ -67,6 +67,15 @@ def draw_ancestors(
     return Ancestors(particles.states[indices], weights / weights.sum())
 
 
+def survival_rates(parameters: TrackerParameters, image_width: int) -> SurvivalRates:
+    """Return how often a cable leaves frames of a given width [px]."""
+    return SurvivalRates(
+        vanishing=parameters.disappearance_rate,
+        leaving=parameters.leaving_rate,
+        margin=parameters.leaving_margin * image_width / REFERENCE_WIDTH,
+    )
+
+
 def surviving_ancestors(
     ancestors: Ancestors,
     reference_angle: float,
@@ -90,9 +99,7 @@ def surviving_ancestors(
         Time to the next frame [s].
     """
     states = unwrap_states(ancestors.states, reference_angle)
-    reach = image_reach(states[:, StateColumn.ANGLE], image_size)
-    inside = reach - np.abs(states[:, StateColumn.DISTANCE])
-    surviving = ancestors.weights * survival_probability(inside, rates, dt)
+    surviving = ancestors.weights * survival_probability(insets(states, image_size), rates, dt)
     surviving = np.maximum(surviving, LEAST_SURVIVING)
     survival = float(surviving.sum())
     return Ancestors(states, surviving / survival), survival

@@ -7,13 +7,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.clusters import NONE, Clusters
-from cable_tracker.cable.hypotheses.presence import log_odds_of
-from cable_tracker.cable.hypotheses.survival_and_birth import RememberedCable
+from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
+from cable_tracker.cable.hypotheses.conclusion import Hypotheses
+from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
+from cable_tracker.particle_filter.existence import log_odds_of
 from cable_tracker.particle_filter.particles import Particles
 
 
@@ -25,12 +26,8 @@ class Belief:
     ----------
     particles : Particles
         Where the cable is, given that there is one; angles in (-pi/2, pi/2].
-    clusters : Clusters
-        Of the particles.
-    covariance : FloatArray
-        Of the leading cluster, in the chart about its mean, shape (8, 8).
-    effective_size : float
-        N_eff of all particles.
+    hypotheses : Hypotheses
+        The clusters of the particles, and how the frame shows the leading one.
     presence : float
         Probability that there is a cable in view.
     p_bright : float
@@ -39,11 +36,6 @@ class Belief:
         Where a cable was last tracked.
     width_prior : WidthPrior or None
         How wide it was.
-    border_evidence : float
-        Mean log-likelihood ratio per point of the weaker border, over the leading cluster.
-    visible_length : float
-        Length inside the image of the shorter border, over the leading cluster [distances of the
-        scan lines].
     log_odds : FloatArray
         That each cluster is a cable, shape (K,).
     refused_time : float
@@ -51,22 +43,18 @@ class Belief:
     """
 
     particles: Particles
-    clusters: Clusters
-    covariance: FloatArray
-    effective_size: float
+    hypotheses: Hypotheses
     presence: float
     p_bright: float = 0.5
     memory: RememberedCable | None = None
     width_prior: WidthPrior | None = None
-    border_evidence: float = 0.0
-    visible_length: float = 0.0
     log_odds: FloatArray = field(default_factory=lambda: np.empty(0))
     refused_time: float = 0.0
 
     @property
     def reference_angle(self) -> float:
         """Angle of the leading cluster [rad]: the middle of the chart."""
-        return float(self.clusters.means[0, StateColumn.ANGLE])
+        return float(self.hypotheses.clusters.means[0, StateColumn.ANGLE])
 
 
 def initial_belief(states: FloatArray, presence: float) -> Belief:
@@ -74,19 +62,22 @@ def initial_belief(states: FloatArray, presence: float) -> Belief:
     particles = Particles.equally_weighted(wrap_states(states))
     mean, covariance = cable_mean_and_covariance(particles.states, particles.weights)
     labels = np.zeros(particles.count, np.int64)
-    clusters = Clusters(labels, np.ones(1), mean[None, :], 0.0)
-    log_odds = np.full(1, log_odds_of(presence))
-    return Belief(particles, clusters, covariance, float(len(states)), presence, log_odds=log_odds)
+    clusters = Clusters(labels, np.ones(1), mean[None, :], np.zeros(1, np.int64), 0.0)
+    hypotheses = Hypotheses(clusters, covariance, float(len(states)), 0.0, 0.0)
+    return Belief(particles, hypotheses, presence, log_odds=np.full(1, log_odds_of(presence)))
 
 
 def resampled_belief(belief: Belief, indices: IndexArray) -> Belief:
     """Return a belief in the particles that were drawn from it, (N,), equally weighted."""
-    labels = belief.clusters.labels[indices]
-    count, clusters = len(indices), len(belief.clusters.masses)
-    masses = np.bincount(labels[labels != NONE], minlength=clusters) / count
+    before, count = belief.hypotheses.clusters, len(indices)
+    labels = before.labels[indices]
+    clusters = before._replace(
+        labels=labels,
+        masses=np.bincount(labels[labels != NO_CLUSTER], minlength=len(before.masses)) / count,
+        rest=float(np.mean(labels == NO_CLUSTER)),
+    )
     return replace(
         belief,
         particles=Particles.equally_weighted(belief.particles.states[indices]),
-        clusters=Clusters(labels, masses, belief.clusters.means, float(np.mean(labels == NONE))),
-        effective_size=float(count),
+        hypotheses=belief.hypotheses._replace(clusters=clusters, effective_size=float(count)),
     )

@@ -1,4 +1,4 @@
-"""The other border of a cable may be another one: the prior of a jump.
+"""The other border of a cable may be another one: the density of jumps.
 
 A hypothesis often holds one border of the cable and takes a furrow, a shadow or another cable's
 border for the other one. So the cable may be, with a small probability in each frame, any strip
@@ -14,8 +14,16 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
+from cable_tracker.cable.model.state import (
+    ANGLE,
+    DISTANCE,
+    POSE_SIZE,
+    SKEW,
+    STATE_SIZE,
+    WIDTH,
+)
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.compilation import compiled_inside, compiled_part
+from cable_tracker.compilation import compiled_inside, compiled_loop
 
 RATE = 0.7
 """How often a hypothesis has one border wrong [1/s]."""
@@ -59,7 +67,7 @@ def jump_from(
     leader: FloatArray, narrowest: float, widest: float, image_width: float
 ) -> BorderJump:
     """Return the density of jumps from a hypothesis, shape (4 or more,), in its chart."""
-    distance, angle, width, skew = leader[:4].tolist()
+    distance, angle, width, skew = leader[:POSE_SIZE].tolist()
     return BorderJump(
         np.array([distance - 0.5 * width, distance + 0.5 * width]),
         np.array([angle - skew, angle + skew]),
@@ -70,7 +78,7 @@ def jump_from(
     )
 
 
-@compiled_part
+@compiled_loop
 def place_jumps(
     states: FloatArray, start: int, stop: int, jump: BorderJump, noise: FrameNoise
 ) -> None:
@@ -78,30 +86,31 @@ def place_jumps(
     for row in range(start, stop):
         combination = (row - start) % COMBINATIONS
         shared, side = combination // 2, 2.0 * (combination % 2) - 1.0
-        offset = jump.offsets[shared] + jump.offset_sigma * noise.normal[row, 0]
-        angle = jump.angles[shared] + ANGLE_SIGMA * noise.normal[row, 1]
+        offset = jump.offsets[shared] + jump.offset_sigma * noise.normal[row, DISTANCE]
+        angle = jump.angles[shared] + ANGLE_SIGMA * noise.normal[row, ANGLE]
         ratio = jump.widest / jump.narrowest
-        width = jump.narrowest * math.pow(ratio, noise.uniform[row, 2])
-        skew = jump.skew + SKEW_SIGMA * noise.normal[row, 3]
-        states[row, 0] = offset - 0.5 * side * width
-        states[row, 1] = angle - side * skew
-        states[row, 2] = width
-        states[row, 3] = skew
-        states[row, 4:] = 0.0
+        width = jump.narrowest * math.pow(ratio, noise.uniform[row, WIDTH])
+        skew = jump.skew + SKEW_SIGMA * noise.normal[row, SKEW]
+        states[row, DISTANCE] = offset - 0.5 * side * width
+        states[row, ANGLE] = angle - side * skew
+        states[row, WIDTH] = width
+        states[row, SKEW] = skew
+        for column in range(POSE_SIZE, STATE_SIZE):
+            states[row, column] = 0.0
 
 
 @compiled_inside
 def jump_density(state: FloatArray, jump: BorderJump) -> float:
     """Return the density of jumps at d, alpha, w, beta of a state."""
-    width = state[2]
+    width = state[WIDTH]
     if not jump.narrowest <= width <= jump.widest:
         return 0.0
     total = 0.0
-    turn = (state[3] - jump.skew) / SKEW_SIGMA
+    turn = (state[SKEW] - jump.skew) / SKEW_SIGMA
     for combination in range(COMBINATIONS):
         shared, side = combination // 2, 2.0 * (combination % 2) - 1.0
-        a = (state[0] + 0.5 * side * width - jump.offsets[shared]) / jump.offset_sigma
-        b = (state[1] + side * state[3] - jump.angles[shared]) / ANGLE_SIGMA
+        a = (state[DISTANCE] + 0.5 * side * width - jump.offsets[shared]) / jump.offset_sigma
+        b = (state[ANGLE] + side * state[SKEW] - jump.angles[shared]) / ANGLE_SIGMA
         squared = a * a + b * b + turn * turn
         if squared < 50.0:
             total += math.exp(-0.5 * squared)

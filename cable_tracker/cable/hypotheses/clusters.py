@@ -13,7 +13,14 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.geometry import turn_sign, unwrap_state, wrapped_angle
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.cable.model.state import (
+    ANGLE,
+    DISTANCE,
+    POSE_SIZE,
+    SKEW,
+    STATE_SIZE,
+    WIDTH,
+)
 from cable_tracker.compilation import compiled_loop, compiled_part
 
 RADII = np.array([24.0, np.deg2rad(12.0), 30.0, np.deg2rad(10.0)])
@@ -28,22 +35,38 @@ SMALLEST_MASS = 1e-9
 CENTRINGS = 2
 """How often a cluster is gathered anew about its own mean."""
 
+NO_CLUSTER = -1
+"""Label of particles that belong to no cluster, or to no group."""
 
-NONE = -1
-"""Label of particles that belong to no cluster."""
 
-
-class Clusters(NamedTuple):
-    """K clusters of N particles, heaviest first.
+class Groups(NamedTuple):
+    """Particles that lie together, in the order in which they were found.
 
     Attributes
     ----------
     labels : IndexArray
-        Which cluster a particle belongs to, `NONE` for none, shape (N,).
+        Which group a particle belongs to, `NO_CLUSTER` for none, shape (N,).
+    number : int
+        How many groups there are.
+    """
+
+    labels: IndexArray
+    number: int
+
+
+class Clusters(NamedTuple):
+    """K clusters of N particles: the groups that weigh something, heaviest first.
+
+    Attributes
+    ----------
+    labels : IndexArray
+        Which cluster a particle belongs to, `NO_CLUSTER` for none, shape (N,).
     masses : FloatArray
         Sums of their weights, shape (K,).
     means : FloatArray
         Their weighted means, shape (K, 8); the angles are not wrapped.
+    group_of : IndexArray
+        Which group each of them was, shape (K,).
     rest : float
         Sum of the weights of the particles that belong to none.
     """
@@ -51,65 +74,67 @@ class Clusters(NamedTuple):
     labels: IndexArray
     masses: FloatArray
     means: FloatArray
+    group_of: IndexArray
     rest: float
 
 
 @compiled_part
-def clusters_of(
-    states: FloatArray, weights: FloatArray, groups: IndexArray, count: int
-) -> Clusters:
+def clusters_of(states: FloatArray, weights: FloatArray, groups: Groups) -> Clusters:
     """Return groups of particles as clusters, without those that weigh nothing."""
-    order, masses, means = group_means(states, weights, groups, count)
-    rank = np.full(count, NONE, np.int64)
-    for index in range(len(order)):
-        rank[order[index]] = index
-    labels = np.full(len(groups), NONE, np.int64)
+    order, masses, means = group_means(states, weights, groups)
+    labels = np.full(len(states), NO_CLUSTER, np.int64)
     rest = 0.0
-    for row in range(len(groups)):
-        if groups[row] != NONE:
-            labels[row] = rank[groups[row]]
-        if labels[row] == NONE:
+    for row in range(len(labels)):
+        for index in range(len(order)):
+            if groups.labels[row] == order[index]:
+                labels[row] = index
+        if labels[row] == NO_CLUSTER:
             rest += weights[row]
-    return Clusters(labels, masses, means, rest)
+    return Clusters(labels, masses, means, order, rest)
 
 
 @compiled_part
 def leading_covariance(states: FloatArray, weights: FloatArray, clusters: Clusters) -> FloatArray:
     """Return the covariance (8, 8) of the first cluster, in its mean's chart."""
     return group_covariance(
-        states, weights, clusters.labels, 0, clusters.masses[0], clusters.means[0], 8
+        states, weights, clusters.labels, 0, clusters.masses[0], clusters.means[0], STATE_SIZE
     )
 
 
 @compiled_part
 def find_groups(
-    states: FloatArray, log_weights: FloatArray, image_width: float, anchors: FloatArray
-) -> tuple[IndexArray, int]:
-    """Return the group of each particle (N,), `NONE` for none, and the number of groups.
+    states: FloatArray, log_weights: FloatArray, radii: FloatArray, anchors: FloatArray
+) -> Groups:
+    """Return the groups of particles.
 
-    `anchors` (0 or 1, 8) says where the first group is looked for.
+    Parameters
+    ----------
+    states, log_weights : FloatArray
+        The particles, shapes (N, 8) and (N,).
+    radii : FloatArray
+        `RADII` for frames of this size, shape (4,) [px, rad].
+    anchors : FloatArray
+        Where the first group is looked for, shape (0 or 1, 8).
     """
-    scale = image_width / REFERENCE_WIDTH
-    radii = np.array([RADII[0] * scale, RADII[1], RADII[2] * scale, RADII[3]])
-    labels = np.full(len(states), NONE, np.int64)
+    labels = np.full(len(states), NO_CLUSTER, np.int64)
     gathered = np.empty(len(states), np.bool_)
     count = 0
     if len(anchors):
         count += _take(states, log_weights, radii, anchors[0], labels, gathered, count)
     while count < MOST_CLUSTERS:
-        heaviest = _heaviest(log_weights, labels, NONE)
+        heaviest = _heaviest_free(log_weights, labels)
         if heaviest < 0:
             break
         count += _take(states, log_weights, radii, states[heaviest], labels, gathered, count)
-    return labels, count
+    return Groups(labels, count)
 
 
 @compiled_loop
-def _heaviest(log_weights: FloatArray, labels: IndexArray, label: int) -> int:
-    """Return the heaviest particle with a label; -1 if all of them weigh nothing."""
+def _heaviest_free(log_weights: FloatArray, labels: IndexArray) -> int:
+    """Return the heaviest particle of no group; -1 if all of them weigh nothing."""
     heaviest, most = -1, -math.inf
     for row in range(len(labels)):
-        if labels[row] == label and log_weights[row] > most:
+        if labels[row] == NO_CLUSTER and log_weights[row] > most:
             heaviest, most = row, log_weights[row]
     return heaviest
 
@@ -125,7 +150,7 @@ def _take(
     label: int,
 ) -> int:
     """Label the particles about a centre; return 1 if there are any, else 0."""
-    mean = centre[:4].copy()
+    mean = centre[:POSE_SIZE].copy()
     found = False
     for _ in range(CENTRINGS):
         if not _gather(states, log_weights, radii, mean, labels, members, found):
@@ -157,18 +182,18 @@ def _gather(
     gathered = np.zeros(len(labels), np.bool_)
     any_gathered = False
     for row in range(len(labels)):
-        if labels[row] != NONE or log_weights[row] == -math.inf:
+        if labels[row] != NO_CLUSTER or log_weights[row] == -math.inf:
             continue
         # Most particles are far away in one component already.
-        c = (states[row, 2] - mean[2]) / radii[2]
-        shifted = states[row, 1] - mean[1]
+        c = (states[row, WIDTH] - mean[WIDTH]) / radii[WIDTH]
+        shifted = states[row, ANGLE] - mean[ANGLE]
         wrapped = wrapped_angle(shifted)
-        b = wrapped / radii[1]
+        b = wrapped / radii[ANGLE]
         if b * b + c * c > 1.0:
             continue
         sign = turn_sign(shifted, wrapped)
-        a = (sign * states[row, 0] - mean[0]) / radii[0]
-        d = (sign * states[row, 3] - mean[3]) / radii[3]
+        a = (sign * states[row, DISTANCE] - mean[DISTANCE]) / radii[DISTANCE]
+        d = (sign * states[row, SKEW] - mean[SKEW]) / radii[SKEW]
         if a * a + b * b + c * c + d * d <= 1.0:
             gathered[row] = True
             any_gathered = True
@@ -183,52 +208,53 @@ def _centre(
     states: FloatArray, log_weights: FloatArray, members: BoolArray, mean: FloatArray
 ) -> None:
     """Move a mean (4,) to that of its members, in the chart about its angle."""
-    reference = mean[1]
+    reference = mean[ANGLE]
     most = -math.inf
     for row in range(len(members)):
         if members[row]:
             most = max(most, log_weights[row])
     total = 0.0
-    sums = np.zeros(4)
+    sums = np.zeros(POSE_SIZE)
     for row in range(len(members)):
         if not members[row]:
             continue
         weight = math.exp(log_weights[row] - most)
-        shifted = states[row, 1] - reference
+        shifted = states[row, ANGLE] - reference
         wrapped = wrapped_angle(shifted)
         sign = turn_sign(shifted, wrapped)
         total += weight
-        sums[0] += weight * sign * states[row, 0]
-        sums[1] += weight * (wrapped + reference)
-        sums[2] += weight * states[row, 2]
-        sums[3] += weight * sign * states[row, 3]
-    for column in range(4):
+        sums[DISTANCE] += weight * sign * states[row, DISTANCE]
+        sums[ANGLE] += weight * (wrapped + reference)
+        sums[WIDTH] += weight * states[row, WIDTH]
+        sums[SKEW] += weight * sign * states[row, SKEW]
+    for column in range(POSE_SIZE):
         mean[column] = sums[column] / total
 
 
 @compiled_part
 def group_means(
-    states: FloatArray, weights: FloatArray, labels: IndexArray, count: int
+    states: FloatArray, weights: FloatArray, groups: Groups
 ) -> tuple[IndexArray, FloatArray, FloatArray]:
     """Return labels, masses and means of the groups that weigh something, heaviest first.
 
     Shapes (K,), (K,), (K, 8). A mean is taken in the chart about the heaviest member.
     """
-    masses, means = np.zeros(count), np.zeros((count, 8))
+    labels, count = groups
+    masses, means = np.zeros(count), np.zeros((count, STATE_SIZE))
     heaviest = np.full(count, -1, np.int64)
     for row in range(len(labels)):
         label = labels[row]
-        if label != NONE:
+        if label != NO_CLUSTER:
             masses[label] += weights[row]
             if heaviest[label] < 0 or weights[row] > weights[heaviest[label]]:
                 heaviest[label] = row
-    member = np.empty(8)
+    member = np.empty(STATE_SIZE)
     for row in range(len(labels)):
         label = labels[row]
-        if label != NONE and masses[label] > SMALLEST_MASS:
-            unwrap_state(states[row], states[heaviest[label], 1], member)
+        if label != NO_CLUSTER and masses[label] > SMALLEST_MASS:
+            unwrap_state(states[row], states[heaviest[label], ANGLE], member)
             share = weights[row] / masses[label]
-            for column in range(8):
+            for column in range(STATE_SIZE):
                 means[label, column] += share * member[column]
     order, kept = np.empty(count, np.int64), 0
     for label in range(count):
@@ -240,10 +266,10 @@ def group_means(
                 place -= 1
             order[place] = label
             kept += 1
-    sorted_masses, sorted_means = np.empty(kept), np.empty((kept, 8))
+    sorted_masses, sorted_means = np.empty(kept), np.empty((kept, STATE_SIZE))
     for index in range(kept):
         sorted_masses[index] = masses[order[index]]
-        for column in range(8):
+        for column in range(STATE_SIZE):
             sorted_means[index, column] = means[order[index], column]
     return order[:kept], sorted_masses, sorted_means
 
@@ -260,11 +286,11 @@ def group_covariance(
 ) -> FloatArray:
     """Return the covariance of the first `size` components of a group, in its mean's chart."""
     covariance = np.zeros((size, size))
-    deviation = np.empty(8)
+    deviation = np.empty(STATE_SIZE)
     for row in range(len(labels)):
         if labels[row] != label:
             continue
-        unwrap_state(states[row], mean[1], deviation)
+        unwrap_state(states[row], mean[ANGLE], deviation)
         share = weights[row] / mass
         for first in range(size):
             deviation[first] -= mean[first]

@@ -2,8 +2,8 @@
 
 Particles of one group compete by their likelihood. Between groups what counts is how well the frame
 is explained. Of a group that goes on, a part counts in each frame: a furrow that is there in this
-frame is there in the next. A new group is paid in full, but only for what it explains better than
-the heaviest of those that go on, up to a limit. A width that is not the one of before lowers the
+frame is there in the next. Of a new group all counts that it explains better than the heaviest of
+those that go on, up to a limit. A width that is not the one of before lowers the
 limit: the clearest rope is no cable. Evidence for thin strips counts less: any bottom has lines.
 """
 
@@ -15,8 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.clusters import NONE
+from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Groups
+from cable_tracker.cable.hypotheses.predicted_density import PredictedDensities
 from cable_tracker.cable.hypotheses.presence import thin_factor
+from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.compilation import compiled_loop, compiled_part
 
 
@@ -32,22 +34,34 @@ class CorrectionRules(NamedTuple):
 def corrected_weights(
     log_posterior: FloatArray,
     log_prior: FloatArray,
-    densities_full: FloatArray,
-    densities_survived: FloatArray,
-    width_penalties: FloatArray,
-    widths: FloatArray,
-    labels: IndexArray,
-    count: int,
+    states: FloatArray,
+    densities: PredictedDensities,
+    groups: Groups,
     backgrounds: FloatArray,
     rules: CorrectionRules,
 ) -> FloatArray:
-    """Return log-weights (N,) with the evidence for each group corrected."""
-    groups = count + 1  # The first is of the particles that belong to none.
-    raw, evidence = np.full(groups, -np.inf), np.zeros(groups)
-    survived, penalties = np.zeros(groups), np.zeros(groups)
+    """Return log-weights (N,) with the evidence for each group corrected.
+
+    Parameters
+    ----------
+    log_posterior, log_prior : FloatArray
+        Log-weights of the particles after the frame and before it, shape (N,).
+    states, densities : FloatArray, PredictedDensities
+        The particles, shape (N, 8), and the densities that they had before the frame.
+    groups : Groups
+        Of the particles.
+    backgrounds : FloatArray
+        Log-likelihood ratio that the bottom explains at each group, shape (K,).
+    rules : CorrectionRules
+        How much counts.
+    """
+    labels, count = groups.labels, groups.number + 1
+    # The first is of the particles that belong to no group.
+    raw, evidence = np.full(count, -np.inf), np.zeros(count)
+    survived, penalties = np.zeros(count), np.zeros(count)
     reference, heaviest = 0.0, -np.inf
-    for group in range(groups):
-        label = group + NONE
+    for group in range(count):
+        label = group + NO_CLUSTER
         posterior_mass = _group_sum(log_posterior, labels, label)
         if posterior_mass == -math.inf:
             continue
@@ -57,21 +71,21 @@ def corrected_weights(
             if labels[row] != label:
                 continue
             share = math.exp(log_posterior[row] - posterior_mass)
-            penalties[group] += share * width_penalties[row]
-            width += share * widths[row]
-            if densities_full[row] > 0.0:
-                kept = densities_survived[row] / densities_full[row]
+            penalties[group] += share * densities.width_penalties[row]
+            width += share * states[row, WIDTH]
+            if densities.full[row] > 0.0:
+                kept = densities.survived[row] / densities.full[row]
                 survived[group] += math.exp(log_prior[row] - prior_mass) * kept
         survived[group] = min(survived[group], 1.0)
         raw[group] = posterior_mass - prior_mass
-        background = backgrounds[label] if label != NONE else 0.0
+        background = backgrounds[label] if label != NO_CLUSTER else 0.0
         evidence[group] = thin_factor(width, rules.thin_width) * (raw[group] - background)
-        if label != NONE and survived[group] > 0.5 and prior_mass > heaviest:
+        if label != NO_CLUSTER and survived[group] > 0.5 and prior_mass > heaviest:
             reference, heaviest = evidence[group], prior_mass
     corrected = log_posterior.copy()
     limit = rules.evidence_limit
     for row in range(len(labels)):
-        group = labels[row] - NONE
+        group = labels[row] - NO_CLUSTER
         if raw[group] == -np.inf:
             continue
         highest = limit + penalties[group]

@@ -29,60 +29,65 @@ from dataclasses import replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.filter import CableFilter, Finding, ParticleBelief, equal_states
-from cable_tracker.cable.hypotheses.ancestors import draw_ancestors, surviving_ancestors
+from cable_tracker.cable.filter_interface import (
+    BeliefSummary,
+    CableFilter,
+    ParticleBelief,
+    resampled_states,
+)
+from cable_tracker.cable.hypotheses.ancestors import (
+    draw_ancestors,
+    survival_rates,
+    surviving_ancestors,
+)
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
+from cable_tracker.cable.hypotheses.births import BirthDensity, birth_density_of, draw_births
 from cable_tracker.cable.hypotheses.border_displacement import (
     displacement_covariance,
     displacement_factor,
 )
 from cable_tracker.cable.hypotheses.border_jump import RATE, jump_from
-from cable_tracker.cable.hypotheses.conclusion import Conclusion, draw_and_conclude
-from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
+from cable_tracker.cable.hypotheses.clusters import Clusters
+from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses, draw_and_conclude
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.polarity import updated_p_bright
+from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
 from cable_tracker.cable.hypotheses.presence import (
     Standing,
     gain_over,
     inherited_log_odds,
-    probability_of,
     thin_factor,
     updated_log_odds,
 )
-from cable_tracker.cable.hypotheses.prior import MINIMUM_DENSITY, Prior
-from cable_tracker.cable.hypotheses.proposals import (
-    ProposalConfig,
-    ProposalInputs,
-    empty_sample,
-)
-from cable_tracker.cable.hypotheses.rounds import annealing_power, round_weights, widening_in
+from cable_tracker.cable.hypotheses.proposal_config import proposal_config
+from cable_tracker.cable.hypotheses.proposals import ProposalInputs
+from cable_tracker.cable.hypotheses.remembered_cable import remember
+from cable_tracker.cable.hypotheses.rounds import refined_counts
+from cable_tracker.cable.hypotheses.sample import empty_sample
 from cable_tracker.cable.hypotheses.sample_counts import sample_counts
-from cable_tracker.cable.hypotheses.survival_and_birth import (
-    BirthDensity,
-    birth_density_of,
-    draw_births,
-    remember,
-    survival_rates,
-)
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior, updated_width_prior
 from cable_tracker.cable.measure.border_points import MINIMUM_POINTS, frame_scan
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import wrap_state
-from cable_tracker.cable.model.initialisation import search_box
+from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.cable.model.movement import CableMovement, state_limits
-from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
-from cable_tracker.cable.model.statistics import turned_covariance
-from cable_tracker.cable.parameters.parameters import (
-    REFERENCE_RATE,
-    REFERENCE_WIDTH,
-    TrackerParameters,
+from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.model.state import (
+    POSE_SIZE,
+    STATE_SIZE,
+    CableState,
+    StateColumn,
+    pose_units,
 )
+from cable_tracker.cable.model.statistics import turned_covariance
+from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, TrackerParameters
 from cable_tracker.particle_filter.existence import (
     PredictedExistence,
     predict_existence,
+    probability_of,
 )
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
@@ -96,15 +101,6 @@ LEAST_PRESENCE = 1e-3
 
 MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
 """A cable is remembered while it is present, and in one cluster, by so much."""
-
-DETECTION_SIGMAS = np.array([2.0, np.deg2rad(1.0), 2.8, np.deg2rad(1.0)])
-"""How far from a detection a cable is drawn: d, alpha, w, beta [px at the reference width, rad]."""
-
-SMALLEST_SIGMAS = np.array([0.15, np.deg2rad(0.08), 0.2, np.deg2rad(0.08)])
-"""A round draws about particles with at least this scale [px at the reference width, rad]."""
-
-MOST_REFINED, SMALLEST_REFINED = 3, 0.02
-"""A round draws about so many clusters at most, each with at least this mass."""
 
 SMALLEST_KERNEL = np.array([0.05, np.deg2rad(0.02), 0.05, np.deg2rad(0.02)])
 """Smallest scale of the movement [px at the reference width, rad]: without any, the particles could
@@ -138,7 +134,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         image_size: tuple[int, int],
         rng: np.random.Generator,
     ) -> None:
-        width, height = image_size
+        width = image_size[0]
         self._parameters = parameters
         self._observation = observation
         self._image_size = image_size
@@ -147,35 +143,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self._movement = CableMovement(parameters, width)
         self._box = search_box(parameters, width)
         self._rates = survival_rates(parameters, width)
-        self._frame_size = (float(width), float(height))
-        unit = np.array([width / REFERENCE_WIDTH, 1.0] * 2)
-        self._smallest_kernel = SMALLEST_KERNEL * unit
-        rounds = parameters.refinement_rounds
-        self._refined = np.array(
-            [
-                int(parameters.refinement_share * parameters.particle_count * weight)
-                for weight in round_weights(rounds)
-            ],
-            np.int64,
-        )
-        limits = state_limits(parameters, width)
-        self._config = ProposalConfig(
-            image_size=self._frame_size,
-            degrees_of_freedom=self._movement.degrees_of_freedom,
-            lower=limits.lower,
-            upper=limits.upper,
-            detection_sigmas=DETECTION_SIGMAS * unit,
-            smallest_sigmas=SMALLEST_SIGMAS * unit,
-            powers=np.array([annealing_power(number, rounds) for number in range(rounds)]),
-            widenings=np.array([widening_in(number) for number in range(rounds)]),
-            most_refined=MOST_REFINED,
-            smallest_refined=SMALLEST_REFINED,
-        )
-        self._rules = CorrectionRules(
-            parameters.evidence_limit,
-            parameters.evidence_repeated,
-            parameters.thin_width * width / REFERENCE_WIDTH,
-        )
+        self._smallest_kernel = SMALLEST_KERNEL * pose_units(width)
+        self._refined = refined_counts(parameters)
+        self._config = proposal_config(parameters, self._movement.degrees_of_freedom, image_size)
         self._sample = empty_sample(parameters.particle_count)
         self._displacement = displacement_covariance(parameters, width)
 
@@ -188,10 +158,10 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         """Return the belief after an operator or planner gave states, (N, 8)."""
         return initial_belief(states, GIVEN_PRESENCE)
 
-    def adapted(self, belief: ParticleBelief) -> Belief:
+    def converted(self, belief: ParticleBelief) -> Belief:
         """Return the belief of any filter as this one's, with as many particles as wanted."""
         if not isinstance(belief, Belief):
-            return self.given_belief(equal_states(belief, self._parameters, self._rng))
+            return self.given_belief(resampled_states(belief, self._parameters, self._rng))
         count = self._parameters.particle_count
         if belief.particles.count == count:
             return belief
@@ -213,7 +183,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         width_prior = belief.width_prior.aged(dt) if belief.width_prior is not None else None
         births = birth_density_of(self._box, memory, self._parameters.memory_time, self._image_size)
         expected = self._expected(belief, dt, motion)
-        prior, existence = self._predict(belief, expected[0], dt, motion, births, width_prior)
+        predicted, existence = self._predict(belief, expected[0], dt, motion, births, width_prior)
         counts = sample_counts(self._parameters, existence, births, len(detections), self._refined)
         noise = draw_frame_noise(
             self._rng,
@@ -221,20 +191,22 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             counts.births,
             self._movement.degrees_of_freedom,
         )
+        kernels = len(predicted.rates)
+        even = np.full(kernels, 1.0 / kernels)
         inputs = ProposalInputs(
-            prior=prior,
+            predicted=predicted,
             noise=noise,
             scan=frame_scan(image),
             model=self._observation.model_for(image),
-            p_bright=belief.p_bright,
+            polarity=polarity_prior(belief.p_bright),
             reference_angle=belief.reference_angle,
-            ancestors=self._resample(self._even(prior), counts.survivors, self._rng),
+            ancestors=self._resample(even, counts.survivors, self._rng),
             detected=detections,
+            anchors=expected[:1] if belief.presence >= 0.5 else NO_ANCHOR,
         )
-        anchors = expected[:1] if belief.presence >= 0.5 else NO_ANCHOR
-        found = draw_and_conclude(self._sample, inputs, counts, self._config, anchors, self._rules)
+        found = draw_and_conclude(self._sample, inputs, counts, self._config)
         before = replace(belief, memory=memory, width_prior=width_prior)
-        if not len(found.clusters.masses):
+        if not len(found.hypotheses.clusters.masses):
             return self._spread(before, births)
         log_odds = self._log_odds(belief, expected, existence, found, dt)
         return self._concluded(belief, before, found, log_odds, dt)
@@ -249,8 +221,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     ) -> FloatArray:
         """Return the log-odds (K,) that the clusters are cables."""
         parameters, width = self._parameters, float(self._image_size[0])
-        inherited = inherited_log_odds(expected, belief.log_odds, found.clusters.means, width)
-        survival = existence.survived / max(belief.presence, MINIMUM_DENSITY)
+        means = found.hypotheses.clusters.means
+        inherited = inherited_log_odds(expected, belief.log_odds, means, width)
+        survival = existence.survived / max(belief.presence, LEAST_PROBABILITY)
         appearance = -math.expm1(-parameters.appearance_rate * dt)
         gain = gain_over(parameters.presence_gain, dt)
         return np.array(
@@ -262,13 +235,14 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def _standings(self, found: Conclusion) -> list[Standing]:
         """Return how the clusters stand out; thin ones less: any bottom has thin lines."""
-        columns = np.column_stack((found.levels, found.scores, found.clearness, found.shown))
-        widths = found.clusters.means[:, StateColumn.WIDTH].tolist()
+        margins, scores, (clearness, shown) = found.standings
+        columns = np.column_stack((margins, scores, clearness, shown))
+        widths = found.hypotheses.clusters.means[:, StateColumn.WIDTH].tolist()
         standings = []
         for width, row in zip(widths, columns.tolist(), strict=True):
-            level, score, clearness, shown = row
-            factor = thin_factor(width, self._rules.thin_width)
-            standings.append(Standing(level * factor, score * factor, clearness, shown))
+            margin, score, clear, length = row
+            factor = thin_factor(width, self._config.rules.thin_width)
+            standings.append(Standing(margin * factor, score * factor, clear, length))
         return standings
 
     def _searching_anew(self, belief: Belief) -> Belief:
@@ -283,11 +257,11 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         motion: MotionAid | None,
         births: BirthDensity,
         width_prior: WidthPrior | None,
-    ) -> tuple[Prior, PredictedExistence]:
+    ) -> tuple[PredictedDensity, PredictedExistence]:
         parameters = self._parameters
         drawn = draw_ancestors(
             belief.particles,
-            belief.clusters,
+            belief.hypotheses.clusters,
             min(parameters.ancestor_count, belief.particles.count),
             self._resample,
             self._rng,
@@ -295,13 +269,13 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         ancestors, survival = surviving_ancestors(
             drawn, belief.reference_angle, self._image_size, self._rates, dt
         )
-        drifted = self._movement.centres(ancestors.states, dt, self._rng, motion)
-        scale = self._frame_size[0] / REFERENCE_WIDTH
+        drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
         # Without movement the kernel would be a point: the first frame after a given prior.
         sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
         birth = -math.expm1(-parameters.appearance_rate * dt)
         existence = predict_existence(belief.presence, survival, birth)
-        prior = Prior(
+        limits = self._config.limits
+        predicted = PredictedDensity(
             kernels=kernel_mixture(
                 np.ascontiguousarray(drifted[:, :POSE_SIZE]),
                 np.maximum(sigmas[:POSE_SIZE], self._smallest_kernel),
@@ -310,29 +284,24 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             ),
             rates=np.ascontiguousarray(drifted[:, POSE_SIZE:]),
             rate_sigmas=np.ascontiguousarray(sigmas[POSE_SIZE:]),
-            survived=max(existence.survived, MINIMUM_DENSITY),
-            born=max(existence.born, MINIMUM_DENSITY),
+            survived=max(existence.survived, LEAST_PROBABILITY),
+            born=max(existence.born, LEAST_PROBABILITY),
             log_width=width_prior.log_width if width_prior is not None else 0.0,
             width_spread=width_prior.spread(parameters) if width_prior is not None else math.inf,
             births=births,
-            jumped=max(existence.survived * -math.expm1(-RATE * dt), MINIMUM_DENSITY),
+            jumped=max(existence.survived * -math.expm1(-RATE * dt), LEAST_PROBABILITY),
             jump=jump_from(
                 leader,
-                parameters.width_minimum * scale,
-                parameters.width_maximum * scale,
-                self._frame_size[0],
+                float(limits.lower[StateColumn.WIDTH]),
+                float(limits.upper[StateColumn.WIDTH]),
+                self._config.image_size[0],
             ),
         )
-        return prior, existence
-
-    @staticmethod
-    def _even(prior: Prior) -> FloatArray:
-        count = len(prior.rates)
-        return np.full(count, 1.0 / count)
+        return predicted, existence
 
     def _expected(self, belief: Belief, dt: float, motion: MotionAid | None) -> FloatArray:
         """Return where the clusters are expected, the one that leads first, shape (K, 8)."""
-        expected: FloatArray = belief.clusters.means.copy()
+        expected: FloatArray = belief.hypotheses.clusters.means.copy()
         expected[:, :POSE_SIZE] = self._movement.expected(expected, dt, motion)[:, :POSE_SIZE]
         return expected
 
@@ -345,30 +314,26 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         dt: float,
     ) -> Belief:
         """Put the belief together, and remember the cable if it is there."""
-        presence = probability_of(float(log_odds[0]))
+        hypotheses, presence = found.hypotheses, probability_of(float(log_odds[0]))
         refused = (
             presence >= self._parameters.presence_to_track
-            and found.border_evidence < self._parameters.evidence_to_lose
+            and hypotheses.border_evidence < self._parameters.evidence_to_lose
         )
         memory, width_prior = before.memory, before.width_prior
-        leader = found.clusters.means[0]
-        if presence >= MEMORY_PRESENCE and found.clusters.masses[0] >= MEMORY_MASS:
+        leader = hypotheses.clusters.means[0]
+        if presence >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS:
             memory = remember(wrap_state(leader), self._image_size, self._parameters)
             width = float(leader[StateColumn.WIDTH])
             width_prior = updated_width_prior(belief.width_prior, width, dt, self._parameters)
         return Belief(
             particles=Particles(found.states, found.log_weights),
-            clusters=found.clusters,
-            covariance=found.covariance,
-            effective_size=found.effective_size,
+            hypotheses=hypotheses,
             presence=presence,
             p_bright=updated_p_bright(
                 belief.p_bright, found.p_bright, presence, self._parameters.polarity_memory, dt
             ),
             memory=memory,
             width_prior=width_prior,
-            border_evidence=found.border_evidence,
-            visible_length=found.visible_length,
             log_odds=log_odds,
             refused_time=belief.refused_time + dt if refused else 0.0,
         )
@@ -383,39 +348,40 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             width_prior=before.width_prior,
         )
 
-    def finding(self, belief: Belief, image: WorkingImage) -> Finding:
+    def summary(self, belief: Belief, image: WorkingImage) -> BeliefSummary:
         """Return what a belief says about the frame that it came from."""
-        parameters = self._parameters
-        mean, covariance = self._leading_estimate(belief)
-        visible = belief.visible_length >= MINIMUM_POINTS
-        return Finding(
+        parameters, hypotheses = self._parameters, belief.hypotheses
+        mean, covariance = self._leading_estimate(hypotheses)
+        evidence, visible = hypotheses.border_evidence, hypotheses.visible_length >= MINIMUM_POINTS
+        return BeliefSummary(
             mean=mean,
             covariance=covariance,
-            effective_sample_size=belief.effective_size,
-            evidence=belief.border_evidence,
-            rises=visible
+            effective_sample_size=hypotheses.effective_size,
+            evidence=evidence,
+            supports_claim=visible
             and belief.presence >= parameters.presence_to_track
-            and belief.border_evidence >= parameters.evidence_to_track,
-            holds=visible
+            and evidence >= parameters.evidence_to_track,
+            supports_keeping=visible
             and belief.presence >= parameters.presence_to_lose
-            and belief.border_evidence >= parameters.evidence_to_lose,
+            and evidence >= parameters.evidence_to_lose,
             presence=belief.presence,
-            hypotheses=_hypotheses(belief),
+            hypotheses=_reported(hypotheses.clusters),
         )
 
-    def _leading_estimate(self, belief: Belief) -> tuple[FloatArray, FloatArray]:
+    def _leading_estimate(self, hypotheses: Hypotheses) -> tuple[FloatArray, FloatArray]:
         """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters."""
-        leader, covariance = belief.clusters.means[0], belief.covariance
+        leader, covariance = hypotheses.clusters.means[0], hypotheses.covariance
         mean = wrap_state(leader)
         turns = round((leader[StateColumn.ANGLE] - mean[StateColumn.ANGLE]) / math.pi)
         if turns % 2:
             covariance = turned_covariance(covariance)
-        factor = displacement_factor(belief.border_evidence)
+        factor = displacement_factor(hypotheses.border_evidence)
         return mean, covariance + factor**2 * self._displacement
 
 
-def _hypotheses(belief: Belief) -> tuple[Hypothesis, ...]:
-    masses, means = belief.clusters.masses.tolist(), belief.clusters.means
+def _reported(clusters: Clusters) -> tuple[Hypothesis, ...]:
+    """Return the clusters that are worth mention, and the first whatever its mass."""
+    masses, means = clusters.masses.tolist(), clusters.means
     return tuple(
         Hypothesis(mass, CableState.from_array(wrap_state(mean)))
         for index, (mass, mean) in enumerate(zip(masses, means, strict=True))

@@ -1,11 +1,11 @@
 """How sure it is that a hypothesis is a cable, and not something of the bottom.
 
 On coarse gravel any strip fits well somewhere, on ripples any that runs along them. A hypothesis is
-judged by its score and its level: how far its log-likelihood ratio is above that of strips of any
-kind, and of strips like it, see `background`. Even without a cable the best of all strips stands
-high; what is compared is the density of its score with a cable and without. The log-odds of each
-hypothesis add up while it goes on, only a part of each frame's, for what looks like a cable in one
-frame does so in the next.
+judged by its standard score and its margin: how far its log-likelihood ratio is above that of
+strips of any kind, and of strips like it, see `background`. Even without a cable the best of all
+strips stands high; what is compared is the density of its score with a cable and without. The
+log-odds of each hypothesis add up while it goes on, only a part of each frame's, for what looks
+like a cable in one frame does so in the next.
 
 The constants were chosen on the simulated worlds to tune on (`tune_*`) and on frames of real sea
 bed without a cable.
@@ -20,41 +20,63 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import unwrap_states
-from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.cable.model.state import POSE_SIZE, StateColumn, pose_units
+from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
 from cable_tracker.compilation import compiled_inside
+from cable_tracker.particle_filter.existence import log_odds_of, probability_of
 
-EMPTY_MODE, EMPTY_SCALE = 4.3, 1.33
-"""Of the Gumbel law of the best hypothesis' score on frames without a cable [spreads]."""
 
-CABLE_MEAN, CABLE_SPREAD = 13.0, 4.5
-"""Of the Gaussian of the score of a visible cable [spreads]."""
+class ScoreModel(NamedTuple):
+    """How hypotheses stand out of frames, with a cable and without.
 
-HIGHEST_SCORE = 16.0
-"""Higher scores say no more than this one [spreads]."""
+    Attributes
+    ----------
+    empty_mode, empty_scale : float
+        Of the Gumbel law of the best hypothesis' standard score on frames without a cable.
+    cable_mean, cable_deviation : float
+        Of the Gaussian of the standard score of a visible cable.
+    highest_score : float
+        Higher standard scores say no more than this one.
+    ordinary_margin, ordinary_slope : float
+        A lower margin is that of ripples and grain [nats], and says so much against a cable per
+        nat.
+    clear_margin, clear_slope : float
+        Margins above this are found on cables alone [nats], and say so much more per nat.
+    clearness, clearness_slope : float
+        Borders that are clearer than this are found on cables alone [nats per point in view], and
+        say so much more per nat.
+    least_shown, enough_shown : float
+        So clear are short edges, too: with less length in view, as a share of the picture's height,
+        it says nothing of a cable, with more than the other all.
+    hidden_share : float
+        Share of the frames in which nothing is learnt of a cable: growth, sand, shadows.
+    largest_log_odds : float
+        A frame says no more than this for a hypothesis [nats].
+    """
 
-ORDINARY_LEVEL, ORDINARY_SLOPE = 8.0, 0.15
-"""A lower level is that of ripples and grain [nats], and says so much against a cable per nat."""
+    empty_mode: float = 4.3
+    empty_scale: float = 1.33
+    cable_mean: float = 13.0
+    cable_deviation: float = 4.5
+    highest_score: float = 16.0
+    ordinary_margin: float = 8.0
+    ordinary_slope: float = 0.15
+    clear_margin: float = 18.0
+    clear_slope: float = 0.35
+    clearness: float = 1.1
+    clearness_slope: float = 16.0
+    least_shown: float = 0.3
+    enough_shown: float = 0.5
+    hidden_share: float = 0.5
+    largest_log_odds: float = 6.0
 
-CLEAR_LEVEL, CLEAR_SLOPE = 18.0, 0.35
-"""Levels above this are found on cables alone [nats], and say so much more per nat."""
+    @property
+    def least_log_odds(self) -> float:
+        """A frame does not say more than this against a cable, which may be hidden in it [nats]."""
+        return math.log(self.hidden_share) - 0.2
 
-CLEARNESS, CLEARNESS_SLOPE = 1.1, 16.0
-"""Borders that are clearer than this are found on cables alone [nats per point in view], and say so
-much more per nat."""
 
-LEAST_SHOWN, ENOUGH_SHOWN = 0.3, 0.5
-"""So clear are short edges, too: with less length in view, as a share of the picture's height, it
-says nothing of a cable, with more than the other all."""
-
-HIDDEN_SHARE = 0.5
-"""Share of the frames in which nothing is learnt of a cable: growth, sand, shadows."""
-
-LEAST_LOG_ODDS = math.log(HIDDEN_SHARE) - 0.2
-"""Nor does it say more than this against one: the cable may be hidden in it [nats]."""
-
-LARGEST_LOG_ODDS = 6.0
-"""A frame says no more than this for a hypothesis [nats]."""
+MODEL = ScoreModel()
 
 NEW_LOG_ODDS = math.log(0.02 / 0.98)
 """Log-odds of a new hypothesis, before its first frame."""
@@ -75,43 +97,47 @@ class Standing(NamedTuple):
 
     Attributes
     ----------
-    level : float
+    margin : float
         How far its log-likelihood ratio is above that of strips like it [nats].
-    score : float
-        How far it is above that of strips of any kind [spreads].
+    standard_score : float
+        How far it is above the mean of strips of any kind [their standard deviations].
     clearness, shown : float
         See `BorderClearness`.
     """
 
-    level: float
-    score: float
+    margin: float
+    standard_score: float
     clearness: float
     shown: float
 
 
 def frame_log_odds(standing: Standing) -> float:
     """Return what a frame says for a cable against none [nats]."""
-    level = standing.level
-    odds = _log_ratio_of_score(standing.score) + CLEAR_SLOPE * max(level - CLEAR_LEVEL, 0.0)
-    if level < ORDINARY_LEVEL:
-        odds = min(odds, ORDINARY_SLOPE * (level - ORDINARY_LEVEL))
+    margin = standing.margin
+    odds = _log_ratio_of_score(standing.standard_score)
+    odds += MODEL.clear_slope * max(margin - MODEL.clear_margin, 0.0)
+    if margin < MODEL.ordinary_margin:
+        odds = min(odds, MODEL.ordinary_slope * (margin - MODEL.ordinary_margin))
     # A short strip, in a corner, never stands as high as one through the whole picture.
-    odds += CLEARNESS_SLOPE * _enough(standing.shown) * max(standing.clearness - CLEARNESS, 0.0)
-    return min(max(odds, LEAST_LOG_ODDS), LARGEST_LOG_ODDS)
+    clearer = max(standing.clearness - MODEL.clearness, 0.0)
+    odds += MODEL.clearness_slope * _enough(standing.shown) * clearer
+    return min(max(odds, MODEL.least_log_odds), MODEL.largest_log_odds)
 
 
 def _enough(shown: float) -> float:
-    return min(max((shown - LEAST_SHOWN) / (ENOUGH_SHOWN - LEAST_SHOWN), 0.0), 1.0)
+    share = (shown - MODEL.least_shown) / (MODEL.enough_shown - MODEL.least_shown)
+    return min(max(share, 0.0), 1.0)
 
 
 def _log_ratio_of_score(score: float) -> float:
     # Below its mode the law falls so steeply that it would speak for a cable.
-    score = min(max(score, EMPTY_MODE), HIGHEST_SCORE)
-    place = (score - EMPTY_MODE) / EMPTY_SCALE
-    empty = -place - math.exp(min(-place, 50.0)) - math.log(EMPTY_SCALE)
-    deviation = (score - CABLE_MEAN) / CABLE_SPREAD
-    cable = -0.5 * deviation**2 - math.log(CABLE_SPREAD * math.sqrt(2 * math.pi))
-    return math.log((1.0 - HIDDEN_SHARE) * math.exp(min(cable - empty, 50.0)) + HIDDEN_SHARE)
+    score = min(max(score, MODEL.empty_mode), MODEL.highest_score)
+    place = (score - MODEL.empty_mode) / MODEL.empty_scale
+    empty = -place - math.exp(min(-place, 50.0)) - math.log(MODEL.empty_scale)
+    deviation = (score - MODEL.cable_mean) / MODEL.cable_deviation
+    cable = -0.5 * deviation**2 - math.log(MODEL.cable_deviation * math.sqrt(2 * math.pi))
+    visible = (1.0 - MODEL.hidden_share) * math.exp(min(cable - empty, 50.0))
+    return math.log(visible + MODEL.hidden_share)
 
 
 @compiled_inside
@@ -134,8 +160,7 @@ def inherited_log_odds(
     image_width : float
         Width of the frame [px].
     """
-    scale = image_width / REFERENCE_WIDTH
-    near = NEAR * np.array([scale, 1.0, scale, 1.0])
+    near = NEAR * pose_units(image_width)
     before, now = len(expected), len(means)
     angles = np.repeat(expected[:, StateColumn.ANGLE], now)
     chart = unwrap_states(np.tile(means, (before, 1)), angles)[:, :POSE_SIZE]
@@ -168,16 +193,6 @@ def updated_log_odds(
     predicted = min(max(before * survival + (1.0 - before) * appearance, 1e-9), 1.0 - 1e-9)
     after = log_odds_of(predicted) + gain * odds
     return min(max(after, LOWEST), HIGHEST)
-
-
-def log_odds_of(probability: float) -> float:
-    """Return the log-odds of a probability above 0 and below 1."""
-    return math.log(probability) - math.log1p(-probability)
-
-
-def probability_of(log_odds: float) -> float:
-    """Return the probability that has these log-odds."""
-    return 1.0 / (1.0 + math.exp(-log_odds))
 
 
 def gain_over(gain: float, dt: float) -> float:

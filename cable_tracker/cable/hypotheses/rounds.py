@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from cable_tracker.arrays import IndexArray
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+
 FIRST_POWER = 0.3
 """The first round looks at the frame through the likelihood to this power, the last one at it as it
 is: the annealing that keeps a narrow peak from being missed."""
@@ -28,3 +33,10 @@ def round_weights(rounds: int) -> list[float]:
         return []
     parts = [1.0] * (rounds - 1) + [1.5]
     return [part / sum(parts) for part in parts]
+
+
+def refined_counts(parameters: TrackerParameters) -> IndexArray:
+    """Return how many particles each round draws, shape (R,)."""
+    refined = parameters.refinement_share * parameters.particle_count
+    shares = round_weights(parameters.refinement_rounds)
+    return np.array([int(refined * share) for share in shares], np.int64)

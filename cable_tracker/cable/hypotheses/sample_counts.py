@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from cable_tracker.arrays import IndexArray
-from cable_tracker.cable.hypotheses.prior import MINIMUM_DENSITY
-from cable_tracker.cable.hypotheses.survival_and_birth import BirthDensity
+from cable_tracker.cable.hypotheses.births import BirthDensity
+from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.existence import PredictedExistence
 
@@ -46,7 +46,7 @@ def sample_counts(
         share = max(share, LOST_DETECTOR_SHARE)
     detected = min(int(count * share), max(first - 1, 0))
     rest = first - detected
-    born = existence.born / max(existence.total, MINIMUM_DENSITY)
+    born = existence.born / max(existence.total, LEAST_PROBABILITY)
     births = int(rest * min(max(born, parameters.search_share), LARGEST_BIRTH_SHARE))
     return SampleCounts(
         survivors=rest - births,

@@ -12,9 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
-from cable_tracker.cable.measure.response_table import PointMeasures
-from cable_tracker.cable.measure.scanned_gradients import ScanLines
+from cable_tracker.cable.measure.response_bins import PointMeasures
+from cable_tracker.cable.measure.scanned_gradients import ACROSS, ALONG, SLOPE, ScanLines
 from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.geometry import border_offset
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.compilation import compiled, compiled_inside
 
 BEHIND = 0.25
@@ -31,9 +33,6 @@ MINIMUM_POINTS = 3.0
 
 SMALLEST_RESPONSE = np.float32(1.0)
 """Added to a response before its slope is divided by it [robust scales]: noise has no ridge."""
-
-ALONG, ACROSS, SLOPE = 0, 1, 2
-"""Values of `Channel`, as numbers for kernels."""
 
 
 class FrameScan(NamedTuple):
@@ -99,11 +98,12 @@ class BorderLine(NamedTuple):
     deep: float
 
 
-@compiled_inside
-def border_offset(state: FloatArray, side: float) -> float:
-    """Return the distance of a border from the image centre; `side`: -1 left, 1 right [px]."""
-    offset: float = (state[0] + side * (0.5 * state[2])) * math.cos(state[3])
-    return offset
+class BetweenPixels(NamedTuple):
+    """A place on a scan line: the pixels on both sides, and its share of the way to the right."""
+
+    left: np.uint64
+    right: np.uint64
+    share: np.float32
 
 
 @compiled_inside
@@ -115,8 +115,8 @@ def border_normal(
     Whether it is measured where it crosses rows (else columns), its normal along and across these
     lines, and its distance from the image centre [working px].
     """
-    normal = state[1] + side * state[3]
-    offset = border_offset(state, side) * reduction
+    normal = state[ANGLE] + side * state[SKEW]
+    offset = border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side) * reduction
     cos, sin = math.cos(normal), math.sin(normal)
     if abs(cos) >= abs(sin):
         return True, cos, sin, offset
@@ -126,7 +126,7 @@ def border_normal(
 @compiled_inside
 def contrast_depths(state: FloatArray, scan: FrameScan) -> tuple[float, float, float]:
     """Return how far outside, behind the border and in the middle is looked at [working px]."""
-    width, scale = abs(2.0 * (0.5 * state[2]) * math.cos(state[3])) * scan.reduction, scan.scale
+    width, scale = abs(state[WIDTH] * math.cos(state[SKEW])) * scan.reduction, scan.scale
     return (
         OUTSIDE * scale,
         min(max(BEHIND * width, NEAREST * scale), FARTHEST_BEHIND * scale),
@@ -173,6 +173,20 @@ def border_line(
 
 
 @compiled_inside
+def crossing_position(
+    lines: ScanLines, line: np.uint64, start: float, step: float, last: float
+) -> float:
+    """Return where a border crosses a line, counted from its left end up to `last` [working px].
+
+    Negative where it does not; `start` and `step` are those of `BorderLine`.
+    """
+    middle = last / 2
+    place = start + step * lines.places[line]
+    # Written so that a place that is no number is outside.
+    return place + middle if abs(place) <= middle else -1.0
+
+
+@compiled_inside
 def measure_point(
     lines: ScanLines, line: np.uint64, position: float, last: float, border: BorderLine
 ) -> tuple[np.float32, np.float32, np.float32]:
@@ -180,15 +194,10 @@ def measure_point(
 
     `position` is counted from the left end of the line, up to `last`.
     """
-    gradients, smooth = lines.gradients, lines.smooth
-    # A picture may be one pixel high.
-    left = min(_floor(position), np.uint64(max(smooth.shape[1] - 2, 0)))
-    right = left + np.uint64(min(smooth.shape[1] - 1, 1))
-    share = np.float32(position - left)
-    response = border.along * _between(
-        gradients, line, left, right, ALONG, share
-    ) + border.across * _between(gradients, line, left, right, ACROSS, share)
-    slope = border.slope_factor * _between(gradients, line, left, right, SLOPE, share)
+    smooth = lines.smooth
+    place = between_pixels(position, smooth.shape[1])
+    response = response_at(lines.gradients, line, place, border.along, border.across)
+    slope = border.slope_factor * _interpolated(lines.gradients, line, place, SLOPE)
     without = _level_at(smooth, line, position + border.outside, last)
     contrast = agreed_contrast(
         _level_at(smooth, line, position + border.behind, last) - without,
@@ -199,30 +208,35 @@ def measure_point(
 
 @compiled_inside
 def response_at(
-    gradients: Image, line: np.uint64, position: float, along: np.float32, across: np.float32
+    gradients: Image,
+    line: np.uint64,
+    place: BetweenPixels,
+    along: np.float32,
+    across: np.float32,
 ) -> np.float32:
     """Return the response alone, for a normal given along and across the lines."""
-    left = min(_floor(position), np.uint64(max(gradients.shape[1] - 2, 0)))
-    right = left + np.uint64(min(gradients.shape[1] - 1, 1))
-    share = np.float32(position - left)
-    response: np.float32 = along * _between(
-        gradients, line, left, right, ALONG, share
-    ) + across * _between(gradients, line, left, right, ACROSS, share)
+    response: np.float32 = along * _interpolated(
+        gradients, line, place, ALONG
+    ) + across * _interpolated(gradients, line, place, ACROSS)
     return response
 
 
 @compiled_inside
-def _between(
-    gradients: Image,
-    line: np.uint64,
-    left: np.uint64,
-    right: np.uint64,
-    channel: int,
-    share: np.float32,
+def between_pixels(position: float, length: int) -> BetweenPixels:
+    """Return between which pixels of a line of some length a place lies that is on it."""
+    # A picture may be one pixel high.
+    left = min(_floor(position), np.uint64(max(length - 2, 0)))
+    right = left + np.uint64(min(length - 1, 1))
+    return BetweenPixels(left, right, np.float32(position - left))
+
+
+@compiled_inside
+def _interpolated(
+    gradients: Image, line: np.uint64, place: BetweenPixels, channel: int
 ) -> np.float32:
-    """Interpolate a channel between two neighbouring places of a line."""
-    here, there = gradients[line, left, channel], gradients[line, right, channel]
-    value: np.float32 = here + (there - here) * share
+    """Interpolate a channel between two neighbouring pixels of a line."""
+    here, there = gradients[line, place.left, channel], gradients[line, place.right, channel]
+    value: np.float32 = here + (there - here) * place.share
     return value
 
 
@@ -293,12 +307,13 @@ def _record_points(
         crossing = border_line(along, across, offset, -side, depths, scan.scale)
         last = float(lines.smooth.shape[1] - 1)
         for number in range(len(lines.places)):
-            place = crossing.start + crossing.step * lines.places[number]
-            # Written so that a place that is no number is outside.
-            if abs(place) <= last / 2:
-                measures[0, count], measures[1, count], measures[2, count] = measure_point(
-                    lines, np.uint64(number), place + last / 2, last, crossing
-                )
-                borders[count] = border
-                count += 1
+            line = np.uint64(number)
+            position = crossing_position(lines, line, crossing.start, crossing.step, last)
+            if position < 0.0:
+                continue
+            measures[0, count], measures[1, count], measures[2, count] = measure_point(
+                lines, line, position, last, crossing
+            )
+            borders[count] = border
+            count += 1
     return count

@@ -6,15 +6,14 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.measure.border_points import measure_points
-from cable_tracker.cable.measure.response_table import (
+from cable_tracker.cable.measure.histograms import ResponseHistograms, table_from_histograms
+from cable_tracker.cable.measure.response_bins import (
     CLASSES,
     PointMeasures,
-    ResponseHistograms,
-    ResponseTable,
     border_strength,
     strength_class,
-    table_from_histograms,
 )
+from cable_tracker.cable.measure.response_table import ResponseTable
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import image_reach
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn

@@ -22,27 +22,33 @@ from cable_tracker.cable.measure.border_points import (
     border_line,
     border_normal,
     contrast_depths,
+    crossing_position,
     frame_scan,
     measure_point,
 )
-from cable_tracker.cable.measure.response_table import (
+from cable_tracker.cable.measure.polarity_prior import (
+    PolarityPrior,
+    marginal_log_ratio,
+    polarity_prior,
+)
+from cable_tracker.cable.measure.response_bins import (
     CLASSES,
     COARSE,
-    LARGEST_RATIO,
-    ResponseTable,
     contrast_bin,
-    load_table,
     response_bin,
     slope_bin,
 )
+from cable_tracker.cable.measure.response_table import LARGEST_RATIO, ResponseTable, load_table
 from cable_tracker.cable.measure.scanned_gradients import ScanLines
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.compilation import compiled, compiled_inside, compiled_part
+from cable_tracker.compilation import compiled, compiled_inside, compiled_loop, compiled_part
 
 TEMPERED_SPACING = 5.0
 """Spacing of the points that the parameter `tempering` is given for [px at the reference width]."""
 
+EITHER = polarity_prior(0.5)
+"""Bright and dark cables are as likely."""
 
 STRENGTH_STEP = 6.0
 """What it costs that the strengths of the two borders of a cable are one class apart [nats]."""
@@ -71,6 +77,7 @@ class CableEvidence(NamedTuple):
     visible_lengths: FloatArray
 
 
+@compiled_part
 def empty_evidence(count: int) -> CableEvidence:
     """Return room for the evidence on some cables."""
     return CableEvidence(np.empty((count, 2)), np.empty((count, 2)), np.empty(count))
@@ -87,12 +94,17 @@ class RatioModel(NamedTuple):
         Power of one point's ratio.
     missing : FloatArray
         Log-likelihood ratio of a point that a border lacks, by class of strength, shape (4,).
+    sums, shares : Image, FloatArray
+        Room for the ratios of the two borders of a cable: summed along each border, by polarity and
+        class, float32, shape (2, 8), and of the classes of one polarity, shape (2, 4).
     """
 
     edges: Image
     contrasts: Image
     tempering: float
     missing: FloatArray
+    sums: Image
+    shares: FloatArray
 
 
 class BorderLikelihoodRatio:
@@ -117,11 +129,12 @@ class BorderLikelihoodRatio:
         self._model = RatioModel(
             chosen.edges_of_both, chosen.contrasts_of_both, 0.0,
             parameters.missing_cost * chosen.absent,
+            np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES)),
         )  # fmt: skip
 
     def log_likelihoods(self, states: FloatArray, observation: WorkingImage) -> FloatArray:
         """Return the log-likelihood ratio of each cable, either polarity as likely; shape (N,)."""
-        return marginal_log_ratios(self.measure(states, observation).log_ratios, 0.5)
+        return marginal_log_ratios(self.measure(states, observation).log_ratios, EITHER)
 
     def measure(self, states: FloatArray, image: WorkingImage) -> CableEvidence:
         """Measure cables, shape (N, 4) or more columns."""
@@ -147,7 +160,7 @@ def _measure_all(
     measure_into(states, 0, len(states), scan, model, evidence)
 
 
-@compiled_part
+@compiled_loop
 def measure_into(
     states: FloatArray,
     start: int,
@@ -158,7 +171,7 @@ def measure_into(
 ) -> None:
     """Fill in the evidence on the states from `start` to `stop`."""
     log_ratios, weaker, visible = evidence
-    sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
+    sums = model.sums
     for cable in range(start, stop):
         state = states[cable]
         depths = contrast_depths(state, scan)
@@ -179,9 +192,7 @@ def measure_into(
             visible[cable] = min(visible[cable], length)
             longest = max(longest, length)
         for polarity in range(2):
-            log_ratios[cable, polarity], weakest = _over_strengths(
-                sums, polarity * CLASSES, model.tempering, shares
-            )
+            log_ratios[cable, polarity], weakest = _over_strengths(model, polarity * CLASSES)
             weaker[cable, polarity] = weakest / (model.tempering * longest)
 
 
@@ -206,7 +217,7 @@ def border_clearness(states: FloatArray, scan: FrameScan, model: RatioModel) -> 
     """Measure how clear the borders of cables are, shape (N, 8), whatever they lack of length."""
     count = len(states)
     clear = BorderClearness(np.zeros(count), np.zeros(count))
-    evidence = CableEvidence(np.empty((count, 2)), np.empty((count, 2)), np.empty(count))
+    evidence = empty_evidence(count)
     # One point is expected: lengths beyond the edge of the frame are neither paid nor counted.
     in_view = FrameScan(scan.rows, scan.columns, scan.reduction, scan.scale, 1.0)
     measure_into(states, 0, count, in_view, model, evidence)
@@ -218,15 +229,13 @@ def border_clearness(states: FloatArray, scan: FrameScan, model: RatioModel) -> 
 
 
 @compiled_inside
-def _over_strengths(
-    sums: Image, first: int, tempering: float, shares: FloatArray
-) -> tuple[float, float]:
+def _over_strengths(model: RatioModel, first: int) -> tuple[float, float]:
     """Return the log-likelihood ratio of a cable, and that of its weaker border alone.
 
-    `sums`, shape (2, 8), are those of the ratios along each border, by polarity and class, not
-    tempered; the classes of the polarity begin at `first`. `shares` (2, 4) is room for those of the
-    classes.
+    They are worked out from the sums, which are not tempered; the classes of the polarity begin at
+    `first`.
     """
+    sums, shares, tempering = model.sums, model.shares, model.tempering
     total, weakest = 0.0, np.inf
     for border in range(2):
         peak = sums[border, first]
@@ -250,18 +259,16 @@ def _over_strengths(
 def _sum_border(lines: ScanLines, crossing: BorderLine, model: RatioModel, sums: Image) -> float:
     """Fill in the summed ratios (8,) of a border, and return its length in view."""
     last = float(lines.smooth.shape[1] - 1)
-    middle = last / 2
     for index in range(2 * CLASSES):
         sums[index] = np.float32(0.0)
     count = 0
     for number in range(len(lines.places)):
         line = np.uint64(number)
-        place = crossing.start + crossing.step * lines.places[line]
-        # Written so that a place that is no number is outside.
-        if not abs(place) <= middle:
+        position = crossing_position(lines, line, crossing.start, crossing.step, last)
+        if position < 0.0:
             continue
         count += 1
-        response, slope, contrast = measure_point(lines, line, place + middle, last, crossing)
+        response, slope, contrast = measure_point(lines, line, position, last, crossing)
         row, column = response_bin(response), slope_bin(slope)
         coarse, cell = row // np.uint64(COARSE), contrast_bin(contrast)
         edges, contrasts = model.edges[row, column], model.contrasts[coarse, cell]
@@ -272,38 +279,13 @@ def _sum_border(lines: ScanLines, crossing: BorderLine, model: RatioModel, sums:
     return count * crossing.length
 
 
-@compiled_inside
-def marginal_log_ratio(first: float, second: float) -> float:
-    """Return the log-likelihood ratio of a cable whose polarity is not known.
-
-    `first` and `second` are those of a bright and of a dark cable, plus the logarithms of how
-    likely it is to be the one or the other.
-    """
-    higher, less = max(first, second), min(first, second)
-    return higher + math.log1p(math.exp(less - higher))
-
-
 @compiled
-def marginal_log_ratios(log_ratios: FloatArray, p_bright: float) -> FloatArray:
+def marginal_log_ratios(log_ratios: FloatArray, polarity: PolarityPrior) -> FloatArray:
     """Return the log-likelihood ratios (N,) of cables whose polarity is not known.
 
-    Parameters
-    ----------
-    log_ratios : FloatArray
-        Of bright and of dark cables, shape (N, 2).
-    p_bright : float
-        Probability that the cable is brighter than the bottom, above 0 and below 1.
+    `log_ratios` are those of bright and of dark cables, shape (N, 2).
     """
-    log_bright, log_dark = math.log(p_bright), math.log1p(-p_bright)
     result = np.empty(len(log_ratios))
     for row in range(len(log_ratios)):
-        result[row] = marginal_log_ratio(
-            log_bright + log_ratios[row, 0], log_dark + log_ratios[row, 1]
-        )
+        result[row] = marginal_log_ratio(polarity, log_ratios[row, 0], log_ratios[row, 1])
     return result
-
-
-@compiled_inside
-def bright_share(log_odds: float) -> float:
-    """Return the posterior probability that a cable is a bright one, from its log-odds."""
-    return 1.0 / (1.0 + math.exp(min(max(-log_odds, -700.0), 700.0)))

@@ -13,53 +13,29 @@ strong one.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image, IndexArray
-from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.measure.response_bins import (
+    CLASSES,
+    COARSE,
+    CONTRAST_LIMIT,
+    CONTRAST_SHAPE,
+    EDGE_SHAPE,
+    RESPONSE_LIMIT,
+    SLOPE_LIMIT,
+    PointMeasures,
+    contrast_bin,
+    response_bin,
+    slope_bin,
+)
 from cable_tracker.errors import ParameterError
-
-RESPONSE_LIMIT = 12.0
-"""Responses beyond this many robust scales are taken for this one."""
-
-RESPONSE_BINS = 96
-
-SLOPE_LIMIT = 0.75
-"""Slopes beyond this [1/px] are taken for this one: the edge is more than 2 px away."""
-
-SLOPE_BINS = 15
-
-CONTRAST_LIMIT = 12.0
-"""Contrasts beyond this many scales of the contrast are taken for this one."""
-
-CONTRAST_BINS = 25
-"""An odd number: a contrast of nothing at all, which is frequent, lies in the middle of a bin."""
-
-COARSE = 4
-"""So many bins of the response are one where it stands beside the contrast."""
-
-RESPONSE_MIDDLE, CONTRAST_MIDDLE = np.float32(RESPONSE_LIMIT), np.float32(CONTRAST_LIMIT)
-RESPONSE_FACTOR = np.float32(RESPONSE_BINS / (2 * RESPONSE_LIMIT))
-SLOPE_FACTOR = np.float32(SLOPE_BINS / SLOPE_LIMIT)
-CONTRAST_FACTOR = np.float32(CONTRAST_BINS / (2 * CONTRAST_LIMIT))
-"""What numbers are shifted by, and bins per unit, in single precision as in the kernels."""
-
-STRENGTHS = (1.2, 1.8, 2.7, 4.0)
-"""Smallest strength of the borders of each class; see `border_strength`. Fainter ones, which cannot
-be told from the bottom, are not learnt from."""
-
-CLASSES = len(STRENGTHS)
-
-EDGE_SHAPE = (RESPONSE_BINS, SLOPE_BINS)
-CONTRAST_SHAPE = (RESPONSE_BINS // COARSE, CONTRAST_BINS)
 
 RATIO_LIMIT = 6.0
 """No entry of a table is beyond this, of either sign."""
@@ -67,92 +43,7 @@ RATIO_LIMIT = 6.0
 LARGEST_RATIO = np.float32(2.4)
 """No single point may say more than this for a border, both tables together."""
 
-STRAY_SHARE = 0.1
-"""Share of border points that are taken to look like anything: growth that no example has shown."""
-
-ACCIDENT_SHARE = 0.1
-"""Share of points elsewhere that are taken to look like a border, for any bottom has some."""
-
-PRIOR_COUNT = 1e-5
-"""Added to every cell of a histogram, in units of the mean cell: no cell is impossible."""
-
-EDGE_SMOOTHING = (2.0, 0.7)
-CONTRAST_SMOOTHING = (0.7, 1.0)
-"""Sigma of the Gaussian that smooths a histogram, along its rows' and its columns' axis [bins]."""
-
 SHIPPED = "response_table.json"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PointMeasures:
-    """What is measured at P points of borders, all float32, of one shape.
-
-    Attributes
-    ----------
-    responses : Image
-        Response across the border [`ScannedFrame.scale`], positive where the inside is brighter.
-    slopes : Image
-        Slope of the gradient's modulus over the response [1/px at the reference width]; zero on the
-        ridge of an edge. Only its size counts.
-    contrasts : Image
-        Inside minus outside, smoothed [`ScannedFrame.contrast_scale`].
-    """
-
-    responses: Image
-    slopes: Image
-    contrasts: Image
-
-    def negative(self) -> PointMeasures:
-        """Return what would be measured in a negative of the picture."""
-        return PointMeasures(-self.responses, self.slopes, -self.contrasts)
-
-    def cells(self) -> tuple[IndexArray, IndexArray]:
-        """Return flat indices into the tables of edges and of contrasts, of the points' shape."""
-        shape = np.shape(self.responses)
-        edges, contrasts = _cells_of(
-            *(np.array(each, np.float32).ravel() for each in self._columns())
-        )
-        return edges.reshape(shape), contrasts.reshape(shape)
-
-    def _columns(self) -> tuple[Image, Image, Image]:
-        return self.responses, self.slopes, self.contrasts
-
-
-@compiled_inside
-def _bin(value: np.float32, shift: np.float32, factor: np.float32, count: int) -> np.uint64:
-    scaled = (value + shift) * factor
-    return np.uint64(np.int32(min(max(scaled, np.float32(0.0)), np.float32(count - 1))))
-
-
-@compiled_inside
-def response_bin(response: np.float32) -> np.uint64:
-    """Return the row of a response in the table of edges; over `COARSE`, in that of contrasts."""
-    return _bin(response, RESPONSE_MIDDLE, RESPONSE_FACTOR, RESPONSE_BINS)
-
-
-@compiled_inside
-def slope_bin(slope: np.float32) -> np.uint64:
-    """Return the column of the size of a slope in the table of edges."""
-    return _bin(slope, np.float32(0.0), SLOPE_FACTOR, SLOPE_BINS)
-
-
-@compiled_inside
-def contrast_bin(contrast: np.float32) -> np.uint64:
-    """Return the column of a contrast in the table of contrasts."""
-    return _bin(contrast, CONTRAST_MIDDLE, CONTRAST_FACTOR, CONTRAST_BINS)
-
-
-@compiled
-def _cells_of(responses: Image, slopes: Image, contrasts: Image) -> tuple[IndexArray, IndexArray]:
-    """Return flat indices (P,) into both tables; all are float32 of shape (P,)."""
-    edges, contrast_cells = np.empty(len(responses), np.int64), np.empty(len(responses), np.int64)
-    for point in range(len(responses)):
-        row = np.int64(response_bin(responses[point]))
-        edges[point] = row * SLOPE_BINS + np.int64(slope_bin(abs(slopes[point])))
-        contrast_cells[point] = (row // COARSE) * CONTRAST_BINS + np.int64(
-            contrast_bin(contrasts[point])
-        )
-    return edges, contrast_cells
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -256,104 +147,6 @@ def _lines(tables: Image) -> str:
         + "]"
         for table in tables
     )
-
-
-def border_strength(responses: Image) -> float:
-    """Return how strong a border is: the mean of the upper half of its responses (P,), signed."""
-    highest = np.sort(responses)[::-1][: (len(responses) + 1) // 2]
-    return float(highest.mean()) if len(highest) else 0.0
-
-
-def strength_class(strength: float) -> int:
-    """Return the class of a strength, -1 for one that is too faint for any."""
-    return int(np.searchsorted(STRENGTHS, strength, side="right")) - 1
-
-
-class ResponseHistograms:
-    """How often each cell of the tables was met, on borders or elsewhere."""
-
-    def __init__(self) -> None:
-        self.edges = np.zeros(EDGE_SHAPE)
-        self.contrasts = np.zeros(CONTRAST_SHAPE)
-
-    def add(self, points: PointMeasures) -> None:
-        """Count some points."""
-        edges, contrasts = points.cells()
-        self.edges += _counts(edges, EDGE_SHAPE)
-        self.contrasts += _counts(contrasts, CONTRAST_SHAPE)
-
-
-def _counts(cells: IndexArray, shape: tuple[int, int]) -> FloatArray:
-    counts = np.bincount(cells.reshape(-1), minlength=shape[0] * shape[1])
-    return counts.reshape(shape).astype(np.float64)
-
-
-def table_from_histograms(
-    borders: Sequence[ResponseHistograms], background: ResponseHistograms, source: str
-) -> ResponseTable:
-    """Make the tables from what was counted on borders of bright cables, and elsewhere.
-
-    Parameters
-    ----------
-    borders : sequence of ResponseHistograms
-        Of each class of strength. A class that was never met is taken to look like the nearest one
-        that was.
-    background : ResponseHistograms
-        Elsewhere.
-    source : str
-        What they were counted in.
-
-    Raises
-    ------
-    ParameterError
-        There is no border, or nothing else.
-    """
-    met = [index for index, border in enumerate(borders) if border.edges.sum() > 0]
-    if not met or background.edges.sum() <= 0:
-        raise ParameterError("there is nothing to learn from: no labelled frame shows a border")
-    nearest = [min(met, key=lambda other: abs(other - index)) for index in range(len(borders))]
-    edges = np.stack(
-        [
-            _log_ratios(
-                _density(borders[index].edges, EDGE_SMOOTHING),
-                _density(background.edges, EDGE_SMOOTHING),
-            )
-            for index in nearest
-        ]
-    )
-    contrasts = np.stack(
-        [
-            _log_ratios(
-                _given_row(_density(borders[index].contrasts, CONTRAST_SMOOTHING)),
-                _given_row(_density(background.contrasts, CONTRAST_SMOOTHING)),
-            )
-            for index in nearest
-        ]
-    )
-    return ResponseTable(edges, contrasts, source)
-
-
-def _density(counts: FloatArray, smoothing: tuple[float, float]) -> FloatArray:
-    smooth = cv2.GaussianBlur(
-        counts,
-        (0, 0),
-        sigmaX=smoothing[1],
-        sigmaY=smoothing[0],
-        borderType=cv2.BORDER_REPLICATE,
-    )
-    density = np.asarray(smooth, np.float64) / float(np.sum(smooth))
-    return density + PRIOR_COUNT / counts.size
-
-
-def _given_row(joint: FloatArray) -> FloatArray:
-    conditional: FloatArray = joint / joint.sum(axis=1, keepdims=True)
-    return conditional
-
-
-def _log_ratios(on_border: FloatArray, elsewhere: FloatArray) -> Image:
-    mixed = (1.0 - STRAY_SHARE) * on_border + STRAY_SHARE * elsewhere
-    ratios = np.log(mixed / ((1.0 - ACCIDENT_SHARE) * elsewhere + ACCIDENT_SHARE * mixed))
-    return np.clip(ratios, -RATIO_LIMIT, RATIO_LIMIT).astype(np.float32)
 
 
 def load_table(path: str) -> ResponseTable:

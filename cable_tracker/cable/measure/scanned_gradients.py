@@ -7,7 +7,7 @@ other places of the same line.
 
 Two things are known of an edge: the gradient of the smoothed picture, and the slope of its modulus.
 The first, projected on the normal of a line, is the response of a derivative-of-Gaussian filter
-across that line. The second tells how far away the edge is: on its ridge it vanishes.
+across that line. The second tells how far away the edge is: it is zero on the edge itself.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 from functools import cache
 from typing import NamedTuple
 
@@ -46,12 +45,8 @@ REACH = 3.0
 """Filters end at so many sigma."""
 
 
-class Channel(IntEnum):
-    """Last axis of `ScanLines.gradients`."""
-
-    ALONG = 0
-    ACROSS = 1
-    SLOPE = 2
+ALONG, ACROSS, SLOPE = range(3)
+"""Channels: the last axis of `ScanLines.gradients`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,7 +104,7 @@ class ScanLines(NamedTuple):
     Attributes
     ----------
     gradients : Image
-        float32, shape (L, n, 3), see `Channel`: gradient along u and along v [robust scales], slope
+        float32, shape (L, n, 3), see `ALONG`: gradient along u and along v [robust scales], slope
         of its modulus along u [robust scales per px].
     smooth : Image
         Grey level without the fine texture [scales of the contrast], float32, shape (L, n).
@@ -173,7 +168,7 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
     (gradients, smooth), (turned_gradients, turned_smooth) = _scan_both(
         pixels, turned, rows, columns, kernels.gaussian, kernels.derivative, kernels.region
     )
-    steps = [each[:, ::SCALE_STEP, :2] for each in (gradients, turned_gradients)]
+    steps = [each[:, ::SCALE_STEP, : ACROSS + 1] for each in (gradients, turned_gradients)]
     scale = robust_scale(steps, NOISE_FLOOR)
     lag = kernels.contrast_lag
     contrasts = [
@@ -251,9 +246,9 @@ def _scan(
             modulus[x + 1] = np.sqrt(along[x] * along[x] + across[x] * across[x])
         _mirror_ends(modulus, 1, width)
         for x in range(width):
-            gradients[line, x, 0] = along[x]
-            gradients[line, x, 1] = across[x]
-            gradients[line, x, 2] = np.float32(0.5) * (modulus[x + 2] - modulus[x])
+            gradients[line, x, ALONG] = along[x]
+            gradients[line, x, ACROSS] = across[x]
+            gradients[line, x, SLOPE] = np.float32(0.5) * (modulus[x + 2] - modulus[x])
     return gradients, levels
 
 

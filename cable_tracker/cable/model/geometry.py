@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, WIDTH, StateColumn
 from cable_tracker.compilation import compiled, compiled_inside
+
+Number = TypeVar("Number", float, FloatArray)
 
 SIGN_CHANGING_COLUMNS = (
     StateColumn.DISTANCE,
@@ -65,12 +68,12 @@ SMALLEST_SKEW = 1e-6
 @compiled_inside
 def borders_cross_inside(pose: FloatArray, image_size: tuple[float, float]) -> bool:
     """Tell whether the borders of d, alpha, w, beta meet inside a picture: then it is no cable."""
-    skew = abs(pose[3])
+    skew = abs(pose[SKEW])
     if skew < SMALLEST_SKEW:
         return False
-    along = math.copysign(0.5 * pose[2] / math.tan(skew), pose[3])
-    cos, sin = math.cos(pose[1]), math.sin(pose[1])
-    x, y = pose[0] * cos - along * sin, pose[0] * sin + along * cos
+    along = math.copysign(0.5 * pose[WIDTH] / math.tan(skew), pose[SKEW])
+    cos, sin = math.cos(pose[ANGLE]), math.sin(pose[ANGLE])
+    x, y = pose[DISTANCE] * cos - along * sin, pose[DISTANCE] * sin + along * cos
     return bool(abs(x) < 0.5 * image_size[0] and abs(y) < 0.5 * image_size[1])
 
 
@@ -83,24 +86,31 @@ def turn_sign(angle: float, wrapped: float) -> float:
 
 
 @compiled_inside
-def unwrap_state(state: FloatArray, reference_angle: float, result: FloatArray) -> None:
-    """Fill in the way to write a cable (8,) whose normal is within pi/2 of an angle [rad].
+def unwrap_pose(pose: FloatArray, reference_angle: float, result: FloatArray) -> float:
+    """Fill in the way to write d, alpha, w, beta whose normal is within pi/2 of an angle [rad].
 
     (d, alpha) and (-d, alpha +- pi) are one line. Turning the normal round also exchanges the
-    borders and the sense of "up the cable", so that the skew, its rate and the distance rate change
-    their signs too. `result` may be `state`.
+    borders and the sense of "up the cable", so that the skew changes its sign too. Returns the
+    sign: -1 if the normal was turned round. `result` may be `pose`.
     """
-    angle = state[1] - reference_angle
+    angle = pose[ANGLE] - reference_angle
     wrapped = wrapped_angle(angle)
     sign = turn_sign(angle, wrapped)
-    result[0] = sign * state[0]
-    result[1] = wrapped + reference_angle
-    result[2] = state[2]
-    result[3] = sign * state[3]
-    result[4] = sign * state[4]
-    result[5] = state[5]
-    result[6] = state[6]
-    result[7] = sign * state[7]
+    result[DISTANCE] = sign * pose[DISTANCE]
+    result[ANGLE] = wrapped + reference_angle
+    result[WIDTH] = pose[WIDTH]
+    result[SKEW] = sign * pose[SKEW]
+    return sign
+
+
+@compiled_inside
+def unwrap_state(state: FloatArray, reference_angle: float, result: FloatArray) -> None:
+    """Fill in the same for a cable (8,); the rates change their signs as what they change does."""
+    sign = unwrap_pose(state, reference_angle, result)
+    result[POSE_SIZE + DISTANCE] = sign * state[POSE_SIZE + DISTANCE]
+    result[POSE_SIZE + ANGLE] = state[POSE_SIZE + ANGLE]
+    result[POSE_SIZE + WIDTH] = state[POSE_SIZE + WIDTH]
+    result[POSE_SIZE + SKEW] = sign * state[POSE_SIZE + SKEW]
 
 
 @compiled
@@ -158,14 +168,17 @@ def project_borders(states: FloatArray) -> Borders:
     states : FloatArray
         Shape (N, 4) or more columns.
     """
-    distance = states[:, StateColumn.DISTANCE]
-    angle = states[:, StateColumn.ANGLE]
-    half_width = states[:, StateColumn.WIDTH] / 2
-    skew = states[:, StateColumn.SKEW]
+    distance, angle, width, skew = states[:, :POSE_SIZE].T
     angles = np.stack((angle - skew, angle + skew), axis=1)
-    cos_skew = np.cos(skew)
-    offsets = np.stack(((distance - half_width) * cos_skew, (distance + half_width) * cos_skew), 1)
-    return Borders(angles, offsets)
+    offsets = [border_offset(distance, width, skew, side) for side in (-1.0, 1.0)]
+    return Borders(angles, np.stack(offsets, axis=1))
+
+
+@compiled_inside
+def border_offset(distance: Number, width: Number, skew: Number, side: float) -> Number:
+    """Return the distance of a border from the image centre [px]; `side`: -1 left, 1 right."""
+    offset: Number = (distance + side * (0.5 * width)) * np.cos(skew)
+    return offset
 
 
 def states_from_borders(borders: Borders) -> FloatArray:
@@ -269,3 +282,16 @@ def image_reach(angles: FloatArray, image_size: tuple[int, int]) -> FloatArray:
 def reach_at(angle: float, width: float, height: float) -> float:
     """Return the largest |d| at which a line still meets an image, in kernels; `image_reach`."""
     return (abs(math.cos(angle)) * width + abs(math.sin(angle)) * height) / 2
+
+
+def inset(state: FloatArray, image_size: tuple[int, int]) -> float:
+    """Return how far one centreline, shape (4,) or more, is from leaving the image [px]."""
+    width, height = image_size
+    reach = reach_at(float(state[ANGLE]), float(width), float(height))
+    return reach - abs(float(state[DISTANCE]))
+
+
+def insets(states: FloatArray, image_size: tuple[int, int]) -> FloatArray:
+    """Return how far centrelines, shape (N, 4) or more, are from leaving the image [px]: (N,)."""
+    away: FloatArray = image_reach(states[:, ANGLE], image_size) - np.abs(states[:, DISTANCE])
+    return away

@@ -1,4 +1,4 @@
-"""The state of a cable in the image, and the names of its columns."""
+"""The state of a cable in the image, and the names and units of its columns."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from enum import IntEnum
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 
 
 class StateColumn(IntEnum):
@@ -31,6 +32,18 @@ STATE_SIZE = len(StateColumn)
 
 POSE_SIZE = 4
 """Pose components: the first columns, d, alpha, w, beta; as many rates follow."""
+
+DISTANCE, ANGLE, WIDTH, SKEW = range(POSE_SIZE)
+"""Their columns for kernels: Numba 0.59 takes no enumeration for an index beside a slice."""
+
+
+def pose_units(image_width: float) -> FloatArray:
+    """Return what pixels of the reference width are in frames of a width [px], shape (4,).
+
+    Factors for d, alpha, w, beta; angles stay as they are.
+    """
+    scale = image_width / REFERENCE_WIDTH
+    return np.array([scale, 1.0, scale, 1.0])
 
 
 @dataclass(frozen=True, slots=True)

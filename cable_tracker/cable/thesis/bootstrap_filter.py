@@ -8,12 +8,17 @@ from typing import TypeAlias
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.filter import CableFilter, Finding, ParticleBelief, equal_states
+from cable_tracker.cable.filter_interface import (
+    BeliefSummary,
+    CableFilter,
+    ParticleBelief,
+    resampled_states,
+)
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.response_table import ResponseTable
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.estimate import Hypothesis
-from cable_tracker.cable.model.initialisation import random_states
+from cable_tracker.cable.model.initial_state import random_states
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.state import CableState
@@ -79,11 +84,11 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
         """Return equally weighted particles, states (N, 8)."""
         return BootstrapBelief(Particles.equally_weighted(states))
 
-    def adapted(self, belief: ParticleBelief) -> BootstrapBelief:
+    def converted(self, belief: ParticleBelief) -> BootstrapBelief:
         """Return the belief of any filter as this one's, with as many particles as wanted."""
         if belief.particles.count == self._parameters.particle_count:
             return BootstrapBelief(belief.particles)
-        return self.given_belief(equal_states(belief, self._parameters, self._rng))
+        return self.given_belief(resampled_states(belief, self._parameters, self._rng))
 
     def step(
         self,
@@ -111,17 +116,17 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
             return particles
         return particles.selected(self._resample(particles.weights, particles.count, self._rng))
 
-    def finding(self, belief: BootstrapBelief, image: WorkingImage) -> Finding:
+    def summary(self, belief: BootstrapBelief, image: WorkingImage) -> BeliefSummary:
         """Return mean and covariance of the particles, and how clearly the frame shows the mean."""
         particles = belief.particles
         mean, covariance = cable_mean_and_covariance(particles.states, particles.weights)
         evidence = self._observation.evidence(mean, image)
-        return Finding(
+        return BeliefSummary(
             mean=mean,
             covariance=covariance,
             effective_sample_size=effective_sample_size(particles.log_weights),
             evidence=evidence,
-            rises=evidence >= self._parameters.evidence_to_track,
-            holds=evidence >= self._parameters.evidence_to_lose,
+            supports_claim=evidence >= self._parameters.evidence_to_track,
+            supports_keeping=evidence >= self._parameters.evidence_to_lose,
             hypotheses=(Hypothesis(1.0, CableState.from_array(mean)),),
         )

@@ -13,7 +13,9 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.border_points import (
     MINIMUM_POINTS,
     FrameScan,
+    between_pixels,
     border_normal,
+    crossing_position,
     frame_scan,
     response_at,
 )
@@ -24,7 +26,7 @@ from cable_tracker.compilation import compiled
 SMALLEST_SUM = 1e-3
 """Sums below this are the rounding of float32 pixels [grey levels]."""
 
-NOISE_FLOOR = 0.3
+LEAST_SCALE = 0.3
 """Smallest robust scale of a frame [grey levels per working px]: below it lies the rounding of
 pixels."""
 
@@ -54,7 +56,7 @@ class BorderResponseModel:
         sums, lengths = border_sums(state[None, :], image)
         if not opposed(sums)[0] or lengths.min() < MINIMUM_POINTS:
             return 0.0
-        scale = max(image.scanned.scale, NOISE_FLOOR) * image.scale
+        scale = max(image.scanned.scale, LEAST_SCALE) * image.scale
         return float((np.abs(sums) / lengths).min()) / scale
 
 
@@ -97,20 +99,21 @@ def _sum_responses(
             side = 2.0 * border - 1.0
             steep, along, across, offset = border_normal(state, side, scan.reduction)
             lines = scan.rows if steep else scan.columns
-            middle = (lines.gradients.shape[1] - 1) / 2
+            length = lines.gradients.shape[1]
             start, step = offset / along, -across / along
             total, count = np.float32(0.0), 0
             for number in range(len(lines.places)):
-                place = start + step * lines.places[number]
-                # Written so that a place that is no number is outside.
-                if abs(place) <= middle:
-                    total += response_at(
-                        lines.gradients,
-                        np.uint64(number),
-                        place + middle,
-                        np.float32(along),
-                        np.float32(across),
-                    )
-                    count += 1
+                line = np.uint64(number)
+                position = crossing_position(lines, line, start, step, float(length - 1))
+                if position < 0.0:
+                    continue
+                total += response_at(
+                    lines.gradients,
+                    line,
+                    between_pixels(position, length),
+                    np.float32(along),
+                    np.float32(across),
+                )
+                count += 1
             sums[cable, border] = float(total) / abs(along)
             lengths[cable, border] = count / abs(along)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
-from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.detectors import DETECTORS
@@ -173,7 +173,7 @@ def track_recording(
 def start_from(tracker: CableTracker, state: CableState | None) -> None:
     """Start a tracker from a state, or at random if there is none."""
     if state is not None:
-        tracker.initialise(StatePrior.around(state))
+        tracker.initialise(GivenState.around(state))
 
 
 def _track_frame(

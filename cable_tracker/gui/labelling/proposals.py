@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.geometry import unwrap_states
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
@@ -99,7 +99,7 @@ class Proposer:
         self, start: int, frame: int, labels: Labels, stopped: Callable[[], bool]
     ) -> Proposal:
         tracker = make_tracker(self._parameters)
-        tracker.initialise(StatePrior.around(self._moving_state(start, labels)))
+        tracker.initialise(GivenState.around(self._moving_state(start, labels)))
         estimate = None
         for number in range(start, frame + 1):
             if stopped():
@@ -141,7 +141,7 @@ class Proposer:
         if not found:
             return Proposal(frame, None, "no cable was detected")
         tracker = make_tracker(self._parameters)
-        tracker.initialise(StatePrior.around(found[0].state))
+        tracker.initialise(GivenState.around(found[0].state))
         estimate = tracker.process(grey, picture.stamp)
         if estimate.status is not TrackingStatus.TRACKING:
             return Proposal(frame, at_rest(found[0].state), "detected in this frame, in doubt")

@@ -27,7 +27,7 @@ from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.initialisation import StatePrior, usual_sigma
+from cable_tracker.cable.model.initial_state import GivenState, usual_sigma
 from cable_tracker.errors import ParameterError, RosError, one_line
 from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener, Snapshot
 from cable_tracker.gui.subject import CABLE, TARGET, Subject
@@ -242,7 +242,7 @@ class LiveSession:
         publisher.publish(self._start_message(header, start))
 
     def _start_message(self, header: Message, start: AnyStart) -> Message:
-        assert isinstance(start, StatePrior), "a cable is not marked with an outline"
+        assert isinstance(start, GivenState), "a cable is not marked with an outline"
         latest = self._latest
         width = latest.grey.shape[1] if isinstance(latest, Snapshot) else 320
         return make_centreline(self._factory, header, start.state, _covariance(start, width))
@@ -405,7 +405,7 @@ class LiveTargetSession(LiveSession):
         return make_polygon(self._factory, header, start.corners)
 
 
-def _covariance(prior: StatePrior, image_width: int) -> FloatArray:
+def _covariance(prior: GivenState, image_width: int) -> FloatArray:
     """Return the covariance, shape (8, 8), that a prior stands for."""
     sigma = np.where(np.isnan(prior.sigma), usual_sigma(image_width), prior.sigma)
     covariance: FloatArray = np.diag(np.minimum(sigma**2, UNKNOWN_VARIANCE))

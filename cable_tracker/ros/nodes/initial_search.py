@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from cable_tracker.arrays import Image
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
-from cable_tracker.cable.model.initialisation import StatePrior
 from cable_tracker.detection.detector import CableDetector
 from cable_tracker.detection.detectors import DETECTORS
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
@@ -29,7 +29,7 @@ class InitialSearch:
 
     def __init__(self, text: str, limits: PairLimits = DEFAULT_LIMITS) -> None:
         self._detector: CableDetector | None = None
-        self._given: StatePrior | None = None
+        self._given: GivenState | None = None
         self._is_seeking = False
         self._name = text.strip()
         if self._name in DETECTORS:
@@ -39,14 +39,14 @@ class InitialSearch:
             state = parse_initial_state(text)
         except ParameterError as error:
             raise ParameterError(f"{error}, nor a detector ({', '.join(DETECTORS)})") from error
-        self._given = StatePrior.around(state) if state is not None else None
+        self._given = GivenState.around(state) if state is not None else None
 
     def limit(self, limits: PairLimits) -> None:
         """Let the detector, if there is one, look for cables of other widths and skews."""
         if self._name in DETECTORS:
             self._detector = DETECTORS[self._name](limits)
 
-    def restart(self) -> StatePrior | None:
+    def restart(self) -> GivenState | None:
         """Begin anew; return the prior of the next frame, None where none is known yet."""
         self._is_seeking = self._detector is not None
         return self._given
@@ -55,7 +55,7 @@ class InitialSearch:
         """Seek no more: the filter has found a cable by itself, or was told where one is."""
         self._is_seeking = False
 
-    def look(self, picture: Image) -> StatePrior | None:
+    def look(self, picture: Image) -> GivenState | None:
         """Return where the detector sees a cable; None where it sees none, or nothing is sought.
 
         Parameters
@@ -74,4 +74,4 @@ class InitialSearch:
         if not found:
             return None
         self._is_seeking = False
-        return StatePrior.around(found[0].state)
+        return GivenState.around(found[0].state)

@@ -13,7 +13,7 @@ from rclpy.publisher import Publisher
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
     PARAMETERS_BY_NAME,
@@ -60,7 +60,7 @@ class TrackerNode(CameraNode):
         super().__init__("tracker", **node_arguments)
         self._metric = MetricInputs(self, self._factory)
         self._estimate: CableEstimate | None = None
-        self._prior_while_disabled: StatePrior | None = None
+        self._prior_while_disabled: GivenState | None = None
         self._prior_topic = ""
         self._declare_parameters()
         self._restart()

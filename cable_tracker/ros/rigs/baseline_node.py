@@ -13,11 +13,11 @@ from collections.abc import Callable
 from typing import Final
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.hypotheses.proposer import CableProposer
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.proposer_interface import CableProposer
 from cable_tracker.evaluation.methods import BASELINES, METHODS, Method
 from cable_tracker.node_parameter_tables import word
 from cable_tracker.ros import node_parameters
@@ -64,7 +64,7 @@ class MethodTracker:
         """Forget everything."""
         self._method = self._make(self._parameters.seed)
 
-    def initialise(self, prior: StatePrior) -> None:
+    def initialise(self, prior: GivenState) -> None:
         """Start the next frame from the middle of a belief."""
         self._method.initialise(prior.state)
 

@@ -262,8 +262,8 @@ class BlobFilter:
             presence=1.0 if claims else 0.0,
             effective_sample_size=n_eff,
             score=blob.contrast,
-            rises=claims,
-            holds=claims,
+            supports_claim=claims,
+            supports_keeping=claims,
         )
 
     def _nothing(self, n_eff: float) -> Finding:
@@ -278,8 +278,8 @@ class BlobFilter:
             presence=0.0,
             effective_sample_size=n_eff,
             score=0.0,
-            rises=False,
-            holds=False,
+            supports_claim=False,
+            supports_keeping=False,
         )
 
 

@@ -9,14 +9,14 @@ from cable_tracker.cable.hypotheses.ancestors import (
     draw_ancestors,
     surviving_ancestors,
 )
-from cable_tracker.cable.hypotheses.clusters import NONE, Clusters
+from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.tracking.survival import SurvivalRates
 
 RATES = SurvivalRates(vanishing=0.25, leaving=10.0, margin=8.0)
 SIZE = (320, 240)
-GROUPS = (0, 1, NONE)
+GROUPS = (0, 1, NO_CLUSTER)
 EACH_SCHEME = pytest.mark.parametrize("scheme", RESAMPLING_SCHEMES)
 
 
@@ -29,8 +29,9 @@ def sample(rng, count=60) -> tuple[Particles, Clusters]:
     weights = rng.dirichlet(np.ones(count)) * np.repeat([9.0, 0.01, 1.0], count // 3)
     weights /= weights.sum()
     masses = np.array([weights[labels == label].sum() for label in (0, 1)])
-    rest = weights[labels == NONE].sum()
-    return Particles(states, np.log(weights)), Clusters(labels, masses, np.zeros((2, 8)), rest)
+    rest = weights[labels == NO_CLUSTER].sum()
+    clusters = Clusters(labels, masses, np.zeros((2, 8)), np.arange(2), rest)
+    return Particles(states, np.log(weights)), clusters
 
 
 def group_of(ancestors: Ancestors) -> np.ndarray:
@@ -65,7 +66,7 @@ def test_a_group_that_weighs_nothing_has_no_ancestors(rng):
     empty = clusters._replace(masses=np.array([clusters.masses[0], 0.0]))
     resample = RESAMPLING_SCHEMES["systematic"]
     ancestors = draw_ancestors(particles, empty, 6000, resample, rng)
-    assert set(group_of(ancestors)) == {0, NONE}
+    assert set(group_of(ancestors)) == {0, NO_CLUSTER}
 
 
 def test_what_is_nearer_to_the_edge_survives_less():

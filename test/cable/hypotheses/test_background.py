@@ -3,24 +3,34 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.background import SMALLEST_SPREAD, Background, background_of
+from cable_tracker.cable.hypotheses.background import SMALLEST_DEVIATION, Background, background_of
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.proposal_config import proposal_config
+from cable_tracker.cable.hypotheses.proposals import ProposalInputs
 from cable_tracker.cable.measure.border_points import frame_scan
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
-LOWER, UPPER = np.array([-220.0, -2.0, 3.0, -0.5]), np.array([220.0, 2.0, 240.0, 0.5])
 MODEL = BorderLikelihoodRatio(TrackerParameters())
+CONFIG = proposal_config(TrackerParameters(), 4.0, (320, 240))
+NOTHING = np.empty(0)
+
+
+def inputs_of(image, rng) -> ProposalInputs:
+    """The frame and the random numbers of one without a belief."""
+    scan, model = frame_scan(image), MODEL.model_for(image)
+    noise = draw_frame_noise(rng, 0, 0, 4.0)
+    return ProposalInputs(
+        None, noise, scan, model, polarity_prior(0.5), 0.0, NOTHING, NOTHING, NOTHING
+    )
 
 
 def background(picture, poses, rng) -> Background:
     image = make_working_image(picture.astype(np.float32), 320)
     means = np.hstack((np.array(poses), np.zeros((len(poses), 4))))
-    noise = draw_frame_noise(rng, 0, 0, 4.0)
-    return background_of(
-        means, noise, frame_scan(image), MODEL.model_for(image), 0.5, LOWER, UPPER, (320.0, 240.0)
-    )
+    return background_of(means, inputs_of(image, rng), CONFIG)
 
 
 def level_of(picture, pose) -> float:
@@ -38,7 +48,7 @@ def test_a_single_strip_has_no_like_in_the_picture(rng):
     pose = [0.0, 0.0, 40.0, 0.0]
     found = background(picture, [pose], rng)
     assert found.alike[0] < 0.3 * level_of(picture, pose)
-    assert level_of(picture, pose) > found.means[0] + 5.0 * found.spreads[0]
+    assert level_of(picture, pose) > found.means[0] + 5.0 * found.deviations[0]
 
 
 def test_one_ripple_of_many_has(rng):
@@ -54,12 +64,12 @@ def test_the_bottom_explains_nothing_at_least(rng):
         np.full((240, 320), 90.0), [[0.0, 0.3, 30.0, 0.0], [50.0, 0.0, 9.0, 0.0]], rng
     )
     assert (found.alike >= 0.0).all()
-    assert (found.spreads >= SMALLEST_SPREAD).all()
+    assert (found.deviations >= SMALLEST_DEVIATION).all()
 
 
 def test_without_hypotheses_there_is_nothing(rng):
     found = background(grain(rng), np.empty((0, 4)), rng)
-    assert len(found.alike) == len(found.means) == len(found.spreads) == 0
+    assert len(found.alike) == len(found.means) == len(found.deviations) == 0
 
 
 @pytest.mark.parametrize("count", [1, 3, 5])

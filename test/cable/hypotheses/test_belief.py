@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.hypotheses.belief import initial_belief, resampled_belief
-from cable_tracker.cable.hypotheses.clusters import NONE, Clusters
+from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Clusters
 
 
 def test_states_that_are_given_count_alike_and_are_wrapped(rng):
@@ -18,7 +18,7 @@ def test_states_that_are_given_count_alike_and_are_wrapped(rng):
     np.testing.assert_allclose(belief.particles.weights, 1 / 50)
     assert (np.abs(belief.particles.states[:, 1]) <= np.pi / 2).all()
     # One cloud on both sides of the wrap: its middle is not upright.
-    assert len(belief.clusters.masses) == 1
+    assert len(belief.hypotheses.clusters.masses) == 1
     assert abs(belief.reference_angle) == pytest.approx(np.pi / 2, abs=0.01)
     assert belief.memory is None
     assert belief.width_prior is None
@@ -26,15 +26,18 @@ def test_states_that_are_given_count_alike_and_are_wrapped(rng):
 
 def test_a_belief_that_is_resampled_keeps_its_hypotheses(rng):
     belief = initial_belief(rng.normal(0.0, 0.1, (50, 8)), 0.9)
-    labels = np.repeat([0, 1, NONE], [30, 15, 5])
+    labels = np.repeat([0, 1, NO_CLUSTER], [30, 15, 5])
     means = rng.normal(0.0, 1.0, (2, 8))
-    clusters = Clusters(labels, np.array([0.6, 0.3]), means, 0.1)
-    belief = replace(belief, clusters=clusters, log_odds=np.array([2.0, -1.0]))
+    clusters = Clusters(labels, np.array([0.6, 0.3]), means, np.arange(2), 0.1)
+    hypotheses = belief.hypotheses._replace(clusters=clusters)
+    belief = replace(belief, hypotheses=hypotheses, log_odds=np.array([2.0, -1.0]))
     drawn = resampled_belief(belief, np.array([0, 29, 29, 44, 49]))
-    assert drawn.clusters.labels.tolist() == [0, 0, 0, 1, NONE]
-    assert drawn.clusters.masses.tolist() == [0.6, 0.2]
-    assert drawn.clusters.rest == 0.2
-    assert drawn.clusters.means is means
+    after = drawn.hypotheses.clusters
+    assert after.labels.tolist() == [0, 0, 0, 1, NO_CLUSTER]
+    assert after.masses.tolist() == [0.6, 0.2]
+    assert after.rest == 0.2
+    assert after.means is means
+    assert drawn.hypotheses.effective_size == 5.0
     assert drawn.log_odds is belief.log_odds
     np.testing.assert_array_equal(drawn.particles.states[3], belief.particles.states[44])
     np.testing.assert_allclose(drawn.particles.weights, 0.2)

@@ -8,10 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses import clusters as kernels
-from cable_tracker.cable.hypotheses.clusters import MOST_CLUSTERS, NONE, RADII
+from cable_tracker.cable.hypotheses.clusters import MOST_CLUSTERS, NO_CLUSTER, RADII, Groups
 from cable_tracker.cable.model.geometry import unwrap_states, wrap_state, wrap_states
+from cable_tracker.cable.model.state import pose_units
 
 WIDTH = 320
+NOWHERE = np.empty((0, 8))
 SIGMA = np.array([2.0, 0.01, 2.0, 0.01, 1.0, 0.1, 1.0, 0.1])
 
 
@@ -37,10 +39,14 @@ def named(clusters) -> list[Found]:
     ]
 
 
+def groups_of(states, log_weights, width, anchors=NOWHERE) -> Groups:
+    return kernels.find_groups(states, log_weights, RADII * pose_units(width), anchors)
+
+
 def grouped(states, weights, width):
     with np.errstate(divide="ignore"):
-        labels, count = kernels.find_groups(states, np.log(weights), float(width), np.empty((0, 8)))
-    return kernels.clusters_of(states, weights, labels, count)
+        groups = groups_of(states, np.log(weights), width)
+    return kernels.clusters_of(states, weights, groups)
 
 
 def find_clusters(states, weights, width) -> list[Found]:
@@ -53,9 +59,9 @@ def spread_of_leader(states, weights, width) -> np.ndarray:
 
 
 def find_groups(states, log_weights, width, anchor=None) -> list[np.ndarray]:
-    anchors = np.empty((0, 8)) if anchor is None else anchor[None, :]
-    labels, count = kernels.find_groups(states, log_weights, float(width), anchors)
-    return [labels == group for group in range(count)]
+    anchors = NOWHERE if anchor is None else anchor[None, :]
+    groups = groups_of(states, log_weights, width, anchors)
+    return [groups.labels == group for group in range(groups.number)]
 
 
 def equal(count) -> np.ndarray:
@@ -128,8 +134,8 @@ def test_the_lightest_cloud_gathers_too(rng):
     assert [group.sum() for group in groups] == [50, 50]
     # It has no weight in numbers, so that it is no cluster.
     labels, weights = np.repeat([0, 1], 50), np.repeat([1 / 50, 0.0], 50)
-    clusters = kernels.clusters_of(states, weights, labels, 2)
-    assert clusters.labels.tolist() == [0] * 50 + [NONE] * 50
+    clusters = kernels.clusters_of(states, weights, Groups(labels, 2))
+    assert clusters.labels.tolist() == [0] * 50 + [NO_CLUSTER] * 50
 
 
 def test_the_first_group_is_at_the_anchor_however_light(rng):
@@ -156,3 +162,11 @@ def test_one_particle_is_one_cluster_without_a_spread(rng):
     (cluster,) = find_clusters(states, np.ones(1), WIDTH)
     np.testing.assert_allclose(cluster.state, states[0])
     np.testing.assert_allclose(spread_of_leader(states, np.ones(1), WIDTH), 0.0)
+
+
+def test_clusters_know_which_groups_they_were(rng):
+    states = np.concatenate((cloud(rng, -60.0, 0.0, 30), cloud(rng, 60.0, 0.0, 70)))
+    groups = Groups(np.repeat([0, 1], [30, 70]), 2)
+    clusters = kernels.clusters_of(states, equal(100), groups)
+    assert clusters.group_of.tolist() == [1, 0]
+    assert clusters.labels.tolist() == [1] * 30 + [0] * 70

@@ -5,43 +5,52 @@ import math
 import numpy as np
 import pytest
 
+from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Groups
 from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules, corrected_weights
+from cable_tracker.cable.hypotheses.predicted_density import empty_densities
 
 RULES = CorrectionRules(evidence_limit=8.0, evidence_repeated=0.15, thin_width=12.0)
 
 
-def evidence_after(evidence, survived=0.0, penalty=0.0, width=30.0, background=0.0) -> float:
+def corrected(log_posterior, log_prior, survived, labels, penalty=0.0, width=30.0, background=0.0):
+    """Log-weights of particles of one width, of each of which a share has survived."""
+    count = len(labels)
+    states = np.zeros((count, 8))
+    states[:, 2] = width
+    densities = empty_densities(count)._replace(
+        full=np.ones(count), survived=np.array(survived), width_penalties=np.full(count, penalty)
+    )
+    groups = Groups(np.array(labels), max(labels) + 1)
+    backgrounds = np.full(groups.number, background)
+    return corrected_weights(
+        log_posterior, log_prior, states, densities, groups, backgrounds, RULES
+    )
+
+
+def evidence_after(evidence, survived=0.0, **others) -> float:
     """Return what counts of the evidence for one group of two particles, by the correction."""
     log_prior = np.log([0.3, 0.2])
-    posterior = log_prior + evidence
-    full = np.ones(2)
-    corrected = corrected_weights(
-        posterior, log_prior, full, survived * full, np.full(2, penalty), np.full(2, width),
-        np.zeros(2, np.int64), 1, np.full(1, background), RULES,
-    )  # fmt: skip
-    changes = corrected - log_prior
+    after = corrected(log_prior + evidence, log_prior, [survived] * 2, [0, 0], **others)
+    changes = after - log_prior
     assert changes[0] == pytest.approx(changes[1])
     return changes[0]
 
 
-def test_a_new_group_is_paid_for_what_it_explains():
+def test_of_a_new_group_all_counts_that_it_explains():
     assert evidence_after(3.0) == pytest.approx(3.0)
     assert evidence_after(-3.0) == pytest.approx(-3.0)
 
 
-def test_a_new_group_is_paid_only_for_what_it_explains_better_than_one_that_goes_on():
+def test_of_a_new_group_counts_what_it_explains_better_than_one_that_goes_on():
     log_prior = np.log([0.9, 0.1])
     for old, new in ((5.0, 7.0), (7.0, 5.0), (0.0, 99.0)):
-        corrected = corrected_weights(
-            log_prior + np.array([old, new]), log_prior, np.ones(2), np.array([1.0, 0.0]),
-            np.zeros(2), np.full(2, 30.0), np.array([0, 1]), 2, np.zeros(2), RULES,
-        )  # fmt: skip
-        first, second = corrected - log_prior
+        after = corrected(log_prior + np.array([old, new]), log_prior, [1.0, 0.0], [0, 1])
+        first, second = after - log_prior
         assert first == pytest.approx(0.15 * min(old, 8.0))
         assert second == pytest.approx(0.15 * old + min(new - old, 8.0))
 
 
-def test_what_the_bottom_explains_as_well_is_not_paid_for():
+def test_what_the_bottom_explains_as_well_does_not_count():
     assert evidence_after(6.0, background=4.0) == pytest.approx(2.0)
 
 
@@ -61,36 +70,11 @@ def test_what_survived_counts_once_more_only_by_a_share():
 
 
 def test_within_a_group_the_likelihood_decides_as_before():
-    posterior, log_prior = np.array([1.0, -1.0, 5.0]), np.zeros(3)
-    ones = np.ones(3)
-    corrected = corrected_weights(
-        posterior,
-        log_prior,
-        ones,
-        0 * ones,
-        0 * ones,
-        30 * ones,
-        np.array([0, 0, -1]),
-        1,
-        np.zeros(1),
-        RULES,
-    )
-    assert corrected[0] - corrected[1] == pytest.approx(2.0)
+    posterior = np.array([1.0, -1.0, 5.0])
+    after = corrected(posterior, np.zeros(3), [0.0] * 3, [0, 0, NO_CLUSTER])
+    assert after[0] - after[1] == pytest.approx(2.0)
 
 
 def test_what_is_impossible_stays_so():
     impossible = np.full(2, -math.inf)
-    ones = np.ones(2)
-    corrected = corrected_weights(
-        impossible,
-        impossible,
-        ones,
-        ones,
-        0 * ones,
-        30 * ones,
-        np.zeros(2, np.int64),
-        1,
-        np.zeros(1),
-        RULES,
-    )
-    assert (corrected == -math.inf).all()
+    assert (corrected(impossible, impossible, [1.0] * 2, [0, 0]) == -math.inf).all()

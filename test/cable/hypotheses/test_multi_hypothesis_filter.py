@@ -14,7 +14,7 @@ from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     SMALLEST_HYPOTHESIS,
     MultiHypothesisFilter,
 )
-from cable_tracker.cable.hypotheses.presence import HIGHEST, probability_of
+from cable_tracker.cable.hypotheses.presence import HIGHEST
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.measure.working_image import make_working_image
@@ -22,12 +22,13 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_observation
+from cable_tracker.particle_filter.existence import probability_of
 
 SIZE = (160, 120)
 FRAME = 0.04
 STRIP = CableState(12.0, 0.2, 24.0, 0.03)
 OTHER = CableState(-45.0, -0.15, 20.0, 0.0)
-NONE = np.empty((0, 4))
+NO_DETECTIONS = np.empty((0, 4))
 FOUND = STRIP.to_array()[None, :4] + np.array([1.0, 0.02, -1.0, 0.0])
 
 
@@ -62,7 +63,7 @@ def noise(noise_picture):
 
 
 def mean_of(belief) -> np.ndarray:
-    return belief.clusters.means[0, :4]
+    return belief.hypotheses.clusters.means[0, :4]
 
 
 def posterior(image, detections, runs=10, **changes) -> tuple[np.ndarray, np.ndarray]:
@@ -120,7 +121,7 @@ def test_no_proposal_changes_whether_there_is_a_cable(strip):
     assert np.ptp(list(log_odds.values())) < 0.25, log_odds
 
 
-def run(cable_filter, belief, images, detections=NONE, dt=FRAME) -> list:
+def run(cable_filter, belief, images, detections=NO_DETECTIONS, dt=FRAME) -> list:
     beliefs = []
     for image in images:
         belief = cable_filter.step(belief, image, dt, detections)
@@ -133,10 +134,10 @@ def assert_sound(belief) -> None:
     assert belief.particles.weights.sum() == pytest.approx(1.0)
     assert LEAST_PRESENCE - 1e-9 <= belief.presence <= probability_of(HIGHEST)
     assert 0.0 < belief.p_bright < 1.0
-    masses = belief.clusters.masses.tolist()
+    masses = belief.hypotheses.clusters.masses.tolist()
     assert masses
     assert masses == sorted(masses, reverse=True)
-    assert np.isfinite([belief.border_evidence, belief.visible_length]).all()
+    assert np.isfinite([belief.hypotheses.border_evidence, belief.hypotheses.visible_length]).all()
     angles = belief.particles.states[:, 1]
     assert ((angles > -np.pi / 2) & (angles <= np.pi / 2)).all()
 
@@ -168,7 +169,7 @@ def test_two_strips_are_two_hypotheses_and_the_estimate_is_on_one_of_them(draw_s
     cable_filter = make_filter()
     states = np.concatenate((cloud(STRIP, 200), cloud(OTHER, 200)))
     belief = cable_filter.step(cable_filter.given_belief(states), image, FRAME, detections)
-    assert (belief.clusters.masses > 0.3).sum() == 2
+    assert (belief.hypotheses.clusters.masses > 0.3).sum() == 2
     for after in run(cable_filter, belief, [image] * 10, detections):
         distance = mean_of(after)[0]
         assert min(abs(distance - 12.0), abs(distance + 45.0)) < 3.0
@@ -213,12 +214,12 @@ def test_nothing_born_for_ever_is_no_problem(strip, noise):
 def test_another_number_of_particles_keeps_what_is_believed(strip, count):
     cable_filter = make_filter()
     belief = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 3)[-1]
-    adapted = make_filter(particle_count=count).adapted(belief)
-    assert adapted.particles.count == count
-    assert adapted.presence == belief.presence
-    assert adapted.memory is belief.memory
-    assert len(adapted.clusters.labels) == count
-    np.testing.assert_allclose(mean_of(adapted)[0], mean_of(belief)[0], atol=3.0)
+    converted = make_filter(particle_count=count).converted(belief)
+    assert converted.particles.count == count
+    assert converted.presence == belief.presence
+    assert converted.memory is belief.memory
+    assert len(converted.hypotheses.clusters.labels) == count
+    np.testing.assert_allclose(mean_of(converted)[0], mean_of(belief)[0], atol=3.0)
 
 
 @pytest.mark.parametrize("count", [1, 2, 8, 3000])
@@ -228,7 +229,7 @@ def test_any_number_of_particles_runs_without_a_warning(strip, noise, count, rou
         warnings.simplefilter("error")
         cable_filter = make_filter(particle_count=count, refinement_rounds=rounds)
         belief = cable_filter.first_belief()
-        for image, detections in ((strip, NONE), (strip, FOUND), (noise(1), FOUND)):
+        for image, detections in ((strip, NO_DETECTIONS), (strip, FOUND), (noise(1), FOUND)):
             belief = cable_filter.step(belief, image, FRAME, detections)
             assert_sound(belief)
             assert belief.particles.count == count
@@ -281,23 +282,23 @@ def test_the_belief_before_is_not_changed(strip):
 
 def test_a_cable_that_was_told_and_is_there_is_claimed_with_the_first_frame(strip):
     cable_filter = make_filter()
-    belief = cable_filter.step(cable_filter.given_belief(cloud(STRIP)), strip, 0.0, NONE)
-    finding = cable_filter.finding(belief, strip)
-    assert finding.rises
-    assert finding.holds
-    assert finding.presence > 0.9
-    assert finding.hypotheses[0].state == CableState.from_array(finding.mean)
-    np.testing.assert_allclose(finding.mean[[0, 2]], [12.0, 24.0], atol=1.5)
+    belief = cable_filter.step(cable_filter.given_belief(cloud(STRIP)), strip, 0.0, NO_DETECTIONS)
+    summary = cable_filter.summary(belief, strip)
+    assert summary.supports_claim
+    assert summary.supports_keeping
+    assert summary.presence > 0.9
+    assert summary.hypotheses[0].state == CableState.from_array(summary.mean)
+    np.testing.assert_allclose(summary.mean[[0, 2]], [12.0, 24.0], atol=1.5)
 
 
 def test_a_flat_picture_neither_rises_nor_holds():
     flat = working(np.full(SIZE[::-1], 90, np.uint8))
     cable_filter = make_filter()
     belief = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [flat] * 11)[-1]
-    finding = cable_filter.finding(belief, flat)
-    assert not finding.rises
-    assert not finding.holds
-    assert finding.presence < GIVEN_PRESENCE - 0.1
+    summary = cable_filter.summary(belief, flat)
+    assert not summary.supports_claim
+    assert not summary.supports_keeping
+    assert summary.presence < GIVEN_PRESENCE - 0.1
 
 
 def test_hypotheses_are_reported_likeliest_first_and_the_covariance_is_of_one(draw_strip):
@@ -307,12 +308,12 @@ def test_hypotheses_are_reported_likeliest_first_and_the_covariance_is_of_one(dr
     cable_filter = make_filter(border_displacement=0.0)
     belief = cable_filter.given_belief(np.concatenate((cloud(STRIP, 200), cloud(OTHER, 200))))
     for after in run(cable_filter, belief, [image] * 8, detections):
-        finding = cable_filter.finding(after, image)
-        shares = [hypothesis.probability for hypothesis in finding.hypotheses]
+        summary = cable_filter.summary(after, image)
+        shares = [hypothesis.probability for hypothesis in summary.hypotheses]
         assert shares == sorted(shares, reverse=True)
         assert sum(shares) <= 1.0 + 1e-9
         assert min(shares[1:], default=1.0) >= SMALLEST_HYPOTHESIS
-        assert finding.covariance[0, 0] < 9.0
+        assert summary.covariance[0, 0] < 9.0
 
 
 def test_the_covariance_goes_with_the_estimate_across_the_wrap(draw_strip):
@@ -320,23 +321,25 @@ def test_the_covariance_goes_with_the_estimate_across_the_wrap(draw_strip):
     image = working(draw_strip(horizontal, SIZE))
     cable_filter = make_filter(border_displacement=0.0)
     for belief in run(cable_filter, cable_filter.given_belief(cloud(horizontal)), [image] * 15):
-        finding = cable_filter.finding(belief, image)
-        assert -np.pi / 2 < finding.mean[1] <= np.pi / 2
-        assert finding.mean[0] * np.sign(finding.mean[1]) == pytest.approx(10.0, abs=1.5)
-        np.testing.assert_array_equal(finding.covariance, finding.covariance.T)
-        assert np.linalg.eigvalsh(finding.covariance).min() > -1e-9
+        summary = cable_filter.summary(belief, image)
+        assert -np.pi / 2 < summary.mean[1] <= np.pi / 2
+        assert summary.mean[0] * np.sign(summary.mean[1]) == pytest.approx(10.0, abs=1.5)
+        np.testing.assert_array_equal(summary.covariance, summary.covariance.T)
+        assert np.linalg.eigvalsh(summary.covariance).min() > -1e-9
 
 
 def test_what_the_likelihood_does_not_know_widens_the_covariance(strip):
-    findings = []
+    summaries = []
     for displacement in (0.0, 4.0):
         cable_filter = make_filter(border_displacement=displacement)
-        belief = cable_filter.step(cable_filter.given_belief(cloud(STRIP)), strip, 0.0, NONE)
-        findings.append(cable_filter.finding(belief, strip))
-    plain, wide = findings
+        belief = cable_filter.step(
+            cable_filter.given_belief(cloud(STRIP)), strip, 0.0, NO_DETECTIONS
+        )
+        summaries.append(cable_filter.summary(belief, strip))
+    plain, wide = summaries
     added = wide.covariance - plain.covariance
     # A clear border is off by 4 px at the reference width, 2 px here: variances 2 and 8.
-    factor = displacement_factor(belief.border_evidence) ** 2
+    factor = displacement_factor(belief.hypotheses.border_evidence) ** 2
     np.testing.assert_allclose(np.diag(added)[[0, 2]], [2.0 * factor, 8.0 * factor])
     np.testing.assert_allclose(added, np.diag(np.diag(added)), atol=1e-12)
     np.testing.assert_array_equal(wide.mean, plain.mean)
@@ -347,10 +350,10 @@ def test_the_belief_of_another_filter_is_taken_over_as_one_that_was_told(strip):
     observation = make_observation(values, load_table(""))
     thesis = BootstrapFilter(values, observation, SIZE[0], np.random.default_rng(0))
     cable_filter = make_filter()
-    adapted = cable_filter.adapted(thesis.given_belief(cloud(STRIP, 500)))
-    assert adapted.particles.count == 400
-    assert adapted.presence > 0.5
-    back = thesis.adapted(cable_filter.step(adapted, strip, FRAME, NONE))
+    converted = cable_filter.converted(thesis.given_belief(cloud(STRIP, 500)))
+    assert converted.particles.count == 400
+    assert converted.presence > 0.5
+    back = thesis.converted(cable_filter.step(converted, strip, FRAME, NO_DETECTIONS))
     assert back.particles.count == values.particle_count
     assert np.median(back.particles.states[:, 0]) == pytest.approx(12.0, abs=3.0)
 

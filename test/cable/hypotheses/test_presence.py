@@ -8,37 +8,30 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.presence import (
-    CLEAR_LEVEL,
-    CLEARNESS,
-    ENOUGH_SHOWN,
     HIGHEST,
-    LARGEST_LOG_ODDS,
-    LEAST_LOG_ODDS,
-    LEAST_SHOWN,
     LOWEST,
+    MODEL,
     NEW_LOG_ODDS,
-    ORDINARY_LEVEL,
     Standing,
     frame_log_odds,
     gain_over,
     inherited_log_odds,
-    log_odds_of,
-    probability_of,
     thin_factor,
     updated_log_odds,
 )
+from cable_tracker.particle_filter.existence import log_odds_of, probability_of
 
 NEW = math.nan
 
 
-FAINT = Standing(level=12.0, score=12.0, clearness=0.5, shown=1.0)
+FAINT = Standing(margin=12.0, standard_score=12.0, clearness=0.5, shown=1.0)
 
 
 @given(
     st.builds(
         Standing,
-        level=st.floats(-1e3, 1e3),
-        score=st.floats(-1e3, 1e3),
+        margin=st.floats(-1e3, 1e3),
+        standard_score=st.floats(-1e3, 1e3),
         clearness=st.floats(-1e3, 1e3),
         shown=st.floats(0.0, 1.0),
     ),
@@ -50,29 +43,37 @@ def test_to_stand_out_more_never_speaks_less_for_a_cable(standing, name, more):
     assert (
         odds <= frame_log_odds(standing._replace(**{name: getattr(standing, name) + more})) + 1e-9
     )
-    assert LEAST_LOG_ODDS <= odds <= LARGEST_LOG_ODDS
+    assert MODEL.least_log_odds <= odds <= MODEL.largest_log_odds
 
 
 def test_the_best_of_a_bare_bottom_speaks_against_a_cable_and_a_clear_cable_for_it():
-    assert frame_log_odds(FAINT._replace(score=5.0)) < 0.0
-    assert frame_log_odds(FAINT._replace(score=10.0)) > 0.0
+    assert frame_log_odds(FAINT._replace(standard_score=5.0)) < 0.0
+    assert frame_log_odds(FAINT._replace(standard_score=10.0)) > 0.0
 
 
 def test_what_hardly_stands_above_strips_like_it_is_no_cable_however_high_its_score():
-    assert frame_log_odds(FAINT._replace(level=ORDINARY_LEVEL - 4.0, score=16.0)) < 0.0
+    assert (
+        frame_log_odds(FAINT._replace(margin=MODEL.ordinary_margin - 4.0, standard_score=16.0))
+        < 0.0
+    )
 
 
 def test_what_stands_far_above_strips_like_it_is_one_though_the_bottom_is_coarse():
-    coarse = FAINT._replace(score=6.0)
-    assert frame_log_odds(coarse._replace(level=CLEAR_LEVEL + 8.0)) > 1.0
-    assert frame_log_odds(coarse._replace(level=CLEAR_LEVEL)) < 0.0
+    coarse = FAINT._replace(standard_score=6.0)
+    assert frame_log_odds(coarse._replace(margin=MODEL.clear_margin + 8.0)) > 1.0
+    assert frame_log_odds(coarse._replace(margin=MODEL.clear_margin)) < 0.0
 
 
 def test_a_clear_strip_in_a_corner_is_a_cable_and_a_clear_edge_of_a_stone_is_not():
-    low = Standing(level=ORDINARY_LEVEL - 1.0, score=6.0, clearness=CLEARNESS + 0.4, shown=0.0)
-    assert frame_log_odds(low._replace(shown=ENOUGH_SHOWN)) > 3.0
-    assert frame_log_odds(low._replace(shown=LEAST_SHOWN)) < 0.0
-    assert frame_log_odds(low._replace(shown=ENOUGH_SHOWN, clearness=CLEARNESS)) < 0.0
+    low = Standing(
+        margin=MODEL.ordinary_margin - 1.0,
+        standard_score=6.0,
+        clearness=MODEL.clearness + 0.4,
+        shown=0.0,
+    )
+    assert frame_log_odds(low._replace(shown=MODEL.enough_shown)) > 3.0
+    assert frame_log_odds(low._replace(shown=MODEL.least_shown)) < 0.0
+    assert frame_log_odds(low._replace(shown=MODEL.enough_shown, clearness=MODEL.clearness)) < 0.0
 
 
 @given(
@@ -83,7 +84,7 @@ def test_a_clear_strip_in_a_corner_is_a_cable_and_a_clear_edge_of_a_stone_is_not
     st.floats(0, 1),
 )
 def test_log_odds_stay_where_they_can_turn(before, level, score, survival, appearance):
-    standing = FAINT._replace(level=level, score=score)
+    standing = FAINT._replace(margin=level, standard_score=score)
     for inherited in (before, NEW):
         after = updated_log_odds(inherited, standing, survival, appearance, 0.3)
         assert LOWEST <= after <= HIGHEST

@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cable_tracker.cable.hypotheses.births import birth_density_of
 from cable_tracker.cable.hypotheses.sample_counts import LOST_DETECTOR_SHARE, sample_counts
-from cable_tracker.cable.hypotheses.survival_and_birth import birth_density_of
-from cable_tracker.cable.model.initialisation import search_box
+from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.existence import PredictedExistence
 

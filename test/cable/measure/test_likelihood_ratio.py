@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.border_points import agreed_contrast, frame_scan, measure_points
 from cable_tracker.cable.measure.likelihood_ratio import (
+    EITHER,
     JOINT_STRENGTHS,
     BorderLikelihoodRatio,
     border_clearness,
-    bright_share,
     marginal_log_ratios,
 )
-from cable_tracker.cable.measure.response_table import CLASSES, load_table
+from cable_tracker.cable.measure.response_bins import CLASSES
+from cable_tracker.cable.measure.response_table import load_table
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -64,7 +65,7 @@ def strip(draw_strip, noise_picture):
 )
 def test_the_true_cable_is_likelier_than_others(strip, change, sign):
     other = changed(**{name: sign * value for name, value in change.items()})
-    true, wrong = marginal_log_ratios(measured(strip, changed(), other).log_ratios, 0.5)
+    true, wrong = marginal_log_ratios(measured(strip, changed(), other).log_ratios, EITHER)
     assert true > wrong + 0.5
 
 
@@ -243,21 +244,6 @@ def test_a_cable_has_the_sum_of_its_points_ratios(seed):
     expected = literal_log_ratios(state, image, load_table(""), TrackerParameters())
     found = MODEL.measure(state[None], image).log_ratios[0]
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-3)
-
-
-@given(st.floats(-50, 50), st.floats(-50, 50), st.floats(0.02, 0.98))
-def test_an_unknown_polarity_is_averaged_over(bright, dark, probability):
-    ratios = np.array([[bright, dark]])
-    marginal = marginal_log_ratios(ratios, probability)[0]
-    expected = probability * np.exp(bright) + (1 - probability) * np.exp(dark)
-    assert marginal == pytest.approx(np.log(expected))
-    odds = np.log(probability) - np.log1p(-probability) + bright - dark
-    share = bright_share(odds)
-    assert share == pytest.approx(probability * np.exp(bright) / expected)
-
-
-def test_shares_of_extreme_ratios_are_no_overflow():
-    np.testing.assert_allclose([bright_share(1e4), bright_share(-1e4)], [1.0, 0.0], atol=1e-12)
 
 
 def test_a_table_that_is_not_there_is_said_at_once(tmp_path):

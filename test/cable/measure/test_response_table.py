@@ -7,28 +7,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.response_table import (
+from cable_tracker.cable.measure.response_bins import (
     CLASSES,
     CONTRAST_BINS,
     CONTRAST_LIMIT,
     CONTRAST_SHAPE,
     EDGE_SHAPE,
-    LARGEST_RATIO,
-    RATIO_LIMIT,
     RESPONSE_BINS,
     RESPONSE_LIMIT,
     PointMeasures,
-    ResponseHistograms,
+)
+from cable_tracker.cable.measure.response_table import (
+    LARGEST_RATIO,
     ResponseTable,
-    border_strength,
     load_table,
     parse_table,
-    strength_class,
-    table_from_histograms,
 )
 from cable_tracker.errors import ParameterError
-
-NUMBERS = st.floats(-1e6, 1e6, width=32)
 
 
 def points(responses, slopes=0.0, contrasts=0.0) -> PointMeasures:
@@ -90,29 +85,6 @@ def test_no_point_says_more_than_the_largest_ratio(seed):
     rng = np.random.default_rng(seed)
     measured = points(rng.normal(0, 8, 50), rng.normal(0, 0.5, 50), rng.normal(0, 8, 50))
     assert load_table("").look_up(measured).max() <= LARGEST_RATIO
-
-
-def test_the_strength_of_a_border_is_the_mean_of_its_upper_half():
-    assert border_strength(np.array([5.0, -9.0, 3.0, 0.0], np.float32)) == pytest.approx(4.0)
-    assert border_strength(np.array([1.0, 7.0, 3.0], np.float32)) == pytest.approx(5.0)
-    classes = [strength_class(strength) for strength in (0.0, 1.19, 1.2, 2.0, 3.9, 99.0)]
-    assert classes == [-1, -1, 0, 1, 2, 3]
-
-
-@given(NUMBERS, NUMBERS, NUMBERS)
-def test_every_point_has_a_cell(response, slope, contrast):
-    measured = points(response, slope, contrast)
-    (edge,), (contrast_cell,) = measured.cells()
-    assert 0 <= edge < np.prod(EDGE_SHAPE)
-    assert 0 <= contrast_cell < np.prod(CONTRAST_SHAPE)
-
-
-@given(NUMBERS, NUMBERS, NUMBERS)
-def test_a_negative_of_a_negative_is_the_picture_and_slopes_have_no_sign(response, slope, contrast):
-    measured = points(response, slope, contrast)
-    twice = measured.negative().negative()
-    assert twice.cells() == measured.cells()
-    assert points(response, -slope, contrast).cells() == measured.cells()
 
 
 def test_cells_of_known_points(rng):
@@ -203,50 +175,3 @@ def test_a_file_that_cannot_be_read_is_said_with_its_path(tmp_path, monkeypatch,
     with pytest.raises(ParameterError, match=r"response_table: .*cannot be read") as caught:
         load_table(path)
     assert path in str(caught.value)
-
-
-def histograms(rng, response, count=4000) -> ResponseHistograms:
-    counted = ResponseHistograms()
-    counted.add(
-        points(
-            rng.normal(response, 1.0, count),
-            np.abs(rng.normal(0.0, 0.2, count)),
-            rng.normal(response, 1.0, count),
-        )
-    )
-    assert counted.edges.sum() == counted.contrasts.sum() == count
-    return counted
-
-
-def test_what_is_met_on_borders_is_for_them_and_what_is_met_elsewhere_against(rng):
-    table = table_from_histograms([histograms(rng, 5.0)] * CLASSES, histograms(rng, 0.0), "test")
-    border, background = table.look_up(points([5.0, 0.0], 0.0, [5.0, 0.0]))[:, 0]
-    assert border > 2.0
-    # Strays bound what speaks against a border, in either table.
-    assert -4.7 < background < -2.0
-    assert table.source == "test"
-    assert np.abs(table.edges).max() <= RATIO_LIMIT
-    assert np.abs(table.contrasts).max() <= RATIO_LIMIT
-
-
-def test_the_same_on_borders_and_elsewhere_says_nothing(rng):
-    same = histograms(rng, 1.0)
-    table = table_from_histograms([same] * CLASSES, same, "test")
-    np.testing.assert_allclose(table.edges, 0.0, atol=1e-6)
-    np.testing.assert_allclose(table.contrasts, 0.0, atol=1e-6)
-
-
-@pytest.mark.parametrize("border", [True, False])
-def test_nothing_can_be_learnt_from_nothing(rng, border):
-    some, none = histograms(rng, 1.0), ResponseHistograms()
-    with pytest.raises(ParameterError, match="nothing to learn"):
-        table_from_histograms(*([[some], none] if border else [[none], some]), "test")
-
-
-def test_a_class_that_was_never_met_looks_like_the_nearest(rng):
-    borders = [ResponseHistograms() for _ in range(CLASSES)]
-    borders[2] = histograms(rng, 3.0)
-    borders[0] = histograms(rng, 1.5)
-    table = table_from_histograms(borders, histograms(rng, 0.0), "test")
-    np.testing.assert_array_equal(table.edges[3], table.edges[2])
-    assert not np.array_equal(table.edges[0], table.edges[2])

@@ -7,9 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.scanned_gradients import (
+    ACROSS,
+    ALONG,
     NOISE_FLOOR,
+    SLOPE,
     SMALLEST_CONTRAST,
-    Channel,
     line_indices,
     mirrored,
     scan_frame,
@@ -18,7 +20,6 @@ from cable_tracker.cable.measure.scanned_gradients import (
 
 KERNELS = scan_kernels(1.6, 3.0, 12)
 SPACING = 7
-ALONG, ACROSS, SLOPE = Channel.ALONG, Channel.ACROSS, Channel.SLOPE
 
 
 def scan(picture, spacing=SPACING, kernels=KERNELS):

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import DOUBT_STRIDE, CableMovement
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -89,7 +89,7 @@ def test_both_filters_follow_a_cable_that_odometry_says_has_jumped(name, draw_st
     for told in (None, Shift(50.0, sigma=1.0)):
         tracker = CableTracker(preset(name).replaced({"seed": 3, "detector": "none"}))
         near = CableState(-30.0, 0.0, 30.0)
-        tracker.initialise(StatePrior.around(near))
+        tracker.initialise(GivenState.around(near))
         for index in range(3):
             tracker.process(draw_strip(near), index * FRAME + FRAME)
         after = tracker.process(draw_strip(CableState(20.0, 0.0, 30.0)), 4 * FRAME, told)

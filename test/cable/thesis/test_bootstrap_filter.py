@@ -12,7 +12,7 @@ from cable_tracker.cable.thesis.bootstrap_filter import BootstrapFilter, make_ob
 SIZE = (160, 120)
 FRAME = 0.04
 STRIP = CableState(12.0, 0.2, 24.0, 0.03)
-NONE = np.empty((0, 4))
+NO_DETECTIONS = np.empty((0, 4))
 
 
 def make_filter(**changes) -> BootstrapFilter:
@@ -36,39 +36,39 @@ def test_a_cable_that_was_told_is_followed_and_speaks_for_itself(strip, observat
     cable_filter = make_filter(observation=observation)
     belief = cable_filter.given_belief(cloud())
     for _ in range(5):
-        belief = cable_filter.step(belief, strip, FRAME, NONE)
-        finding = cable_filter.finding(belief, strip)
-        assert abs(finding.mean[0] - 12.0) < 8.0
-    assert finding.presence is None
-    assert finding.hypotheses[0].probability == 1.0
-    assert 1.0 <= finding.effective_sample_size <= 500.0
+        belief = cable_filter.step(belief, strip, FRAME, NO_DETECTIONS)
+        summary = cable_filter.summary(belief, strip)
+        assert abs(summary.mean[0] - 12.0) < 8.0
+    assert summary.presence is None
+    assert summary.hypotheses[0].probability == 1.0
+    assert 1.0 <= summary.effective_sample_size <= 500.0
 
 
 def test_the_true_cable_is_claimed_and_none_is_on_a_flat_picture(strip):
     cable_filter = make_filter()
     exact = cable_filter.given_belief(np.tile(STRIP.to_array(), (500, 1)))
-    assert cable_filter.finding(exact, strip).rises
+    assert cable_filter.summary(exact, strip).supports_claim
     flat = make_working_image(np.full(SIZE[::-1], 90, np.uint8), 320)
-    finding = cable_filter.finding(cable_filter.step(exact, flat, 0.0, NONE), flat)
-    assert not finding.rises
-    assert not finding.holds
-    assert finding.evidence == 0.0
+    summary = cable_filter.summary(cable_filter.step(exact, flat, 0.0, NO_DETECTIONS), flat)
+    assert not summary.supports_claim
+    assert not summary.supports_keeping
+    assert summary.evidence == 0.0
 
 
 def test_a_belief_about_this_very_frame_does_not_move(strip):
     cable_filter = make_filter()
     before = cable_filter.given_belief(cloud())
-    after = cable_filter.step(before, strip, 0.0, NONE)
+    after = cable_filter.step(before, strip, 0.0, NO_DETECTIONS)
     np.testing.assert_array_equal(after.particles.states, before.particles.states)
-    later = cable_filter.step(before, strip, FRAME, NONE)
+    later = cable_filter.step(before, strip, FRAME, NO_DETECTIONS)
     assert not np.array_equal(later.particles.states, before.particles.states)
 
 
 def test_equal_weights_are_not_resampled_and_unequal_ones_are(strip):
     cable_filter = make_filter()
     belief = cable_filter.given_belief(cloud())
-    wide = cable_filter.step(belief, strip, 0.0, NONE)
-    resampled = cable_filter.step(wide, strip, 0.0, NONE).particles.states
+    wide = cable_filter.step(belief, strip, 0.0, NO_DETECTIONS)
+    resampled = cable_filter.step(wide, strip, 0.0, NO_DETECTIONS).particles.states
     kept = set(map(tuple, belief.particles.states))
     assert set(map(tuple, resampled)) <= kept
 
@@ -76,10 +76,10 @@ def test_equal_weights_are_not_resampled_and_unequal_ones_are(strip):
 def test_another_number_of_particles_is_drawn_from_the_present_ones():
     cable_filter = make_filter(particle_count=70)
     belief = cable_filter.given_belief(cloud())
-    adapted = cable_filter.adapted(belief)
-    assert adapted.particles.count == 70
-    assert set(map(tuple, adapted.particles.states)) <= set(map(tuple, belief.particles.states))
-    assert cable_filter.adapted(adapted).particles is adapted.particles
+    converted = cable_filter.converted(belief)
+    assert converted.particles.count == 70
+    assert set(map(tuple, converted.particles.states)) <= set(map(tuple, belief.particles.states))
+    assert cable_filter.converted(converted).particles is converted.particles
 
 
 def test_the_search_starts_anew_after_its_time():

@@ -7,7 +7,7 @@ import pytest
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from sensor_msgs.msg import Image
 
-from cable_tracker.cable.model.initialisation import StatePrior
+from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RosError
 from cable_tracker.ros.clients.live_session import LiveSession
@@ -161,7 +161,7 @@ def test_reset_and_enable_reach_the_node(world, session, found, camera):
 def test_the_users_guess_reaches_the_node_as_an_initial_state(world, session, found):
     heard = world.listen(PoseWithCovarianceStamped, "initial_state")
     world.spin(lambda: world.me.count_publishers(f"{world.namespace}/initial_state"))
-    prior = StatePrior.around(CableState(20.0, 0.3, 40.0))
+    prior = GivenState.around(CableState(20.0, 0.3, 40.0))
 
     def guessed():
         if not heard:

@@ -7,25 +7,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.births import BirthDensity, birth_density
 from cable_tracker.cable.hypotheses.border_jump import BorderJump, jump_density
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
-from cable_tracker.cable.hypotheses.survival_and_birth import BirthDensity, birth_density
 from cable_tracker.cable.hypotheses.width_prior import width_penalty
-from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
-from cable_tracker.compilation import compiled_inside, compiled_part
+from cable_tracker.cable.model.initial_state import between
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH
+from cable_tracker.compilation import compiled_inside, compiled_loop
 from cable_tracker.particle_filter.kernel_mixture import (
     KernelMixture,
     choose_kernel,
-    kernels_at,
+    evaluate_kernels,
     weighted_sums,
 )
 
-MINIMUM_DENSITY = 1e-12
-"""Stands for a probability of zero where its logarithm is taken."""
+LEAST_PROBABILITY = 1e-12
+"""Stands for a probability or a number of zero where something is divided by it."""
 
 
-class Prior(NamedTuple):
+class PredictedDensity(NamedTuple):
     """The density f of the cable before the frame is looked at, in one chart.
 
     Attributes
@@ -59,7 +60,7 @@ class Prior(NamedTuple):
     jump: BorderJump
 
 
-class PriorDensities(NamedTuple):
+class PredictedDensities(NamedTuple):
     """Densities at N states, not logarithms, each of shape (N,).
 
     Attributes
@@ -80,29 +81,31 @@ class PriorDensities(NamedTuple):
     width_penalties: FloatArray
 
 
-def empty_densities(count: int) -> PriorDensities:
+def empty_densities(count: int) -> PredictedDensities:
     """Return room for the densities at some states."""
-    return PriorDensities(*(np.empty(count) for _ in PriorDensities._fields))
+    return PredictedDensities(*(np.empty(count) for _ in PredictedDensities._fields))
 
 
-@compiled_part
-def weigh_by_prior(
-    states: FloatArray, start: int, stop: int, prior: Prior, densities: PriorDensities
+@compiled_loop
+def fill_densities(
+    states: FloatArray,
+    start: int,
+    stop: int,
+    predicted: PredictedDensity,
+    densities: PredictedDensities,
 ) -> None:
     """Fill in the densities at the states from `start` to `stop`."""
-    kernels = np.empty(len(prior.rates), np.float32)
     for row in range(start, stop):
-        kernels_at(states[row], prior.kernels, kernels)
-        _store(states[row], row, prior, kernels, densities)
+        _fill_densities_of(states[row], row, predicted, densities)
 
 
-@compiled_part
+@compiled_loop
 def choose_rates(
     states: FloatArray,
     start: int,
     stop: int,
-    prior: Prior,
-    densities: PriorDensities,
+    predicted: PredictedDensity,
+    densities: PredictedDensities,
     noise: FrameNoise,
 ) -> None:
     """Fill in the densities at states whose poses were proposed, and draw their rates.
@@ -110,55 +113,50 @@ def choose_rates(
     An ancestor is drawn by how likely it would have moved there; a cable that was more likely born
     there has the rates of the search.
     """
-    kernels = np.empty(len(prior.rates), np.float32)
+    births = predicted.births
     for row in range(start, stop):
-        kernels_at(states[row], prior.kernels, kernels)
-        _store(states[row], row, prior, kernels, densities)
-        new = prior.born * densities.births[row] + prior.jumped * densities.jumps[row]
+        state = states[row]
+        _fill_densities_of(state, row, predicted, densities)
+        new = predicted.born * densities.births[row] + predicted.jumped * densities.jumps[row]
         total = densities.survived[row] + new
         position = noise.uniform[row, 0] * total
-        ancestor = choose_kernel(kernels, prior.kernels, prior.survived, position)
-        if ancestor < 0:
-            _search_rates(states[row], noise.uniform[row], prior.births)
-        else:
-            add_rates(states[row], row, ancestor, prior, noise)
+        ancestor = choose_kernel(predicted.kernels, predicted.survived, position)
+        if ancestor >= 0:
+            add_rates(state, row, ancestor, predicted, noise)
+            continue
+        for column in range(POSE_SIZE, STATE_SIZE):
+            state[column] = between(
+                births.lower[column], births.upper[column], noise.uniform[row, column]
+            )
 
 
 @compiled_inside
-def add_rates(state: FloatArray, row: int, ancestor: int, prior: Prior, noise: FrameNoise) -> None:
+def add_rates(
+    state: FloatArray, row: int, ancestor: int, predicted: PredictedDensity, noise: FrameNoise
+) -> None:
     """Fill in the rates of the child of an ancestor."""
     stretch = noise.stretches[row, 1]
     for column in range(POSE_SIZE):
-        spread = noise.normal[row, POSE_SIZE + column] * stretch * prior.rate_sigmas[column]
-        state[POSE_SIZE + column] = prior.rates[ancestor, column] + spread
+        spread = noise.normal[row, POSE_SIZE + column] * stretch * predicted.rate_sigmas[column]
+        state[POSE_SIZE + column] = predicted.rates[ancestor, column] + spread
 
 
-@compiled_inside
-def _search_rates(state: FloatArray, uniform: FloatArray, births: BirthDensity) -> None:
-    for column in range(POSE_SIZE, STATE_SIZE):
-        state[column] = births.lower[column] + uniform[column] * (
-            births.upper[column] - births.lower[column]
-        )
-
-
-@compiled_inside
-def _store(
-    state: FloatArray,
-    row: int,
-    prior: Prior,
-    kernels: Image,
-    densities: PriorDensities,
+@compiled_loop
+def _fill_densities_of(
+    state: FloatArray, row: int, predicted: PredictedDensity, densities: PredictedDensities
 ) -> None:
-    target, proposal = weighted_sums(kernels, prior.kernels)
-    peak = prior.kernels.peak
-    births = birth_density(state, prior.births)
-    penalty = width_penalty(state[2], prior.log_width, prior.width_spread)
-    densities.survived[row] = prior.survived * peak * target
-    densities.survivors[row] = peak * proposal
-    jumps = jump_density(state, prior.jump)
+    """Fill in the densities at one state; the values of the kernels there are left in them."""
+    kernels = predicted.kernels
+    evaluate_kernels(kernels, state)
+    target, proposal = weighted_sums(kernels)
+    births = birth_density(state, predicted.births)
+    penalty = width_penalty(state[WIDTH], predicted.log_width, predicted.width_spread)
+    jumps = jump_density(state, predicted.jump)
+    densities.survived[row] = predicted.survived * kernels.peak * target
+    densities.survivors[row] = kernels.peak * proposal
     densities.births[row] = births
     densities.jumps[row] = jumps
     densities.width_penalties[row] = penalty
     # Where a border was wrong, the width was wrong too, and says nothing.
-    new = prior.born * births * math.exp(penalty) + prior.jumped * jumps
+    new = predicted.born * births * math.exp(penalty) + predicted.jumped * jumps
     densities.full[row] = densities.survived[row] + new

@@ -3,22 +3,25 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
 
-from cable_tracker.cable.hypotheses.mixture_sample import (
+from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.peaks import (
     Peaks,
     add_detections,
     add_peaks,
+    draw_about_peaks,
+    empty_peaks,
     find_peaks,
-    log_weights,
-    marginal_ratios,
 )
+from cable_tracker.cable.hypotheses.proposal_config import proposal_config
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 FACTOR = np.linalg.cholesky(
     np.array([[4.0, 0.02, 0, 0], [0.02, 0.001, 0, 0], [0, 0, 9.0, 0.02], [0, 0, 0.02, 0.001]])
 )
 PLACE = np.array([5.0, 0.2, 30.0, 0.0])
 SCALES = np.array([3.0, 0.03, 4.0, 0.03])
+CONFIG = proposal_config(TrackerParameters(), 4.0, (320, 240))
 
 
 def literal_density(point, place, factor) -> float:
@@ -44,7 +47,8 @@ def test_the_mixture_gains_every_peak_by_its_number_of_particles(rng):
 def test_detections_are_a_mixture_of_equal_kernels(rng):
     states, mixture = points_about(rng), np.zeros(20)
     centres = np.array([PLACE, PLACE + 3.0])
-    add_detections(states, 0, 20, 10.0, centres, SCALES, 4.0, mixture)
+    config = CONFIG._replace(detection_sigmas=SCALES)
+    add_detections(states, 0, 20, 10, centres, config, mixture)
     factor = np.diag(SCALES)
     expected = [
         10 * np.mean([literal_density(state[:4], centre, factor) for centre in centres])
@@ -53,41 +57,29 @@ def test_detections_are_a_mixture_of_equal_kernels(rng):
     np.testing.assert_allclose(mixture, expected)
 
 
-def test_a_particle_weighs_prior_times_likelihood_over_the_mixture():
-    ratios, full, mixture = np.array([1.5, -2.0]), np.array([0.3, 0.2]), np.array([4.0, 5.0])
-    for power in (0.0, 0.3, 1.0):
-        expected = power * ratios + np.log(full / mixture)
-        np.testing.assert_allclose(log_weights(power, ratios, full, mixture), expected)
-
-
-def test_what_is_impossible_weighs_nothing_but_can_be_compared_before_the_frame():
-    impossible = np.array([-math.inf])
-    one = np.ones(1)
-    assert log_weights(1.0, impossible, one, one)[0] == -math.inf
-    assert log_weights(0.0, impossible, one, one)[0] == 0.0
-    assert log_weights(1.0, one, np.zeros(1), one)[0] == -math.inf
-
-
-def test_poses_beyond_a_limit_are_impossible_and_others_have_the_width_counted():
-    states = np.zeros((3, 8))
-    states[:, 2] = [30.0, 300.0, 30.0]
-    states[2, 3] = 0.2  # The borders meet 74 px from the centre.
-    lower, upper = np.array([-100, -np.inf, 8, -0.3]), np.array([100, np.inf, 160, 0.3])
-    marginal = np.empty(3)
-    marginal_ratios(
-        states, 0, 3, np.full((3, 2), 2.0), 0.3, np.full(3, -0.5), lower, upper, (320.0, 240.0),
-        marginal,
-    )  # fmt: skip
-    assert marginal[0] == pytest.approx(1.5)
-    assert (marginal[1:] == -math.inf).all()
-
-
 def test_peaks_have_the_mean_and_the_widened_covariance_of_the_clusters(rng):
     states = points_about(rng, 200)
-    log_shares = np.full(200, -math.log(200))
-    masses, means, factors = find_peaks(states, log_shares, 320.0, 3, 0.02, 1.5, SCALES)
+    log_weights = np.full(200, -math.log(200))
+    peaks = empty_peaks(4)
+    config = CONFIG._replace(smallest_sigmas=SCALES)
+    last = find_peaks(states, log_weights, 50, 1.5, config, peaks, 1)
+    assert 2 <= last <= 4
+    assert peaks.counts[0] == 0
+    assert peaks.counts.sum() == 50
+    assert peaks.counts[1] >= 45
     inside = np.abs(states[:, 0] - PLACE[0]) < 100.0
-    assert masses[0] == pytest.approx(1.0, abs=0.1)
-    np.testing.assert_allclose(means[0], states[inside, :4].mean(axis=0), atol=0.5)
-    spread = factors[0] @ factors[0].T - np.diag(SCALES**2)
+    np.testing.assert_allclose(peaks.locations[1], states[inside, :4].mean(axis=0), atol=0.5)
+    factor = peaks.factors[1]
+    spread = factor @ factor.T - np.diag(SCALES**2)
     np.testing.assert_allclose(np.diag(spread), 1.5 * np.diag(FACTOR @ FACTOR.T), rtol=0.5)
+
+
+def test_what_is_drawn_about_a_peak_has_its_mean_and_covariance(rng):
+    peaks = Peaks(np.array([0, 4000]), np.array([PLACE, PLACE]), np.array([FACTOR, FACTOR]))
+    noise = draw_frame_noise(rng, 4001, 0, math.inf)
+    states = np.full((4001, 8), 7.0)
+    draw_about_peaks(states, 1, noise, peaks, 0, 2)
+    assert (states[0] == 7.0).all()
+    np.testing.assert_allclose(states[1:, :4].mean(axis=0), PLACE, atol=0.2)
+    covariance = np.cov(states[1:, :4].T)
+    np.testing.assert_allclose(np.diag(covariance), np.diag(FACTOR @ FACTOR.T), rtol=0.1)

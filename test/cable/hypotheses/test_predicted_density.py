@@ -5,17 +5,17 @@ import math
 import numpy as np
 import pytest
 
+from cable_tracker.cable.hypotheses.births import birth_density, birth_density_of
 from cable_tracker.cable.hypotheses.border_jump import jump_density, jump_from
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
-from cable_tracker.cable.hypotheses.prior import (
-    Prior,
-    PriorDensities,
+from cable_tracker.cable.hypotheses.predicted_density import (
+    PredictedDensities,
+    PredictedDensity,
     choose_rates,
     empty_densities,
-    weigh_by_prior,
+    fill_densities,
 )
-from cable_tracker.cable.hypotheses.survival_and_birth import birth_density, birth_density_of
-from cable_tracker.cable.model.initialisation import search_box
+from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 
@@ -26,8 +26,10 @@ RATES = np.array([[-100.0, 0.0, 0.0, 0.0], [100.0, 0.0, 0.0, 0.0]])
 SCALES = np.array([2.0, 0.02, 1.0, 0.02])
 
 
-def make_prior(survived=0.8, born=0.1, jumped=1e-12, log_width=0.0, width_spread=math.inf) -> Prior:
-    return Prior(
+def make_predicted(
+    survived=0.8, born=0.1, jumped=1e-12, log_width=0.0, width_spread=math.inf
+) -> PredictedDensity:
+    return PredictedDensity(
         kernels=kernel_mixture(CENTRES, SCALES, 4.0, np.array([0.9, 0.1])),
         rates=RATES,
         rate_sigmas=np.array([1.0, 0.1, 1.0, 0.1]),
@@ -45,15 +47,15 @@ def states_at(*poses) -> np.ndarray:
     return np.hstack((np.array(poses, dtype=float), np.zeros((len(poses), 4))))
 
 
-def densities_at(prior, states) -> PriorDensities:
+def densities_at(predicted, states) -> PredictedDensities:
     densities = empty_densities(len(states))
-    weigh_by_prior(states, 0, len(states), prior, densities)
+    fill_densities(states, 0, len(states), predicted, densities)
     return densities
 
 
-def rates_at(prior, states, rng) -> np.ndarray:
+def rates_at(predicted, states, rng) -> np.ndarray:
     noise = draw_frame_noise(rng, len(states), 0, 4.0)
-    choose_rates(states, 0, len(states), prior, empty_densities(len(states)), noise)
+    choose_rates(states, 0, len(states), predicted, empty_densities(len(states)), noise)
     return states[:, 4:]
 
 
@@ -64,12 +66,12 @@ def literal_kernel(state, centre) -> float:
 
 
 def test_the_prior_is_what_survived_and_what_was_born_by_their_masses():
-    prior, states = make_prior(), states_at(*CENTRES, [100.0, 1.0, 50.0, 0.0])
-    densities = densities_at(prior, states)
+    predicted, states = make_predicted(), states_at(*CENTRES, [100.0, 1.0, 50.0, 0.0])
+    densities = densities_at(predicted, states)
     for row, state in enumerate(states):
         first, second = (literal_kernel(state, centre) for centre in CENTRES)
         survived = 0.8 * (0.9 * first + 0.1 * second)
-        born = 0.1 * birth_density(state, prior.births)
+        born = 0.1 * birth_density(state, predicted.births)
         assert densities.survived[row] == pytest.approx(survived, rel=1e-3)
         assert densities.survivors[row] == pytest.approx((first + second) / 2, rel=1e-3)
         assert densities.full[row] == pytest.approx(survived + born, rel=1e-3)
@@ -77,8 +79,8 @@ def test_the_prior_is_what_survived_and_what_was_born_by_their_masses():
 
 def test_a_strip_that_shares_a_border_is_of_the_prior_too_whatever_its_width():
     states = states_at([-15.0, 0.0, 80.0, 0.0], [-15.0, 0.9, 80.0, 0.0])
-    prior = make_prior(jumped=0.05, log_width=math.log(30.0), width_spread=0.3)
-    shared, crossing = densities_at(prior, states).full
+    predicted = make_predicted(jumped=0.05, log_width=math.log(30.0), width_spread=0.3)
+    shared, crossing = densities_at(predicted, states).full
     jumps = jump_density(states[0], JUMP)
     assert shared == pytest.approx(0.05 * jumps, rel=0.1)
     assert shared > 1e3 * crossing
@@ -86,28 +88,28 @@ def test_a_strip_that_shares_a_border_is_of_the_prior_too_whatever_its_width():
 
 def test_a_new_cable_of_another_width_is_less_likely():
     states = states_at([100.0, 1.0, 30.0, 0.0], [100.0, 1.0, 90.0, 0.0])
-    prior = make_prior(log_width=math.log(30.0), width_spread=0.3)
-    expected, other = densities_at(prior, states).full
+    predicted = make_predicted(log_width=math.log(30.0), width_spread=0.3)
+    expected, other = densities_at(predicted, states).full
     assert expected > 7.0 * other
-    without = densities_at(make_prior(), states).full
+    without = densities_at(make_predicted(), states).full
     assert without[0] == pytest.approx(without[1], rel=1e-3)
 
 
 def test_a_pose_that_was_proposed_has_the_rates_of_its_likely_ancestor(rng):
-    rates = rates_at(make_prior(), states_at(*np.repeat(CENTRES, 50, axis=0)), rng)
+    rates = rates_at(make_predicted(), states_at(*np.repeat(CENTRES, 50, axis=0)), rng)
     np.testing.assert_allclose(np.median(rates[:50], axis=0), RATES[0], atol=0.7)
     np.testing.assert_allclose(np.median(rates[50:], axis=0), RATES[1], atol=0.7)
 
 
 def test_between_two_ancestors_the_likelier_one_is_chosen_more_often(rng):
     middle = CENTRES.mean(axis=0)
-    rates = rates_at(make_prior(born=1e-12), states_at(*[middle] * 600), rng)
+    rates = rates_at(make_predicted(born=1e-12), states_at(*[middle] * 600), rng)
     assert (rates[:, 0] < 0.0).mean() == pytest.approx(0.9, abs=0.05)
 
 
 def test_far_from_all_ancestors_it_has_the_rates_of_the_search(rng):
-    prior = make_prior()
-    rates = rates_at(prior, states_at(*[[150.0, -1.2, 80.0, 0.1]] * 200), rng)
-    lower, upper = prior.births.lower[4:], prior.births.upper[4:]
+    predicted = make_predicted()
+    rates = rates_at(predicted, states_at(*[[150.0, -1.2, 80.0, 0.1]] * 200), rng)
+    lower, upper = predicted.births.lower[4:], predicted.births.upper[4:]
     assert ((rates >= lower) & (rates <= upper)).all(axis=1).mean() > 0.97
     assert np.ptp(rates[:, 0]) > 0.8 * (upper - lower)[0]

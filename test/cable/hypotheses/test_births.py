@@ -5,23 +5,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.hypotheses.survival_and_birth import (
+from cable_tracker.cable.hypotheses.ancestors import survival_rates
+from cable_tracker.cable.hypotheses.births import (
     BirthDensity,
-    RememberedCable,
     birth_density,
     birth_density_of,
     draw_births,
-    inset,
-    remember,
-    survival_rates,
 )
+from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable, remember
 from cable_tracker.cable.model.geometry import (
     image_reach,
+    inset,
     project_borders,
     segment_inside,
     wrap_states,
 )
-from cable_tracker.cable.model.initialisation import search_box
+from cable_tracker.cable.model.initial_state import search_box
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.tracking.survival import survival_probability
 

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_states
-from cable_tracker.cable.model.movement import clip_to_limits, state_limits
+from cable_tracker.cable.model.limits import clip_to_limits, state_limits
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState, StateColumn
 from cable_tracker.cable.parameters.parameters import (
     REFERENCE_RATE,
     REFERENCE_WIDTH,
     TrackerParameters,
 )
+from cable_tracker.compilation import compiled_inside
+
+Range = TypeVar("Range", float, FloatArray)
 
 SMALLEST_RANGE = 1e-6
 """Smallest width of the search box in d, alpha, w, beta [px, rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class StatePrior:
-    """A Gaussian belief about the cable, from an operator, a planner, or ground truth.
+class GivenState:
+    """Where a cable is said to be, and how exactly: by an operator, a planner, or ground truth.
 
     Attributes
     ----------
@@ -38,8 +42,8 @@ class StatePrior:
     sigma: FloatArray
 
     @classmethod
-    def around(cls, state: CableState) -> StatePrior:
-        """Return the prior for a state that is known well."""
+    def around(cls, state: CableState) -> GivenState:
+        """Return what is given of a state that is known well."""
         return cls(state, np.full(STATE_SIZE, np.nan))
 
 
@@ -76,11 +80,13 @@ class SearchBox:
 
     def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Draw cables, shape (count, 8)."""
-        return self.placed(rng.random((count, STATE_SIZE)))
+        return between(self.lower, self.upper, rng.random((count, STATE_SIZE)))
 
-    def placed(self, uniform: FloatArray) -> FloatArray:
-        """Return the cables for numbers from 0 to 1, both of shape (N, 8)."""
-        return self.lower + uniform * (self.upper - self.lower)
+
+@compiled_inside
+def between(lower: Range, upper: Range, share: Range) -> Range:
+    """Return what lies at a share, from 0 to 1, of the way between two limits."""
+    return lower + share * (upper - lower)
 
 
 def search_box(parameters: TrackerParameters, image_width: int) -> SearchBox:
@@ -111,13 +117,13 @@ def random_states(
     return clip_to_limits(wrap_states(states), state_limits(parameters, image_width))
 
 
-def states_from_prior(
-    prior: StatePrior,
+def draw_given_states(
+    given: GivenState,
     parameters: TrackerParameters,
     image_width: int,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Draw states from a Gaussian prior, shape (N, 8), within the limits."""
+    """Draw states from the Gaussian about a given one, shape (N, 8), within the limits."""
     states = random_states(parameters, image_width, rng)
     noise = rng.standard_normal(states.shape)
     usual = usual_sigma(image_width)
@@ -126,8 +132,8 @@ def states_from_prior(
         usual[StateColumn.WIDTH_RATE] = 0.0
     if parameters.skew_rate_variance == 0.0:
         usual[StateColumn.SKEW_RATE] = 0.0
-    sigma = np.where(np.isnan(prior.sigma), usual, prior.sigma)
+    sigma = np.where(np.isnan(given.sigma), usual, given.sigma)
     known = np.isfinite(sigma)
-    drawn = prior.state.to_array() + noise * np.where(known, sigma, 0.0)
+    drawn = given.state.to_array() + noise * np.where(known, sigma, 0.0)
     states[:, known] = drawn[:, known]
     return clip_to_limits(wrap_states(states), state_limits(parameters, image_width))

@@ -3,14 +3,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.initialisation import (
-    StatePrior,
+from cable_tracker.cable.model.initial_state import (
+    GivenState,
+    between,
+    draw_given_states,
     random_states,
     search_box,
-    states_from_prior,
     usual_sigma,
 )
-from cable_tracker.cable.model.movement import state_limits
+from cable_tracker.cable.model.limits import state_limits
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
@@ -50,7 +51,7 @@ def test_a_random_start_stays_within_the_limits(rng):
 
 def test_a_given_state_is_the_middle_of_a_narrow_cloud(rng):
     moving = parameters(width_rate_variance=1.0, skew_rate_variance=0.1)
-    states = states_from_prior(StatePrior.around(KNOWN), moving, 320, rng)
+    states = draw_given_states(GivenState.around(KNOWN), moving, 320, rng)
     sigma = usual_sigma(320)
     error = np.abs(states.mean(axis=0) - KNOWN.to_array())
     assert (error < 5 * sigma / np.sqrt(COUNT)).all()
@@ -60,26 +61,26 @@ def test_a_given_state_is_the_middle_of_a_narrow_cloud(rng):
 
 def test_a_model_whose_width_and_skew_have_no_rates_is_given_none(rng):
     still = CableState(20.0, 0.3, 40.0, 0.02, 5.0, 0.1)
-    states = states_from_prior(StatePrior.around(still), preset("thesis"), 320, rng)
+    states = draw_given_states(GivenState.around(still), preset("thesis"), 320, rng)
     assert (states[:, 6:] == 0.0).all()
     assert (states[:, :6].std(axis=0) > 0.0).all()
 
 
 def test_sigmas_that_are_given_are_used(rng):
     sigma = np.array([5.0, 0.01, 1.0, 0.001, 2.0, 0.5, 3.0, 0.1])
-    states = states_from_prior(StatePrior(KNOWN, sigma), parameters(), 320, rng)
+    states = draw_given_states(GivenState(KNOWN, sigma), parameters(), 320, rng)
     np.testing.assert_allclose(states.std(axis=0), sigma, rtol=0.03)
 
 
 def test_a_sigma_of_zero_is_exact(rng):
-    states = states_from_prior(StatePrior(KNOWN, np.zeros(8)), parameters(), 320, rng)
+    states = draw_given_states(GivenState(KNOWN, np.zeros(8)), parameters(), 320, rng)
     np.testing.assert_allclose(states, np.tile(KNOWN.to_array(), (COUNT, 1)))
 
 
 def test_what_is_not_known_is_drawn_as_in_a_random_start(rng):
     sigma = np.array([1.0, 0.01, *[np.inf] * 6])
-    states = states_from_prior(
-        StatePrior(CableState(20.0, 0.3, 0.0), sigma), parameters(), 320, rng
+    states = draw_given_states(
+        GivenState(CableState(20.0, 0.3, 0.0), sigma), parameters(), 320, rng
     )
     np.testing.assert_allclose(states.std(axis=0)[:2], sigma[:2], rtol=0.03)
     assert states[:, 2].min() == pytest.approx(5.0, abs=0.1)
@@ -87,16 +88,16 @@ def test_what_is_not_known_is_drawn_as_in_a_random_start(rng):
 
 
 def test_a_state_beside_the_wrap_becomes_one_cloud_on_both_sides(rng):
-    lying = StatePrior.around(CableState(10.0, np.pi / 2, 40.0))
-    states = states_from_prior(lying, parameters(), 320, rng)
+    lying = GivenState.around(CableState(10.0, np.pi / 2, 40.0))
+    states = draw_given_states(lying, parameters(), 320, rng)
     upper = states[:, 1] > 0
     assert 0.4 < upper.mean() < 0.6
     assert (np.sign(states[:, 0]) == np.where(upper, 1, -1)).all()
 
 
 def test_a_state_beyond_the_limits_is_brought_inside(rng):
-    far = StatePrior.around(CableState(1e6, 0.0, 1e6, 3.0))
-    states = states_from_prior(far, parameters(), 320, rng)
+    far = GivenState.around(CableState(1e6, 0.0, 1e6, 3.0))
+    states = draw_given_states(far, parameters(), 320, rng)
     box = state_limits(parameters(), 320)
     np.testing.assert_allclose(states[:, [0, 2, 3]], np.tile(box.upper[[0, 2, 3]], (COUNT, 1)))
 
@@ -105,10 +106,14 @@ def test_numbers_from_0_to_1_are_poses_from_one_corner_of_the_box_to_the_other()
     box = search_box(parameters(), 320)
     uniform = np.array([0.0, 0.5, 1.0])[:, None] * np.ones(8)
     np.testing.assert_allclose(
-        box.placed(uniform), [box.lower, (box.lower + box.upper) / 2, box.upper], atol=1e-12
+        between(box.lower, box.upper, uniform),
+        [box.lower, (box.lower + box.upper) / 2, box.upper],
+        atol=1e-12,
     )
     again = np.random.default_rng(1).random((5, 8))
-    np.testing.assert_array_equal(box.placed(again), box.draw(5, np.random.default_rng(1)))
+    np.testing.assert_array_equal(
+        between(box.lower, box.upper, again), box.draw(5, np.random.default_rng(1))
+    )
 
 
 def test_a_range_of_zero_is_a_narrow_box_and_no_division_by_zero():

@@ -30,7 +30,7 @@ BeliefType = TypeVar("BeliefType", bound=ParticleBelief)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Finding:
+class BeliefSummary:
     """What a belief says about the cable in a frame.
 
     Attributes
@@ -43,7 +43,7 @@ class Finding:
         N_eff, before resampling.
     evidence : float
         How clearly the image shows the weaker border.
-    rises, holds : bool
+    supports_claim, supports_keeping : bool
         Whether the frame speaks for claiming a cable, and for going on to claim one.
     presence : float or None
         Probability that a cable is in view, 0 to 1; None if the filter does not know it.
@@ -55,8 +55,8 @@ class Finding:
     covariance: FloatArray
     effective_sample_size: float
     evidence: float
-    rises: bool
-    holds: bool
+    supports_claim: bool
+    supports_keeping: bool
     presence: float | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
 
@@ -76,7 +76,7 @@ class CableFilter(ABC, Generic[BeliefType]):
         """Return the belief after an operator or planner gave states, (N, 8)."""
 
     @abstractmethod
-    def adapted(self, belief: ParticleBelief) -> BeliefType:
+    def converted(self, belief: ParticleBelief) -> BeliefType:
         """Return the belief of any filter as this one's, with as many particles as wanted."""
 
     @abstractmethod
@@ -105,11 +105,11 @@ class CableFilter(ABC, Generic[BeliefType]):
         """
 
     @abstractmethod
-    def finding(self, belief: BeliefType, image: WorkingImage) -> Finding:
+    def summary(self, belief: BeliefType, image: WorkingImage) -> BeliefSummary:
         """Return what a belief says about the frame that it came from."""
 
 
-def equal_states(
+def resampled_states(
     belief: ParticleBelief, parameters: TrackerParameters, rng: np.random.Generator
 ) -> FloatArray:
     """Draw the wanted number of equally weighted states from a belief, shape (N, 8)."""

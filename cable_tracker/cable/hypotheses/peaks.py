@@ -1,0 +1,189 @@
+"""Student-t proposals: about what a detector sees, and about the best particles of the frame."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.cable.hypotheses.clusters import find_groups, group_covariance, group_means
+from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
+from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
+from cable_tracker.cable.model.state import (
+    ANGLE,
+    DISTANCE,
+    POSE_SIZE,
+    SKEW,
+    STATE_SIZE,
+    WIDTH,
+)
+from cable_tracker.compilation import compiled_loop, compiled_part
+from cable_tracker.particle_filter.student_t import peak_density, relative_density
+from cable_tracker.particle_filter.weights import exponentials
+
+
+class Peaks(NamedTuple):
+    """Room for P proposals about the best particles.
+
+    Attributes
+    ----------
+    counts : IndexArray
+        Number of particles drawn from each, shape (P,); 0 for one that there is not.
+    locations : FloatArray
+        Shape (P, 4).
+    factors : FloatArray
+        Lower Cholesky factors of their scale matrices, shape (P, 4, 4).
+    """
+
+    counts: IndexArray
+    locations: FloatArray
+    factors: FloatArray
+
+
+@compiled_part
+def empty_peaks(count: int) -> Peaks:
+    """Return room for some peaks, of which there is none yet."""
+    return Peaks(
+        np.zeros(count, np.int64),
+        np.empty((count, POSE_SIZE)),
+        np.empty((count, POSE_SIZE, POSE_SIZE)),
+    )
+
+
+@compiled_part
+def find_peaks(
+    states: FloatArray,
+    log_weights: FloatArray,
+    count: int,
+    widening: float,
+    config: ProposalConfig,
+    peaks: Peaks,
+    used: int,
+) -> int:
+    """Add the clusters of particles as peaks to draw about, and return how many peaks there are.
+
+    Parameters
+    ----------
+    states, log_weights : FloatArray
+        The particles so far, shapes (N, 8) and (N,).
+    count : int
+        How many particles are to be drawn about the peaks.
+    widening : float
+        Factor on the covariance of the clusters.
+    config : ProposalConfig
+        How large clusters are, and how many of them count.
+    peaks : Peaks
+        The first `used` of them are filled.
+    used : int
+        How many peaks there are already.
+    """
+    weights = exponentials(log_weights)
+    groups = find_groups(states, log_weights, config.cluster_radii, np.empty((0, STATE_SIZE)))
+    order, masses, means = group_means(states, weights, groups)
+    number = 1
+    while number < min(config.most_refined, len(order)) and masses[number] >= config.least_refined:
+        number += 1
+    total, left = 0.0, count
+    for index in range(number):
+        total += masses[index]
+    for index in range(number):
+        peak = used + index
+        peaks.counts[peak] = int(count * (masses[index] / total))
+        left -= peaks.counts[peak]
+        covariance = group_covariance(
+            states, weights, groups.labels, order[index], masses[index], means[index], POSE_SIZE
+        )
+        for row in range(POSE_SIZE):
+            peaks.locations[peak, row] = means[index, row]
+            for column in range(POSE_SIZE):
+                covariance[row, column] *= widening
+            covariance[row, row] += config.smallest_sigmas[row] ** 2
+        _cholesky(covariance, peaks.factors[peak])
+    peaks.counts[used] += left
+    return used + number
+
+
+@compiled_loop
+def _cholesky(matrix: FloatArray, factor: FloatArray) -> None:
+    """Fill in the lower factor (4, 4) of the leading block of a matrix."""
+    for row in range(POSE_SIZE):
+        for column in range(row + 1):
+            total = matrix[row, column]
+            for index in range(column):
+                total -= factor[row, index] * factor[column, index]
+            if row == column:
+                factor[row, row] = math.sqrt(total)
+            else:
+                factor[row, column] = total / factor[column, column]
+
+
+@compiled_loop
+def draw_about_peaks(
+    states: FloatArray, start: int, noise: FrameNoise, peaks: Peaks, first: int, last: int
+) -> None:
+    """Draw the poses of particles about the peaks from `first` to `last`, from row `start` on."""
+    row = start
+    for peak in range(first, last):
+        for _ in range(peaks.counts[peak]):
+            for column in range(POSE_SIZE):
+                offset = 0.0
+                for term in range(column + 1):
+                    offset += peaks.factors[peak, column, term] * noise.normal[row, term]
+                offset *= noise.stretches[row, 0]
+                states[row, column] = peaks.locations[peak, column] + offset
+            row += 1
+
+
+@compiled_loop
+def add_peaks(
+    states: FloatArray,
+    start: int,
+    stop: int,
+    peaks: Peaks,
+    first: int,
+    last: int,
+    degrees_of_freedom: float,
+    mixture: FloatArray,
+) -> None:
+    """Add the densities of peaks, each times its number of particles, to the mixture."""
+    constant = peak_density(degrees_of_freedom, POSE_SIZE)
+    for index in range(first, last):
+        if peaks.counts[index] == 0:
+            continue
+        place, f = peaks.locations[index], peaks.factors[index]
+        factor = peaks.counts[index] * constant / (f[0, 0] * f[1, 1] * f[2, 2] * f[3, 3])
+        for row in range(start, stop):
+            state = states[row]
+            a = (state[0] - place[0]) / f[0, 0]
+            b = (state[1] - place[1] - f[1, 0] * a) / f[1, 1]
+            c = (state[2] - place[2] - f[2, 0] * a - f[2, 1] * b) / f[2, 2]
+            d = (state[3] - place[3] - f[3, 0] * a - f[3, 1] * b - f[3, 2] * c) / f[3, 3]
+            squared = a * a + b * b + c * c + d * d
+            mixture[row] += factor * relative_density(squared, degrees_of_freedom, POSE_SIZE)
+
+
+@compiled_loop
+def add_detections(
+    states: FloatArray,
+    start: int,
+    stop: int,
+    count: int,
+    centres: FloatArray,
+    config: ProposalConfig,
+    mixture: FloatArray,
+) -> None:
+    """Add `count` times the density of equal kernels about centres (K, 4) to the mixture."""
+    scales, tail = config.detection_sigmas, config.degrees_of_freedom
+    peak = peak_density(tail, POSE_SIZE) / (scales[0] * scales[1] * scales[2] * scales[3])
+    factor = float(count) * peak / len(centres)
+    for row in range(start, stop):
+        state, total = states[row], 0.0
+        for index in range(len(centres)):
+            a = (state[DISTANCE] - centres[index, DISTANCE]) / scales[DISTANCE]
+            b = (state[ANGLE] - centres[index, ANGLE]) / scales[ANGLE]
+            c = (state[WIDTH] - centres[index, WIDTH]) / scales[WIDTH]
+            d = (state[SKEW] - centres[index, SKEW]) / scales[SKEW]
+            total += relative_density(a * a + b * b + c * c + d * d, tail, POSE_SIZE)
+        mixture[row] += factor * total

@@ -1,0 +1,84 @@
+"""How the particles of a frame are drawn: what is the same in every frame."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.clusters import RADII
+from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
+from cable_tracker.cable.hypotheses.rounds import annealing_power, widening_in
+from cable_tracker.cable.model.limits import StateLimits, state_limits
+from cable_tracker.cable.model.state import pose_units
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+
+DETECTION_SIGMAS = np.array([2.0, np.deg2rad(1.0), 2.8, np.deg2rad(1.0)])
+"""How far from a detection a cable is drawn: d, alpha, w, beta [px at the reference width, rad]."""
+
+SMALLEST_SIGMAS = np.array([0.15, np.deg2rad(0.08), 0.2, np.deg2rad(0.08)])
+"""A round draws about particles with at least this scale [px at the reference width, rad]."""
+
+MOST_REFINED, LEAST_REFINED = 3, 0.02
+"""A round draws about so many clusters at most, each with at least this mass."""
+
+
+class ProposalConfig(NamedTuple):
+    """What does not change from frame to frame.
+
+    Attributes
+    ----------
+    image_size : (float, float)
+        Width and height of the frames [px].
+    limits : StateLimits
+        Poses beyond are impossible.
+    degrees_of_freedom : float
+        Of the movement and of all proposals; infinite for Gaussian ones.
+    cluster_radii, detection_sigmas, smallest_sigmas : FloatArray
+        `RADII`, `DETECTION_SIGMAS`, `SMALLEST_SIGMAS` for frames of this size, shape (4,) [px,
+        rad].
+    powers, widenings : FloatArray
+        Power of the likelihood, and factor on the covariance, in each round, shape (R,).
+    most_refined, least_refined : int, float
+        `MOST_REFINED`, `LEAST_REFINED`.
+    rules : CorrectionRules
+        How much of the evidence counts.
+    """
+
+    image_size: tuple[float, float]
+    limits: StateLimits
+    degrees_of_freedom: float
+    cluster_radii: FloatArray
+    detection_sigmas: FloatArray
+    smallest_sigmas: FloatArray
+    powers: FloatArray
+    widenings: FloatArray
+    most_refined: int
+    least_refined: float
+    rules: CorrectionRules
+
+
+def proposal_config(
+    parameters: TrackerParameters, degrees_of_freedom: float, image_size: tuple[int, int]
+) -> ProposalConfig:
+    """Return what the parameters make of it for frames of a size [px]."""
+    width, height = image_size
+    units, rounds = pose_units(width), range(parameters.refinement_rounds)
+    return ProposalConfig(
+        image_size=(float(width), float(height)),
+        limits=state_limits(parameters, width),
+        degrees_of_freedom=degrees_of_freedom,
+        cluster_radii=RADII * units,
+        detection_sigmas=DETECTION_SIGMAS * units,
+        smallest_sigmas=SMALLEST_SIGMAS * units,
+        powers=np.array([annealing_power(number, len(rounds)) for number in rounds]),
+        widenings=np.array([widening_in(number) for number in rounds]),
+        most_refined=MOST_REFINED,
+        least_refined=LEAST_REFINED,
+        rules=CorrectionRules(
+            parameters.evidence_limit,
+            parameters.evidence_repeated,
+            parameters.thin_width * width / REFERENCE_WIDTH,
+        ),
+    )

@@ -1,0 +1,98 @@
+"""The particles of a frame while they are drawn, and their weights.
+
+A particle weighs f L / q, where q is the density of the whole mixture of proposals times the number
+of particles: no proposal is a second prior, wherever it comes from.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.predicted_density import PredictedDensities, empty_densities
+from cable_tracker.cable.measure.likelihood_ratio import CableEvidence, empty_evidence
+from cable_tracker.cable.measure.polarity_prior import PolarityPrior, marginal_log_ratio
+from cable_tracker.cable.model.geometry import borders_cross_inside
+from cable_tracker.cable.model.limits import StateLimits
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
+from cable_tracker.compilation import compiled_loop, compiled_part
+
+
+class Sample(NamedTuple):
+    """Room for N particles of a frame.
+
+    Attributes
+    ----------
+    states : FloatArray
+        Shape (N, 8), in one chart.
+    densities : PredictedDensities
+        Before the frame is looked at.
+    evidence : CableEvidence
+        What the frame says, by polarity.
+    log_likelihoods : FloatArray
+        Log-likelihood ratios, polarity not known, width judged, shape (N,); -inf for what is
+        impossible.
+    mixture : FloatArray
+        Density that the particles were drawn from, times their number, shape (N,).
+    """
+
+    states: FloatArray
+    densities: PredictedDensities
+    evidence: CableEvidence
+    log_likelihoods: FloatArray
+    mixture: FloatArray
+
+
+def empty_sample(count: int) -> Sample:
+    """Return room for some particles."""
+    return Sample(
+        np.empty((count, STATE_SIZE)),
+        empty_densities(count),
+        empty_evidence(count),
+        np.empty(count),
+        np.empty(count),
+    )
+
+
+@compiled_loop
+def judge_sample(
+    sample: Sample,
+    start: int,
+    stop: int,
+    polarity: PolarityPrior,
+    limits: StateLimits,
+    image_size: tuple[float, float],
+) -> None:
+    """Fill in the log-likelihoods from `start` to `stop`.
+
+    Impossible are poses beyond the limits, and those whose borders cross inside the image.
+    """
+    for row in range(start, stop):
+        state, log_ratios = sample.states[row], sample.evidence.log_ratios[row]
+        possible = not borders_cross_inside(state, image_size)
+        for column in range(POSE_SIZE):
+            value = state[column]
+            possible = possible and limits.lower[column] <= value <= limits.upper[column]
+        if not possible:
+            sample.log_likelihoods[row] = -math.inf
+            continue
+        ratio = marginal_log_ratio(polarity, log_ratios[0], log_ratios[1])
+        sample.log_likelihoods[row] = ratio + sample.densities.width_penalties[row]
+
+
+@compiled_part
+def log_weights(sample: Sample, count: int, power: float) -> FloatArray:
+    """Return log(f L^power / q) of the first particles, shape (count,)."""
+    weights = np.empty(count)
+    for row in range(count):
+        full, mixture = sample.densities.full[row], sample.mixture[row]
+        if full <= 0.0 or mixture <= 0.0:
+            weights[row] = -math.inf
+            continue
+        # Zero times -inf, the ratio of what is impossible, is no number.
+        ratio = power * sample.log_likelihoods[row] if power > 0.0 else 0.0
+        weights[row] = ratio + np.log(full / mixture)
+    return weights

@@ -1,0 +1,132 @@
+"""The bins into which what is measured at a point is sorted, to be counted and to be looked up.
+
+There are two tables of them: one of the response across the border and of its slope, and one of the
+contrast between inside and outside, given the response. The borders themselves are sorted into
+classes by their strength.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import Image, IndexArray
+from cable_tracker.compilation import compiled, compiled_inside
+
+RESPONSE_LIMIT = 12.0
+"""Responses beyond this many robust scales are taken for this one."""
+
+RESPONSE_BINS = 96
+
+SLOPE_LIMIT = 0.75
+"""Slopes beyond this [1/px] are taken for this one: the edge is more than 2 px away."""
+
+SLOPE_BINS = 15
+
+CONTRAST_LIMIT = 12.0
+"""Contrasts beyond this many scales of the contrast are taken for this one."""
+
+CONTRAST_BINS = 25
+"""An odd number: a contrast of nothing at all, which is frequent, lies in the middle of a bin."""
+
+COARSE = 4
+"""So many bins of the response are one where it stands beside the contrast."""
+
+RESPONSE_MIDDLE, CONTRAST_MIDDLE = np.float32(RESPONSE_LIMIT), np.float32(CONTRAST_LIMIT)
+RESPONSE_FACTOR = np.float32(RESPONSE_BINS / (2 * RESPONSE_LIMIT))
+SLOPE_FACTOR = np.float32(SLOPE_BINS / SLOPE_LIMIT)
+CONTRAST_FACTOR = np.float32(CONTRAST_BINS / (2 * CONTRAST_LIMIT))
+"""What numbers are shifted by, and bins per unit, in single precision as in the kernels."""
+
+STRENGTHS = (1.2, 1.8, 2.7, 4.0)
+"""Smallest strength of the borders of each class; see `border_strength`. Fainter ones, which cannot
+be told from the bottom, are not learnt from."""
+
+CLASSES = len(STRENGTHS)
+
+EDGE_SHAPE = (RESPONSE_BINS, SLOPE_BINS)
+CONTRAST_SHAPE = (RESPONSE_BINS // COARSE, CONTRAST_BINS)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointMeasures:
+    """What is measured at P points of borders, all float32, of one shape.
+
+    Attributes
+    ----------
+    responses : Image
+        Response across the border [`ScannedFrame.scale`], positive where the inside is brighter.
+    slopes : Image
+        Slope of the gradient's modulus over the response [1/px at the reference width]; zero on the
+        ridge of an edge. Only its size counts.
+    contrasts : Image
+        Inside minus outside, smoothed [`ScannedFrame.contrast_scale`].
+    """
+
+    responses: Image
+    slopes: Image
+    contrasts: Image
+
+    def negative(self) -> PointMeasures:
+        """Return what would be measured in a negative of the picture."""
+        return PointMeasures(-self.responses, self.slopes, -self.contrasts)
+
+    def cells(self) -> tuple[IndexArray, IndexArray]:
+        """Return flat indices into the tables of edges and of contrasts, of the points' shape."""
+        shape = np.shape(self.responses)
+        edges, contrasts = _cells_of(
+            *(np.array(each, np.float32).ravel() for each in self._columns())
+        )
+        return edges.reshape(shape), contrasts.reshape(shape)
+
+    def _columns(self) -> tuple[Image, Image, Image]:
+        return self.responses, self.slopes, self.contrasts
+
+
+@compiled_inside
+def _bin(value: np.float32, shift: np.float32, factor: np.float32, count: int) -> np.uint64:
+    scaled = (value + shift) * factor
+    return np.uint64(np.int32(min(max(scaled, np.float32(0.0)), np.float32(count - 1))))
+
+
+@compiled_inside
+def response_bin(response: np.float32) -> np.uint64:
+    """Return the row of a response in the table of edges; over `COARSE`, in that of contrasts."""
+    return _bin(response, RESPONSE_MIDDLE, RESPONSE_FACTOR, RESPONSE_BINS)
+
+
+@compiled_inside
+def slope_bin(slope: np.float32) -> np.uint64:
+    """Return the column of the size of a slope in the table of edges."""
+    return _bin(slope, np.float32(0.0), SLOPE_FACTOR, SLOPE_BINS)
+
+
+@compiled_inside
+def contrast_bin(contrast: np.float32) -> np.uint64:
+    """Return the column of a contrast in the table of contrasts."""
+    return _bin(contrast, CONTRAST_MIDDLE, CONTRAST_FACTOR, CONTRAST_BINS)
+
+
+@compiled
+def _cells_of(responses: Image, slopes: Image, contrasts: Image) -> tuple[IndexArray, IndexArray]:
+    """Return flat indices (P,) into both tables; all are float32 of shape (P,)."""
+    edges, contrast_cells = np.empty(len(responses), np.int64), np.empty(len(responses), np.int64)
+    for point in range(len(responses)):
+        row = np.int64(response_bin(responses[point]))
+        edges[point] = row * SLOPE_BINS + np.int64(slope_bin(abs(slopes[point])))
+        contrast_cells[point] = (row // COARSE) * CONTRAST_BINS + np.int64(
+            contrast_bin(contrasts[point])
+        )
+    return edges, contrast_cells
+
+
+def border_strength(responses: Image) -> float:
+    """Return how strong a border is: the mean of the upper half of its responses (P,), signed."""
+    highest = np.sort(responses)[::-1][: (len(responses) + 1) // 2]
+    return float(highest.mean()) if len(highest) else 0.0
+
+
+def strength_class(strength: float) -> int:
+    """Return the class of a strength, -1 for one that is too faint for any."""
+    return int(np.searchsorted(STRENGTHS, strength, side="right")) - 1

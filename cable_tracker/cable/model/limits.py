@@ -1,0 +1,58 @@
+"""The box that particles stay in."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.model.state import POSE_SIZE, StateColumn, pose_units
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+
+class StateLimits(NamedTuple):
+    """The box that particles stay in.
+
+    Attributes
+    ----------
+    lower, upper : FloatArray
+        Shape (4,): d, alpha, w, beta [px, rad]. The angle is not limited but wrapped.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+
+
+def state_limits(parameters: TrackerParameters, image_width: int) -> StateLimits:
+    """Return the limits for frames of a given width [px]."""
+    skew = np.deg2rad(parameters.skew_limit)
+    distance = parameters.distance_limit
+    units = pose_units(image_width)
+    return StateLimits(
+        lower=units * [-distance, -np.inf, parameters.width_minimum, -skew],
+        upper=units * [distance, np.inf, parameters.width_maximum, skew],
+    )
+
+
+def clip_to_limits(states: FloatArray, limits: StateLimits) -> FloatArray:
+    """Set components beyond a limit to the limit; shape (N, 8)."""
+    result = states.copy()
+    result[:, :POSE_SIZE] = np.clip(states[:, :POSE_SIZE], limits.lower, limits.upper)
+    return result
+
+
+def reflect_at_limits(states: FloatArray, limits: StateLimits) -> FloatArray:
+    """Mirror components beyond a limit back inside, and turn the rate of d with it; shape (N, 8).
+
+    Clipping piles particles up at the limit, where they agree with each other and with nothing
+    else. What is still outside after one reflection is clipped.
+    """
+    result = states.copy()
+    values = states[:, :POSE_SIZE]
+    mirrored = np.where(values < limits.lower, 2 * limits.lower - values, values)
+    mirrored = np.where(values > limits.upper, 2 * limits.upper - values, mirrored)
+    result[:, :POSE_SIZE] = mirrored
+    turned = np.abs(states[:, StateColumn.DISTANCE]) > limits.upper[StateColumn.DISTANCE]
+    result[turned, StateColumn.DISTANCE_RATE] *= -1.0
+    return clip_to_limits(result, limits)

@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.measure.histograms import ResponseHistograms, table_from_histograms
+from cable_tracker.cable.measure.response_bins import CLASSES, PointMeasures
+from cable_tracker.cable.measure.response_table import RATIO_LIMIT
+from cable_tracker.errors import ParameterError
+
+
+def points(responses, slopes=0.0, contrasts=0.0) -> PointMeasures:
+    arrays = np.broadcast_arrays(responses, slopes, contrasts)
+    return PointMeasures(*(np.atleast_1d(np.asarray(array, np.float32)) for array in arrays))
+
+
+def histograms(rng, response, count=4000) -> ResponseHistograms:
+    counted = ResponseHistograms()
+    counted.add(
+        points(
+            rng.normal(response, 1.0, count),
+            np.abs(rng.normal(0.0, 0.2, count)),
+            rng.normal(response, 1.0, count),
+        )
+    )
+    assert counted.edges.sum() == counted.contrasts.sum() == count
+    return counted
+
+
+def test_what_is_met_on_borders_is_for_them_and_what_is_met_elsewhere_against(rng):
+    table = table_from_histograms([histograms(rng, 5.0)] * CLASSES, histograms(rng, 0.0), "test")
+    border, background = table.look_up(points([5.0, 0.0], 0.0, [5.0, 0.0]))[:, 0]
+    assert border > 2.0
+    # Strays bound what speaks against a border, in either table.
+    assert -4.7 < background < -2.0
+    assert table.source == "test"
+    assert np.abs(table.edges).max() <= RATIO_LIMIT
+    assert np.abs(table.contrasts).max() <= RATIO_LIMIT
+
+
+def test_the_same_on_borders_and_elsewhere_says_nothing(rng):
+    same = histograms(rng, 1.0)
+    table = table_from_histograms([same] * CLASSES, same, "test")
+    np.testing.assert_allclose(table.edges, 0.0, atol=1e-6)
+    np.testing.assert_allclose(table.contrasts, 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("border", [True, False])
+def test_nothing_can_be_learnt_from_nothing(rng, border):
+    some, none = histograms(rng, 1.0), ResponseHistograms()
+    with pytest.raises(ParameterError, match="nothing to learn"):
+        table_from_histograms(*([[some], none] if border else [[none], some]), "test")
+
+
+def test_a_class_that_was_never_met_looks_like_the_nearest(rng):
+    borders = [ResponseHistograms() for _ in range(CLASSES)]
+    borders[2] = histograms(rng, 3.0)
+    borders[0] = histograms(rng, 1.5)
+    table = table_from_histograms(borders, histograms(rng, 0.0), "test")
+    np.testing.assert_array_equal(table.edges[3], table.edges[2])
+    assert not np.array_equal(table.edges[0], table.edges[2])

@@ -1,0 +1,44 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.cable.measure.response_bins import (
+    CONTRAST_SHAPE,
+    EDGE_SHAPE,
+    PointMeasures,
+    border_strength,
+    strength_class,
+)
+
+NUMBERS = st.floats(-1e6, 1e6, width=32)
+
+
+def points(responses, slopes=0.0, contrasts=0.0) -> PointMeasures:
+    arrays = np.broadcast_arrays(responses, slopes, contrasts)
+    return PointMeasures(*(np.atleast_1d(np.asarray(array, np.float32)) for array in arrays))
+
+
+def test_the_strength_of_a_border_is_the_mean_of_its_upper_half():
+    assert border_strength(np.array([5.0, -9.0, 3.0, 0.0], np.float32)) == pytest.approx(4.0)
+    assert border_strength(np.array([1.0, 7.0, 3.0], np.float32)) == pytest.approx(5.0)
+    classes = [strength_class(strength) for strength in (0.0, 1.19, 1.2, 2.0, 3.9, 99.0)]
+    assert classes == [-1, -1, 0, 1, 2, 3]
+
+
+@given(NUMBERS, NUMBERS, NUMBERS)
+def test_every_point_has_a_cell(response, slope, contrast):
+    measured = points(response, slope, contrast)
+    (edge,), (contrast_cell,) = measured.cells()
+    assert 0 <= edge < np.prod(EDGE_SHAPE)
+    assert 0 <= contrast_cell < np.prod(CONTRAST_SHAPE)
+
+
+@given(NUMBERS, NUMBERS, NUMBERS)
+def test_a_negative_of_a_negative_is_the_picture_and_slopes_have_no_sign(response, slope, contrast):
+    measured = points(response, slope, contrast)
+    twice = measured.negative().negative()
+    assert twice.cells() == measured.cells()
+    assert points(response, -slope, contrast).cells() == measured.cells()
