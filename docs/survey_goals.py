@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
@@ -294,6 +295,7 @@ def main() -> None:
     parser.add_argument("--rate", type=float, default=6.25)
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
+    cv2.setNumThreads(1)  # As the command does: a processor for each recording.
     print("| " + " | ".join(HEADINGS) + " |\n|" + "---|" * len(HEADINGS), flush=True)
     false = []
     for seed in range(given.first_seed, given.first_seed + given.dives):
