@@ -12,13 +12,12 @@ import dask
 from distributed import Client, LocalCluster
 
 from cable_tracker import __version__
-from cable_tracker.campaigns.crew import ClusterSettings
+from cable_tracker.campaigns.crew import DASHBOARD, ClusterSettings
 from cable_tracker.errors import ParameterError, one_line
 
 CONNECT_TIMEOUT = 20.0
 """How long to wait for a scheduler [s]."""
 
-DASHBOARD = "127.0.0.1:8787"
 FREE_PORT = "127.0.0.1:0"
 
 

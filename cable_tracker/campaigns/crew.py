@@ -26,6 +26,9 @@ from cable_tracker.errors import ParameterError, ResourceError, write_failure
 
 LARGEST_WORKER_COUNT = 256
 
+DASHBOARD = "127.0.0.1:8787"
+"""Where Dask serves its pages, if it is asked to."""
+
 STORE = "tasks"
 """Folder with the results of single tasks, in the folder of a campaign."""
 
@@ -58,7 +61,7 @@ class ClusterSettings:
     memory : str
         Most memory of each worker, as "2 GiB"; it is restarted when it takes more.
     dashboard : bool
-        Serve Dask's pages at `cluster.DASHBOARD`.
+        Serve Dask's pages at `DASHBOARD`.
 
     Raises
     ------

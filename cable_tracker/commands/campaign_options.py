@@ -7,15 +7,12 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.campaigns.crew import ClusterSettings
+from cable_tracker.campaigns.crew import DASHBOARD, ClusterSettings
 from cable_tracker.commands.terminal import messages
 from cable_tracker.errors import ParameterError
 
 MEMORY = "4 GiB"
 """Of each worker, where the user says nothing."""
-
-DASHBOARD_URL = "http://127.0.0.1:8787/status"
-"""Where Dask serves its pages."""
 
 LARGEST_FIRST_SEED = 1_000_000_000
 """Far enough below the largest seed of a tracker for all that is added to it."""
@@ -34,7 +31,7 @@ SchedulerOption = Annotated[
 ]
 MemoryOption = Annotated[str, typer.Option(help="Most memory of each worker.")]
 DashboardOption = Annotated[
-    bool, typer.Option("--dashboard", help="Serve Dask's pages at 127.0.0.1:8787.")
+    bool, typer.Option("--dashboard", help=f"Serve Dask's pages at {DASHBOARD}.")
 ]
 ResumeOption = Annotated[
     bool, typer.Option("--resume", help="Do only what is missing or has changed.")
@@ -55,7 +52,7 @@ def chosen_cluster(
         workers = os.cpu_count() or 1
     settings = ClusterSettings(workers, scheduler, memory, dashboard)
     if dashboard:
-        messages.print(f"Dask's pages: {DASHBOARD_URL}")
+        messages.print(f"Dask's pages: http://{DASHBOARD}/status")
     return settings
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.survey.forwards import ForwardDive
-from cable_tracker.survey.frame_table import TRACKING
+from cable_tracker.survey.frame_table import TRACKING, CrossingSight
 from cable_tracker.survey.route import (
     LEAST_WEIGHT,
     PROFILE_SPACING,
@@ -127,6 +127,7 @@ def find_events(dive: ForwardDive, course: Course, route: DiveRoute, limits: Lim
         *_crossings(maker, course),
         *_navigation(maker, course),
     ]
+    dive.disk.let_go()
     return sorted(events, key=lambda event: (event.along, event.kind.value))
 
 
@@ -146,6 +147,7 @@ class _Maker:
         row = int(route.rows[point])
         frame = int(self.dive.table.rows["frame"][row])
         stamp = int(self.dive.table.rows["stamp"][row])
+        self.dive.disk.let_go()
         return Event(kind, along, end, (x, y), stamp, frame, detail, self.dive.name)
 
 
@@ -157,17 +159,20 @@ def runs(mask: BoolArray) -> list[tuple[int, int]]:
 
 def _found_and_lost(maker: _Maker, course: Course) -> list[Event]:
     route = maker.route
-    claimed = course.cable.weights > LEAST_WEIGHT
-    along = course.cable.along - route.start
-    inside = (along >= -0.5) & (along <= route.along[-1] + 0.5)
+    cable, disk = course.cable, maker.dive.disk
+    way = disk.filled(len(cable.along), lambda part: cable.along[part] - route.start)
+
+    def claimed(part: slice) -> BoolArray:
+        inside = (way[part] >= -0.5) & (way[part] <= route.along[-1] + 0.5)
+        found: BoolArray = inside & (cable.weights[part] > LEAST_WEIGHT)
+        return found
+
     events: list[Event] = []
-    for first, last in _long_claims(claimed & inside, along):
-        events.append(
-            maker.at(EventKind.FOUND, float(along[first]), "the tracker claims the cable")
-        )
-        if along[last - 1] < route.along[-1] - LEAST_LOST:
+    for first, last in _long_claims(disk.filled(len(way), claimed, np.bool_), way):
+        events.append(maker.at(EventKind.FOUND, float(way[first]), "the tracker claims the cable"))
+        if way[last - 1] < route.along[-1] - LEAST_LOST:
             detail = "the tracker claims it no longer"
-            events.append(maker.at(EventKind.LOST, float(along[last - 1]), detail))
+            events.append(maker.at(EventKind.LOST, float(way[last - 1]), detail))
     return events
 
 
@@ -271,7 +276,7 @@ def _crossings(maker: _Maker, course: Course) -> list[Event]:
     """Put sights of the same place and direction on the sea bed together."""
     dive, looks, cable, start = maker.dive, course.looks, course.cable, maker.route.start
     sights = []
-    for sight in dive.table.crossings:
+    for sight in _by_block(dive, dive.table.crossings):
         row = dive.table.rows[sight.row]
         look = int(np.searchsorted(looks.first, sight.row, side="right")) - 1
         if look < 0 or row["status"] != TRACKING:
@@ -288,6 +293,11 @@ def _crossings(maker: _Maker, course: Course) -> list[Event]:
             )
             events.append(maker.at(EventKind.CROSSING, along, detail))
     return events
+
+
+def _by_block(dive: ForwardDive, sights: Sequence[CrossingSight]) -> Iterator[CrossingSight]:
+    for part in dive.disk.blocks(len(sights)):
+        yield from sights[part]
 
 
 Sight = tuple[float, float, float, int]

@@ -34,6 +34,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice, InstrumentMessage
 from cable_tracker.sequences.source import Source, open_source
 from cable_tracker.survey.frame_table import STATUSES, CrossingSight, FrameTable, Samples
+from cable_tracker.survey.on_disk import Disk
 from cable_tracker.survey.visibility import border_profile
 from cable_tracker.trackers import make_tracker
 
@@ -124,6 +125,8 @@ class ForwardDive:
     ----------
     path : Path
         The recording.
+    disk : Disk
+        Where what follows is.
     table : FrameTable
         One row a frame.
     poses : Samples
@@ -139,12 +142,17 @@ class ForwardDive:
     """
 
     path: Path
-    table: FrameTable = field(default_factory=FrameTable)
-    poses: Samples = field(default_factory=lambda: Samples(POSE_WIDTH))
-    fixes: Samples = field(default_factory=lambda: Samples(FIX_WIDTH))
+    disk: Disk = field(default_factory=Disk)
     notes: list[str] = field(default_factory=list)
     flight: Overflight | None = None
     given_name: str = ""
+    table: FrameTable = field(init=False)
+    poses: Samples = field(init=False)
+    fixes: Samples = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.table = FrameTable(self.disk)
+        self.poses, self.fixes = Samples(POSE_WIDTH, self.disk), Samples(FIX_WIDTH, self.disk)
 
     @property
     def name(self) -> str:
@@ -153,11 +161,15 @@ class ForwardDive:
 
 
 def track_forwards(
-    path: Path, settings: ForwardSettings, advance: Callable[[int], None] = lambda count: None
+    path: Path,
+    settings: ForwardSettings,
+    advance: Callable[[int], None] = lambda count: None,
+    disk: Disk | None = None,
 ) -> ForwardDive:
     """Track a recording from its beginning to its end, or to where it breaks off.
 
-    Frames that cannot be used are passed over. `advance` is told of every frame.
+    Frames that cannot be used are passed over. `advance` is told of every frame. What is noted
+    goes to `disk`; None: among the temporary files.
 
     Raises
     ------
@@ -166,7 +178,7 @@ def track_forwards(
     ParameterError
         The vehicle file is not acceptable.
     """
-    dive = ForwardDive(path)
+    dive = ForwardDive(path, disk or Disk())
     with open_source(
         path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True, with_truth=False
     ) as recording:

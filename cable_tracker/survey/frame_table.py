@@ -1,15 +1,16 @@
-"""What a dive says frame by frame, in columns; a row takes 144 bytes."""
+"""What a dive says frame by frame, in columns; a row takes 144 bytes on disk."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.survey.on_disk import Disk, Growing
 
 PROFILE_BINS = 12
 """Places along the cable in one picture at which it is judged whether it can be seen."""
@@ -59,8 +60,6 @@ TRACKING = STATUSES.index("TRACKING")
 NOT_AGAIN, HIDDEN, SEEN = range(3)
 """What a second look says: there was none, the cable is not to be seen, it is."""
 
-GROWTH = 4096
-
 Rows = npt.NDArray[Any]
 
 
@@ -91,7 +90,6 @@ class CrossingSight:
     angle: float
 
 
-@dataclass(slots=True, eq=False)
 class FrameTable:
     """Rows of a dive.
 
@@ -103,6 +101,11 @@ class FrameTable:
     at x = `profile_ahead` how clearly both borders are there. Where `again` is not `NOT_AGAIN`, a
     second look has written the cable's columns: see `second_look`.
 
+    Parameters
+    ----------
+    disk : Disk
+        Where the rows are.
+
     Attributes
     ----------
     reasons : list of str
@@ -111,32 +114,22 @@ class FrameTable:
         What lay across.
     """
 
-    reasons: list[str] = field(default_factory=lambda: [""])
-    crossings: list[CrossingSight] = field(default_factory=list)
-    _blocks: list[Rows] = field(default_factory=list)
-    _newest: Rows = field(default_factory=lambda: np.zeros(0, ROW))
-    _free: int = 0
+    def __init__(self, disk: Disk | None = None) -> None:
+        self.reasons = [""]
+        self.crossings: list[CrossingSight] = []
+        self._rows = Growing(disk or Disk(), EMPTY)
 
     def __len__(self) -> int:
-        return sum(len(block) for block in self._blocks) + len(self._newest) - self._free
+        return len(self._rows)
 
     @property
     def rows(self) -> Rows:
         """All rows, dtype `ROW`, shape (N,)."""
-        if self._free < len(self._newest) or len(self._blocks) != 1:
-            used = self._newest[: len(self._newest) - self._free]
-            self._blocks = [np.concatenate((*self._blocks, used))]
-            self._newest, self._free = np.zeros(0, ROW), 0
-        return self._blocks[0]
+        return self._rows.rows()
 
     def append(self) -> Any:  # noqa: ANN401  A row of a structured array has no type.
         """Add an empty row, and return it to be filled."""
-        if not self._free:
-            if len(self._newest):
-                self._blocks.append(self._newest)
-            self._newest, self._free = np.full(GROWTH, EMPTY), GROWTH
-        self._free -= 1
-        return self._newest[len(self._newest) - self._free - 1]
+        return self._rows.append()
 
     def reason_number(self, reason: str) -> int:
         """Return the number of a reason, which is remembered."""
@@ -145,35 +138,30 @@ class FrameTable:
         return self.reasons.index(reason)
 
 
-@dataclass(slots=True, eq=False)
 class Samples:
     """Readings with stamps that grow, in columns.
 
-    Attributes
+    Parameters
     ----------
     width : int
         Numbers of a reading.
+    disk : Disk
+        Where they are.
     """
 
-    width: int
-    _stamps: list[int] = field(default_factory=list)
-    _values: list[float] = field(default_factory=list)
-    _blocks: list[tuple[npt.NDArray[np.int64], FloatArray]] = field(default_factory=list)
+    def __init__(self, width: int, disk: Disk | None = None) -> None:
+        reading = np.dtype([("stamp", "i8"), ("values", "f8", (width,))])
+        self._readings = (disk or Disk()).growing(reading)
+
+    def __len__(self) -> int:
+        return len(self._readings)
 
     def add(self, stamp: int, values: Sequence[float]) -> None:
         """Add a reading."""
-        self._stamps.append(stamp)
-        self._values.extend(values)
-        if len(self._stamps) >= GROWTH:
-            self._pack()
-
-    def _pack(self) -> None:
-        stamps = np.array(self._stamps, np.int64)
-        self._blocks.append((stamps, np.array(self._values).reshape(-1, self.width)))
-        self._stamps, self._values = [], []
+        reading = self._readings.append()
+        reading["stamp"], reading["values"] = stamp, values
 
     def arrays(self) -> tuple[IndexArray, FloatArray]:
         """Return stamps (N,) [ns] and readings (N, width)."""
-        self._pack()
-        stamps = np.concatenate([each for each, _ in self._blocks])
-        return stamps, np.concatenate([values for _, values in self._blocks])
+        readings = self._readings.rows()
+        return readings["stamp"], readings["values"]

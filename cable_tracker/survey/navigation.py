@@ -11,7 +11,8 @@ from pyproj import Transformer
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.errors import ParameterError
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.survey.frame_table import Samples
+from cable_tracker.survey.frame_table import Rows, Samples
+from cable_tracker.survey.on_disk import Disk, Unwrapping, surroundings
 
 LONGEST_GAP = 1.0
 """Over a longer silence of odometry no pose is interpolated [s]."""
@@ -64,54 +65,88 @@ class Poses:
     jumps: tuple[int, ...] = ()
 
     def at(self, stamps: IndexArray) -> FloatArray:
-        """Return x, y, yaw at stamps (M,), shape (M, 3); NaN where odometry was silent."""
-        if len(self.stamps) < 2:
+        """Return x, y, yaw at stamps (M,), shape (M, 3); NaN where odometry was silent.
+
+        Only what lies around these stamps is read.
+        """
+        count = len(self.stamps)
+        if count < 2:
             return np.full((len(stamps), 3), np.nan)
-        base = self.stamps[0]
-        own, asked = (self.stamps - base) / NANOSECONDS, (stamps - base) / NANOSECONDS
-        found = np.column_stack([np.interp(asked, own, column) for column in self.places.T])
-        after = np.clip(np.searchsorted(self.stamps, stamps), 1, len(self.stamps) - 1)
+        base, end = self.stamps[0], (self.stamps[-1] - self.stamps[0]) / NANOSECONDS
+        around = surroundings(self.stamps, stamps)
+        known = self.stamps[around]
+        own, asked = (known - base) / NANOSECONDS, (stamps - base) / NANOSECONDS
+        found = np.column_stack([np.interp(asked, own, column) for column in self.places[around].T])
+        after = np.clip(np.searchsorted(known, stamps), 1, len(known) - 1)
         gap = own[after] - own[after - 1]
-        outside = (asked < own[0] - 0.1) | (asked > own[-1] + 0.1)
+        outside = (asked < -0.1) | (asked > end + 0.1)
         found[outside | (gap > LONGEST_GAP)] = np.nan
         return found
 
 
-def joined_poses(samples: Samples) -> Poses:
+def joined_poses(samples: Samples, disk: Disk | None = None) -> Poses:
     """Return the way of a vehicle, with the pieces of an odometry that jumps put together.
 
     Over a jump the vehicle is taken to have gone on as before: how far it moved meanwhile is not
     known, and nothing else is.
     """
-    stamps, values = samples.arrays()
-    usable = np.abs(values[:, :2]).max(axis=1, initial=0.0) < BAD_PLACE
-    stamps, values = stamps[usable], values[usable]
-    if not len(stamps):
-        return Poses(stamps, np.zeros((0, 3)))
-    order, jumps = _in_order(stamps)
-    places = values[order, :2]
-    yaws = np.unwrap(values[order, 2])
-    stamps, speeds = stamps[order], values[order, 3]
-    seconds = np.maximum(np.diff(stamps) / NANOSECONDS, 0.0)
-    steps = np.hypot(*np.diff(places, axis=0).T)
-    reach = JUMP + seconds * np.minimum(np.maximum(speeds[1:], speeds[:-1]) * 2 + 0.1, FASTEST)
-    turns = np.abs(np.diff(yaws))
-    broken = np.flatnonzero((steps > reach) | (turns > JUMP_TURN + 2.0 * seconds)) + 1
-    joined = np.column_stack((places, yaws))
+    disk = disk or Disk()
+    way, jumps = _in_order(samples, disk)
+    if not len(way):
+        return Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
+    stamps = disk.filled(len(way), lambda rows: way["stamp"][rows], np.int64)
+    places = disk.filled(len(way), lambda rows: way["place"][rows])
+    broken: list[int] = []
+    for rows in disk.blocks(len(way), 1):
+        broken += _broken(way[rows.start - 1 : rows.stop], rows.start)
     for start in broken:
-        joined = _joined_at(joined, int(start), stamps)
-    return Poses(stamps, joined, tuple(sorted({*jumps, *(int(stamps[k]) for k in broken)})))
+        _join_at(places, start, stamps, disk)
+    return Poses(stamps, places, tuple(sorted({*jumps, *(int(stamps[k]) for k in broken)})))
 
 
-def _in_order(stamps: IndexArray) -> tuple[IndexArray, list[int]]:
-    """Return which readings to take so that stamps grow, and where the clock went back."""
-    running = np.maximum.accumulate(stamps)
-    fresh = np.concatenate(([True], stamps[1:] > running[:-1]))
-    back = np.flatnonzero(np.diff(stamps) < -NANOSECONDS) + 1
-    return np.flatnonzero(fresh), [int(running[k]) for k in back]
+POSE = np.dtype([("stamp", "i8"), ("place", "f8", (3,)), ("speed", "f8")])
+"""x, y, yaw without jumps by a whole turn [m, rad], and speed [m/s]."""
 
 
-def _joined_at(places: FloatArray, start: int, stamps: IndexArray) -> FloatArray:
+def _in_order(samples: Samples, disk: Disk) -> tuple[Rows, list[int]]:
+    """Return usable poses whose stamps grow, and where the clock went back [ns]."""
+    all_stamps, all_values = samples.arrays()
+    way, jumps, yaws = disk.growing(POSE), list[int](), Unwrapping()
+    latest: int | None = None
+    before = 0
+    for rows in disk.blocks(len(all_stamps)):
+        values = all_values[rows]
+        usable = np.abs(values[:, :2]).max(axis=1, initial=0.0) < BAD_PLACE
+        stamps, values = all_stamps[rows][usable], values[usable]
+        if not len(stamps):
+            continue
+        if latest is None:
+            latest, before = int(stamps[0]) - 1, int(stamps[0])
+        running = np.maximum.accumulate(np.concatenate(([latest], stamps)))
+        fresh = stamps > running[:-1]
+        back = np.diff(stamps, prepend=before) < -NANOSECONDS
+        jumps += running[1:][back].tolist()
+        latest, before = int(running[-1]), int(stamps[-1])
+        poses = np.zeros(int(fresh.sum()), POSE)
+        poses["stamp"], poses["speed"] = stamps[fresh], values[fresh, 3]
+        poses["place"][:, :2] = values[fresh, :2]
+        poses["place"][:, 2] = yaws.apply(values[fresh, 2])
+        way.extend(poses)
+    return way.rows(), jumps
+
+
+def _broken(way: Rows, first: int) -> list[int]:
+    """Return where a way (N,) jumps, whose second pose has the number `first`."""
+    seconds = np.maximum(np.diff(way["stamp"]) / NANOSECONDS, 0.0)
+    steps = np.hypot(*np.diff(way["place"][:, :2], axis=0).T)
+    speeds = way["speed"]
+    reach = JUMP + seconds * np.minimum(np.maximum(speeds[1:], speeds[:-1]) * 2 + 0.1, FASTEST)
+    turns = np.abs(np.diff(way["place"][:, 2]))
+    jumps = (steps > reach) | (turns > JUMP_TURN + 2.0 * seconds)
+    return [first + int(k) for k in np.flatnonzero(jumps)]
+
+
+def _join_at(places: FloatArray, start: int, stamps: IndexArray, disk: Disk) -> None:
     """Move everything from a row on so that the way goes on as before it."""
     before = max(start - 2, 0)
     step = max(float(stamps[start - 1] - stamps[before]), 1.0)
@@ -119,13 +154,21 @@ def _joined_at(places: FloatArray, start: int, stamps: IndexArray) -> FloatArray
     expected = places[start - 1] + share * (places[start - 1] - places[before])
     if start - 1 == before:
         expected = places[start - 1].copy()
-    turn = float(expected[2] - places[start, 2])
+    origin = places[start].copy()
+    turn = float(expected[2] - origin[2])
+    for rows in disk.blocks(len(places), start):
+        places[rows, :2] = turned(places[rows, :2] - origin[:2], turn) + expected[:2]
+        places[rows, 2] += turn
+
+
+def turned(places: FloatArray, turn: float) -> FloatArray:
+    """Return places (N, 2) turned by an angle to the left [rad].
+
+    Written out: the last bit of a product of matrices depends on how many rows they have.
+    """
     cos, sin = math.cos(turn), math.sin(turn)
-    rest = places[start:, :2] - places[start, :2]
-    joined = places.copy()
-    joined[start:, :2] = rest @ np.array([[cos, sin], [-sin, cos]]) + expected[:2]
-    joined[start:, 2] += turn
-    return joined
+    x, y = places.T
+    return np.column_stack((x * cos - y * sin, x * sin + y * cos))
 
 
 class LocalFrame:
@@ -197,12 +240,6 @@ class Georeference:
     variances: FloatArray
     left_out: int
 
-    @property
-    def rotation(self) -> FloatArray:
-        """From the dive's frame to the local one, shape (2, 2)."""
-        cos, sin = math.cos(self.turn), math.sin(self.turn)
-        return np.array([[cos, -sin], [sin, cos]])
-
     def apply(self, places: FloatArray, stamps: IndexArray) -> tuple[FloatArray, FloatArray]:
         """Return places of the dive's frame (N, 2) in the local one, and variances (N,) [m²]."""
         base = self.stamps[0]
@@ -211,17 +248,20 @@ class Georeference:
         variances = np.interp(asked, own, self.variances)
         beyond = np.maximum(np.maximum(own[0] - asked, asked - own[-1]), 0.0)
         variances = variances + DRIFT_NOISE * beyond + FIRST_RATE * beyond**2
-        return places @ self.rotation.T + self.shift + drift, variances
+        return turned(places, self.turn) + self.shift + drift, variances
 
 
-def georeference(poses: Poses, fixes: Samples, frame: LocalFrame) -> Georeference | None:
+def georeference(
+    poses: Poses, fixes: Samples, frame: LocalFrame, disk: Disk | None = None
+) -> Georeference | None:
     """Lay a dive on the earth by its fixes; None where they are too few or too close together.
 
     The dive is turned and shifted as a whole so that it fits best; what is left over is how
     odometry drifts, a random walk with a rate that wanders, smoothed over all fixes.
     """
+    disk = disk or Disk()
     stamps, values = fixes.arrays()
-    places = poses.at(stamps)
+    places = disk.filled(len(stamps), lambda rows: poses.at(stamps[rows]))
     known = np.isfinite(places).all(axis=1)
     stamps, values, places = stamps[known], values[known], places[known, :2]
     order = np.argsort(stamps, kind="stable")
@@ -235,11 +275,11 @@ def georeference(poses: Poses, fixes: Samples, frame: LocalFrame) -> Georeferenc
         if kept.sum() < FEWEST_FIXES or np.ptp(places[kept], axis=0).max() < LEAST_WAY:
             return None
         turn, shift = _fitted(places[kept], measured[kept], 1.0 / variances[kept])
-        kept = _plausible(_left(places, measured, turn, shift), variances)
+        kept = _plausible(_left(places, measured, turn, shift), variances, disk)
     if kept.sum() < FEWEST_FIXES:
         return None
     left = _left(places, measured, turn, shift)[kept]
-    drift, doubts = _smoothed_drift(stamps[kept], left, variances[kept])
+    drift, doubts = _smoothed_drift(stamps[kept], left, variances[kept], disk)
     return Georeference(turn, shift, stamps[kept], drift, doubts, int((~kept).sum()))
 
 
@@ -263,25 +303,25 @@ def _left(places: FloatArray, measured: FloatArray, turn: float, shift: FloatArr
     return left
 
 
-def _plausible(left: FloatArray, variances: FloatArray) -> BoolArray:
+def _plausible(left: FloatArray, variances: FloatArray, disk: Disk) -> BoolArray:
     """Tell which fixes belong to the way: near a running median of what is left over."""
     half = 10
     padded = np.pad(left, ((half, half), (0, 0)), mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1, axis=0)
-    off = np.hypot(*(left - np.median(windows, axis=2)).T)
+    middles = disk.filled(len(left), lambda rows: np.median(windows[rows], axis=2))
+    off = np.hypot(*(left - middles).T)
     spread = max(ROBUST * float(np.median(off)) / math.sqrt(2 * math.log(2)), 1e-3)
     allowed = OUTLIER * np.maximum(np.sqrt(variances), spread)
     return np.asarray(off <= allowed)
 
 
 def _smoothed_drift(
-    stamps: IndexArray, left: FloatArray, variances: FloatArray
+    stamps: IndexArray, left: FloatArray, variances: FloatArray, disk: Disk
 ) -> tuple[FloatArray, FloatArray]:
     """Smooth what is left over (F, 2); a Kalman filter forwards and Rauch, Tung, Striebel back."""
     count = len(stamps)
     steps = np.diff(stamps, prepend=stamps[0]) / NANOSECONDS
-    means, spreads = np.zeros((count, 2, 2)), np.zeros((count, 2, 2))
-    before_means, before_spreads = np.zeros((count, 2, 2)), np.zeros((count, 2, 2))
+    means, spreads, before_means, before_spreads = (disk.array((count, 2, 2)) for _ in range(4))
     mean, spread = np.zeros((2, 2)), np.diag([FIRST_DRIFT, FIRST_RATE])
     for k in range(count):
         move, noise = _drift_step(float(steps[k]))
@@ -296,7 +336,9 @@ def _smoothed_drift(
         back = spreads[k] @ move.T @ np.linalg.inv(before_spreads[k + 1])
         means[k] += back @ (means[k + 1] - before_means[k + 1])
         spreads[k] += back @ (spreads[k + 1] - before_spreads[k + 1]) @ back.T
-    return means[:, 0], spreads[:, 0, 0]
+    found = means[:, 0].copy(), spreads[:, 0, 0].copy()
+    disk.let_go()
+    return found
 
 
 def _drift_step(seconds: float) -> tuple[FloatArray, FloatArray]:

@@ -25,7 +25,7 @@ from cable_tracker.survey.forwards import (
     read_fix,
     track_forwards,
 )
-from cable_tracker.survey.frame_table import TRACKING, Rows
+from cable_tracker.survey.frame_table import TRACKING
 from cable_tracker.survey.merging import PlacedRoute
 from cable_tracker.survey.navigation import (
     Georeference,
@@ -34,6 +34,7 @@ from cable_tracker.survey.navigation import (
     georeference,
     joined_poses,
 )
+from cable_tracker.survey.on_disk import Disk
 from cable_tracker.survey.outputs.frames import write_frames
 from cable_tracker.survey.route import Course, DiveRoute, Profile, make_routes
 from cable_tracker.survey.second_look import look_again
@@ -143,11 +144,14 @@ def survey_recording(
     OutputError
         The folder cannot be written.
     """
-    dive = track_forwards(path, settings.forward, advance)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise write_failure(folder, error) from error
+    dive = track_forwards(path, settings.forward, advance, Disk(folder))
     dive.given_name = name
     surveyed, course = analyse(dive, settings)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         write_frames(folder / FRAMES, surveyed.name, dive, course)
         _write_summary(folder, surveyed)
         if settings.pictures:
@@ -159,22 +163,23 @@ def survey_recording(
 
 def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, Course | None]:
     """Smooth a tracked dive and find its events; the course is None without metres."""
-    rows = dive.table.rows
+    rows, disk = dive.table.rows, dive.disk
     notes = list(dive.notes)
-    poses = joined_poses(dive.poses)
-    places = poses.at(rows["stamp"])
-    notes += _faults(dive, poses, places)
+    poses = joined_poses(dive.poses, disk)
+    places = disk.filled(len(rows), lambda part: poses.at(rows["stamp"][part]))
+    counted = _counted(dive, places)
+    notes += _faults(dive, poses, counted)
     course, routes, on_earth = None, [], False
-    if np.isfinite(places).any() and np.isfinite(rows["aside"]).any():
-        course = _course(rows, poses, places)
+    if counted.placed_partly and counted.in_metres:
+        course = _course(dive, poses, places)
         if look_again(dive, course, settings.forward):
-            course = _course(rows, poses, places)
+            course = _course(dive, poses, places)
         looks = course.looks
         earth = _on_earth(dive, poses, settings.datum, notes)
         on_earth = earth is not None
         placing = None if earth is None else _placing(earth)
         turn = 0.0 if earth is None else earth.turn
-        routes = make_routes(looks, course.cable, rows, placing, turn)
+        routes = make_routes(looks, course.cable, rows, placing, turn, disk)
     name = dive.name
     placed = tuple(
         PlacedRoute(name, each, tuple(find_events(dive, course, each, settings.limits)))
@@ -182,19 +187,19 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
         if course is not None
     )
     seconds = float(rows["stamp"][-1] - rows["stamp"][0]) / 1e9
-    tracked = int((rows["status"] == TRACKING).sum())
     events = () if placed else tuple(_events_in_time(dive))
     return (
         SurveyedDive(
-            name, placed, events, on_earth, tuple(notes), len(rows), tracked, max(seconds, 0.0)
+            name, placed, events, on_earth, tuple(notes), len(rows), counted.tracked,
+            max(seconds, 0.0),
         ),
         course,
-    )
+    )  # fmt: skip
 
 
-def _course(rows: Rows, poses: Poses, places: FloatArray) -> Course:
-    looks = look_steps(rows, places)
-    return Course(poses, looks, smooth(looks))
+def _course(dive: ForwardDive, poses: Poses, places: FloatArray) -> Course:
+    looks = look_steps(dive.table.rows, places, dive.disk)
+    return Course(poses, looks, smooth(looks, dive.disk))
 
 
 def _placing(
@@ -208,7 +213,7 @@ def _on_earth(
 ) -> Georeference | None:
     if datum is None:
         return None
-    earth = georeference(poses, dive.fixes, LocalFrame(*datum))
+    earth = georeference(poses, dive.fixes, LocalFrame(*datum), dive.disk)
     if earth is None:
         notes.append(
             "too few fixes, or over too short a way, to lay the dive on the earth; its route is in"
@@ -219,48 +224,91 @@ def _on_earth(
     return earth
 
 
-def _faults(dive: ForwardDive, poses: Poses, places: FloatArray) -> list[str]:
+@dataclass(slots=True)
+class _Counted:
+    """What there is of the rows of a dive.
+
+    Attributes
+    ----------
+    tracked, in_metres, placed, placed_partly : int
+        In how many the cable is claimed, is known in metres, and the vehicle's pose is known.
+    back, ahead : float
+        Least and largest step from one picture to the next, as far as beyond 0 [s].
+    reasons : ndarray
+        How many of the claims have no metres, by the number of the reason, shape (R,).
+    """
+
+    reasons: IndexArray
+    tracked: int = 0
+    in_metres: int = 0
+    placed: int = 0
+    placed_partly: int = 0
+    back: float = 0.0
+    ahead: float = 0.0
+
+
+def _counted(dive: ForwardDive, places: FloatArray) -> _Counted:
+    """Go through the rows of a dive, whose vehicle was at places (N, 3)."""
+    rows, kinds = dive.table.rows, len(dive.table.reasons)
+    found = _Counted(np.zeros(kinds, np.int64))
+    before = rows["stamp"][:1]
+    for part in dive.disk.blocks(len(rows)):
+        some, known = rows[part], np.isfinite(places[part])
+        claimed = some["status"] == TRACKING
+        found.tracked += int(claimed.sum())
+        found.in_metres += int(np.isfinite(some["aside"]).sum())
+        found.placed += int(known.all(axis=1).sum())
+        found.placed_partly += int(known.any(axis=1).sum())
+        steps = np.diff(some["stamp"], prepend=before) / 1e9
+        found.back = min(found.back, float(steps.min()))
+        found.ahead = max(found.ahead, float(steps.max()))
+        found.reasons += np.bincount(some["reason"][claimed], minlength=kinds)
+        before = some["stamp"][-1:].copy()
+    return found
+
+
+def _faults(dive: ForwardDive, poses: Poses, counted: _Counted) -> list[str]:
     """Say why there is no route, or why it has gaps."""
     rows = dive.table.rows
     notes = []
     if not len(poses.stamps):
         notes.append("there is no odometry: the cable is known in pixels only, and has no route")
-    elif not np.isfinite(places).any():
+    elif not counted.placed_partly:
         apart = abs(float(rows["stamp"][0] - poses.stamps[0])) / 1e9
         notes.append(
             f"no odometry of the pictures' time: their clocks are {apart:.0f} s apart; set all"
             " clocks alike"
         )
-    elif not np.isfinite(places).all():
-        share = float((~np.isfinite(places).all(axis=1)).mean())
+    elif counted.placed < len(rows):
+        share = (len(rows) - counted.placed) / len(rows)
         notes.append(f"odometry was silent, or on another clock, in {share:.0%} of the frames")
     if poses.jumps:
         notes.append(f"odometry began anew or jumped {len(poses.jumps)} times; the way was joined")
-    steps = np.diff(rows["stamp"]) / 1e9
-    if len(steps) and (steps.min(initial=0.0) < 0.0 or steps.max(initial=0.0) > LATE):
+    if counted.back < 0.0 or counted.ahead > LATE:
         notes.append("the clock of the camera jumps; the tracker starts anew there")
-    missing = rows["reason"][(rows["status"] == TRACKING)]
-    counts = np.bincount(missing, minlength=1) if len(missing) else np.zeros(1, int)
-    for number in np.flatnonzero(counts[1:]) + 1:
-        share = counts[number] / len(missing)
+    for number in np.flatnonzero(counted.reasons[1:]) + 1:
+        share = counted.reasons[number] / counted.tracked
         notes.append(f"no metres in {share:.0%} of the claims: {dive.table.reasons[number]}")
     return notes
 
 
 def _events_in_time(dive: ForwardDive) -> list[Event]:
     """Return when the cable was found and lost, of a dive without metres."""
-    rows = dive.table.rows
-    claimed = rows["status"] == TRACKING
-    edges = np.flatnonzero(np.diff(claimed.astype(np.int8), prepend=0))
-    nowhere = (float("nan"), float("nan"))
-    return [
-        Event(
-            EventKind.FOUND if claimed[k] else EventKind.LOST,
-            float("nan"), float("nan"), nowhere, int(rows["stamp"][k]), int(rows["frame"][k]),
-            "in pixels only", dive.name,
-        )
-        for k in edges
-    ]  # fmt: skip
+    rows, nowhere = dive.table.rows, (float("nan"), float("nan"))
+    events, before = list[Event](), 0
+    for part in dive.disk.blocks(len(rows)):
+        some = rows[part]
+        claimed = (some["status"] == TRACKING).astype(np.int8)
+        events += [
+            Event(
+                EventKind.FOUND if claimed[k] else EventKind.LOST,
+                float("nan"), float("nan"), nowhere, int(some["stamp"][k]), int(some["frame"][k]),
+                "in pixels only", dive.name,
+            )
+            for k in np.flatnonzero(np.diff(claimed, prepend=before))
+        ]  # fmt: skip
+        before = int(claimed[-1])
+    return events
 
 
 def _write_pictures(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -11,6 +12,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.survey.frame_table import HIDDEN, Rows, is_claimed
 from cable_tracker.survey.navigation import Poses
+from cable_tracker.survey.on_disk import Disk, Unwrapping, interpolated
 from cable_tracker.survey.smoothing import Looks, SmoothedCable, filled
 
 SPACING = 0.5
@@ -36,8 +38,17 @@ LEAST_WEIGHT = 0.05
 
 FEWEST_LOOKS = 4
 
-BLOCK = 4096
-"""So many rows of the table are looked at together."""
+BIN = SPACING / 4
+"""Looks are averaged over this way [m]."""
+
+PLACED = np.dtype([("place", "i8"), ("value", "f8")])
+"""Number of a point of a route, and what was measured there."""
+
+COLUMNS = 8
+"""What a route says of each of its looks."""
+
+TOGETHER = 4096
+"""So many rows of the table are added up before they are added to the others."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,12 +170,13 @@ Placing = Callable[[FloatArray, IndexArray], tuple[FloatArray, FloatArray]]
 """Takes places (N, 2) and stamps (N,) to places of another frame and variances (N,) [m²]."""
 
 
-def make_routes(
+def make_routes(  # noqa: PLR0917
     looks: Looks,
     cable: SmoothedCable,
     rows: Rows,
     placing: Placing | None = None,
     turn: float = 0.0,
+    disk: Disk | None = None,
 ) -> list[DiveRoute]:
     """Return one route for each connected piece of a dive that was claimed at all.
 
@@ -178,176 +190,259 @@ def make_routes(
         Takes places of the dive's frame to the frame of the route; None leaves them.
     turn : float
         By how much directions turn with it [rad].
+    disk : Disk or None
+        Where what is needed meanwhile goes; None: among the temporary files.
     """
+    dive = _Smoothed(looks, cable, rows, (placing, turn), disk or Disk())
+    starts = np.flatnonzero(np.diff(cable.piece, prepend=-1))
     routes = []
-    for number in range(int(cable.piece.max()) + 1 if len(cable.piece) else 0):
-        members = np.flatnonzero(cable.piece == number)
-        claimed = members[cable.weights[members] > 0.0]
-        if len(claimed) >= FEWEST_LOOKS and np.ptp(cable.along[claimed]) > SPACING:
-            routes.append(_route(looks, cable, rows, (members, claimed), (placing, turn)))
+    for start, end in pairwise([*starts.tolist(), len(cable.piece)]):
+        count, first, last = _claimed_way(dive, start, end)
+        if count >= FEWEST_LOOKS and last - first > SPACING:
+            routes.append(_Piece(dive, start, end, (first, last)).route())
     return routes
 
 
-def _route(
-    looks: Looks,
-    cable: SmoothedCable,
-    rows: Rows,
-    chosen: tuple[IndexArray, IndexArray],
-    frame: tuple[Placing | None, float],
-) -> DiveRoute:
-    members, claimed = chosen
-    along = cable.along[members]
-    first, last = cable.along[claimed].min() - BEYOND, cable.along[claimed].max() + BEYOND
-    first, last = max(first, along.min()), min(last, along.max())
-    wanted = np.arange(0, max(round((last - first) / SPACING), 1) + 1) * SPACING + first
-    order = np.argsort(along, kind="stable")
-    found = _at_places(along, _columns(looks, cable, (members, order), frame), wanted)
-    nearest = order[np.clip(np.searchsorted(along[order], wanted), 0, len(order) - 1)]
-    rows_at = looks.first[members][nearest]
-    relative = wanted - wanted[0]
-    return DiveRoute(
-        start=float(wanted[0]),
-        along=relative,
-        places=found[:, :2],
-        headings=found[:, 2],
-        sigmas=found[:, 3],
-        frame_variances=found[:, 4],
-        bends=found[:, 5],
-        bend_sigmas=found[:, 6],
-        stamps=looks.stamps[members][nearest],
-        rows=rows_at,
-        diameters=_diameters(looks, cable, rows, members, wanted),
-        asides=found[:, 7],
-        profile=_profile(looks, cable, rows, members, (float(wanted[0]), float(wanted[-1]))),
-    )
+@dataclass(frozen=True, slots=True, eq=False)
+class _Smoothed:
+    """What `make_routes` was given."""
+
+    looks: Looks
+    cable: SmoothedCable
+    rows: Rows
+    frame: tuple[Placing | None, float]
+    disk: Disk
 
 
-def _columns(
-    looks: Looks,
-    cable: SmoothedCable,
-    chosen: tuple[IndexArray, IndexArray],
-    frame: tuple[Placing | None, float],
-) -> Iterator[FloatArray]:
-    """Yield what a route says of each of its looks, one column (M,) after the other.
-
-    All of them at once would be most of what a survey takes. x, y, direction, standard deviation
-    across, what the frame adds to its square, curvature, its standard deviation, lateral distance.
-    """
-    members, order = chosen
-    placing, turn = frame
-    aside, yaw = cable.states[members, 0], looks.places[members, 2]
-    points = looks.places[members, :2]
-    points[:, 0] -= aside * np.sin(yaw)
-    points[:, 1] += aside * np.cos(yaw)
-    frame_variances = np.zeros(len(points))
-    if placing is not None:
-        points, frame_variances = placing(points, looks.stamps[members])
-    yield from points.T
-    headings = yaw + cable.states[members, 1]
-    # Directions go on from one place of the cable to the next, not from one look to the next.
-    headings[order] = np.unwrap(headings[order]) + turn
-    yield headings
-    slope = np.abs(np.cos(cable.states[members, 1]))
-    yield np.sqrt(cable.covariances[members, 0, 0]) * slope
-    yield frame_variances
-    yield cable.states[members, 2]
-    yield np.sqrt(cable.covariances[members, 2, 2])
-    yield aside
+def _claimed_way(dive: _Smoothed, start: int, end: int) -> tuple[int, float, float]:
+    """Return how many looks from `start` up to `end` have claims, and their least and most way."""
+    count, first, last = 0, math.inf, -math.inf
+    for part in dive.disk.blocks(end, start):
+        along = dive.cable.along[part][dive.cable.weights[part] > 0.0]
+        if len(along):
+            count += len(along)
+            first, last = min(first, float(along.min())), max(last, float(along.max()))
+    return count, first, last
 
 
-def _at_places(along: FloatArray, columns: Iterable[FloatArray], wanted: FloatArray) -> FloatArray:
-    """Return columns (M,) at wanted places (N,), shape (N, C).
+class _Piece:
+    """Looks from `start` up to `end`, which are connected; see `make_routes`."""
 
-    Looks are averaged in bins of a quarter of the spacing: a way gone twice counts once.
-    """
-    bins = np.floor((along - along.min()) / (SPACING / 4)).astype(np.int64)
-    _, places, counts = np.unique(bins, return_inverse=True, return_counts=True)
-    del bins
-    at = np.bincount(places, along) / counts
-    return np.column_stack(
-        [np.interp(wanted, at, np.bincount(places, column) / counts) for column in columns]
-    )
+    def __init__(self, dive: _Smoothed, start: int, end: int, claimed: tuple[float, float]) -> None:
+        self._dive, self._disk = dive, dive.disk
+        self._start, self._end = start, end
+        self._along = dive.cable.along[start:end]
+        self._rows = slice(int(dive.looks.first[start]), int(dive.looks.last[end - 1]))
+        self._least = min(float(self._along[part].min()) for part in self._blocks())
+        most = max(float(self._along[part].max()) for part in self._blocks())
+        first, last = max(claimed[0] - BEYOND, self._least), min(claimed[1] + BEYOND, most)
+        self._bins = math.floor((most - self._least) / BIN) + 1
+        count = max(round((last - first) / SPACING), 1) + 1
+        self._wanted: FloatArray = np.arange(count, dtype=np.float64) * SPACING + first
+
+    def _blocks(self) -> Iterator[slice]:
+        return self._disk.blocks(self._end - self._start)
+
+    def route(self) -> DiveRoute:
+        """Return the route along these looks."""
+        wanted, looks, disk = self._wanted, self._dive.looks, self._disk
+        found, nearest = self._at_places()
+        route = DiveRoute(
+            start=float(wanted[0]),
+            along=wanted - wanted[0],
+            places=found[:, :2],
+            headings=found[:, 2],
+            sigmas=found[:, 3],
+            frame_variances=found[:, 4],
+            bends=found[:, 5],
+            bend_sigmas=found[:, 6],
+            stamps=looks.stamps[nearest],
+            rows=looks.first[nearest],
+            diameters=self._diameters(),
+            asides=found[:, 7],
+            profile=self._profile(),
+        )
+        disk.let_go()
+        return route
+
+    def _at_places(self) -> tuple[FloatArray, IndexArray]:
+        """Return what `_columns` says at the wanted places (N, C), and the nearest looks (N,).
+
+        Looks are averaged in bins of a quarter of the spacing: a way gone twice counts once.
+        """
+        disk, along, wanted = self._disk, self._along, self._wanted
+        order = disk.array(len(along), np.int64)
+        order[:] = np.argsort(along, kind="stable")
+        sorted_along = disk.filled(len(along), lambda part: along[order[part]])
+        nearest = order[np.clip(np.searchsorted(sorted_along, wanted), 0, len(order) - 1)]
+        headings = self._headings(order)
+        counts = disk.array(self._bins, np.int64)
+        totals = [disk.array(self._bins) for _ in range(COLUMNS + 1)]
+        for part in self._blocks():
+            bins = np.floor((along[part] - self._least) / BIN).astype(np.int64)
+            np.add.at(counts, bins, 1)
+            columns = (along[part], *self._columns(part, headings))
+            for total, column in zip(totals, columns, strict=True):
+                # In the order of the looks, one after the other.
+                np.add.at(total, bins, column)
+        used = disk.growing(np.int64)
+        for part in disk.blocks(self._bins):
+            used.extend(np.flatnonzero(counts[part]) + part.start)
+        bins = used.rows()
+
+        def means(total: FloatArray) -> FloatArray:
+            mean: FloatArray = disk.filled(
+                len(bins), lambda part: total[bins[part]] / counts[bins[part]]
+            )
+            return mean
+
+        way = means(totals[0])
+        found = [_at_even_places(wanted, way, means(total), disk) for total in totals[1:]]
+        return np.column_stack(found), nearest + self._start
+
+    def _headings(self, order: IndexArray) -> FloatArray:
+        """Return the cable's directions (M,); `order` (M,) is that of the looks along it.
+
+        They go on from one place of the cable to the next, not from one look to the next.
+        """
+        looks, cable = self._dive.looks, self._dive.cable
+        headings: FloatArray = self._disk.array(len(order))
+        unwrapping = Unwrapping()
+        for part in self._disk.blocks(len(order)):
+            own = order[part] + self._start
+            raw = looks.places[own, 2] + cable.states[own, 1]
+            headings[order[part]] = unwrapping.apply(raw) + self._dive.frame[1]
+        return headings
+
+    def _columns(self, part: slice, headings: FloatArray) -> Iterator[FloatArray]:
+        """Yield what a route says of some of its looks, `COLUMNS` columns (K,).
+
+        x, y, direction, standard deviation across, what the frame adds to its square, curvature,
+        its standard deviation, lateral distance.
+        """
+        looks, cable, placing = self._dive.looks, self._dive.cable, self._dive.frame[0]
+        own = slice(part.start + self._start, part.stop + self._start)
+        aside, yaw = cable.states[own, 0], looks.places[own, 2]
+        points = looks.places[own, :2].copy()
+        points[:, 0] -= aside * np.sin(yaw)
+        points[:, 1] += aside * np.cos(yaw)
+        frame_variances = np.zeros(len(points))
+        if placing is not None:
+            points, frame_variances = placing(points, looks.stamps[own])
+        yield from points.T
+        yield headings[part]
+        slope = np.abs(np.cos(cable.states[own, 1]))
+        yield np.sqrt(cable.covariances[own, 0, 0]) * slope
+        yield frame_variances
+        yield cable.states[own, 2]
+        yield np.sqrt(cable.covariances[own, 2, 2])
+        yield aside
+
+    def _row_blocks(self) -> Iterator[tuple[slice, IndexArray]]:
+        """Yield the rows of these looks block by block, and to which look each belongs; -1: none.
+
+        Rows before the piece's first look, or after its last, belong to none.
+        """
+        for part in self._disk.blocks(self._rows.stop, self._rows.start):
+            yield part, self._dive.looks.of_rows(part)
+
+    def _diameters(self) -> FloatArray:
+        """Return the median diameter around each wanted place, shape (N,) [m]."""
+        cable, wanted = self._dive.cable, self._wanted
+        seen = self._disk.growing(PLACED)
+        for part, owner in self._row_blocks():
+            rows = self._dive.rows[part]
+            known = (owner >= 0) & is_claimed(rows) & np.isfinite(rows["diameter"])
+            known &= cable.weights[owner] > LEAST_WEIGHT
+            place = np.round((cable.along[owner[known]] - wanted[0]) / SPACING).astype(np.int64)
+            inside = (place >= 0) & (place < len(wanted))
+            some = np.zeros(int(inside.sum()), PLACED)
+            some["place"], some["value"] = place[inside], rows["diameter"][known][inside]
+            seen.extend(some)
+        values = seen.rows()
+        order = np.argsort(values["place"], kind="stable")
+        edges = np.cumsum(self._places_seen(values))
+        found = np.full(len(wanted), np.nan)
+        for place, (start, end) in enumerate(pairwise([0, *edges.tolist()])):
+            if end > start:
+                found[place] = np.median(values["value"][order[start:end]])
+        return found
+
+    def _places_seen(self, values: Rows) -> IndexArray:
+        """Return how many values there are of each wanted place, shape (N,)."""
+        counts = np.zeros(len(self._wanted), np.int64)
+        for part in self._disk.blocks(len(values)):
+            np.add.at(counts, values["place"][part], 1)
+        return counts
+
+    def _profile(self) -> Profile:
+        """Gather what each picture showed of each place along the way."""
+        cable, rows, disk = self._dive.cable, self._dive.rows, self._disk
+        first = float(self._wanted[0])
+        count = max(1, int(np.ceil((float(self._wanted[-1]) - first) / PROFILE_SPACING)))
+        telling = disk.growing(np.int64)
+        for part, owner in self._row_blocks():
+            telling.extend(part.start + self._telling(rows[part], owner))
+        used = telling.rows()
+        total, number = disk.array(count), disk.array(count, np.int64)
+        for start in range(0, len(used), TOGETHER):
+            some = used[start : start + TOGETHER]
+            own = self._dive.looks.of(some)
+            ahead = rows["profile_ahead"][some].astype(np.float64) - rows["look"][some][:, None]
+            along = cable.along[own][:, None] + ahead / np.cos(cable.states[own, 1])[:, None]
+            scores = rows["profile_score"][some]
+            place = np.floor((along - first) / PROFILE_SPACING)
+            fine = np.isfinite(place) & np.isfinite(scores) & (place >= 0) & (place < count)
+            index = place[fine].astype(np.int64)
+            if len(index):
+                low = int(index.min())
+                counts = np.bincount(index - low)
+                total[low : low + len(counts)] += np.bincount(index - low, scores[fine])
+                number[low : low + len(counts)] += counts
+            disk.let_go()
+        with np.errstate(invalid="ignore", divide="ignore"):
+            seen = np.where(number > 0, total / number, np.nan)
+        return Profile(0.0, seen, self._in_view(count))
+
+    def _telling(self, rows: Rows, owner: IndexArray) -> IndexArray:
+        """Return which of some rows, of the looks `owner` (K,), say what is seen of the cable."""
+        cable = self._dive.cable
+        used = np.flatnonzero((owner >= 0) & (is_claimed(rows) | (rows["again"] == HIDDEN)))
+        look = owner[used]
+        off = np.abs(rows["aside"][used] - cable.states[look, 0])
+        allowed = ON_ROUTE * np.sqrt(cable.covariances[look, 0, 0]) + 0.05
+        # What is claimed of something else tells nothing about the cable.
+        tells = (off <= allowed) & (cable.weights[look] > LEAST_WEIGHT)
+        tells |= rows["again"][used] == HIDDEN
+        telling: IndexArray = used[tells]
+        return telling
+
+    def _in_view(self, count: int) -> BoolArray:
+        """Tell for each place whether the cable passed through a picture with the camera there."""
+        looks, cable, disk = self._dive.looks, self._dive.cable, self._disk
+        half_views = filled(self._dive.rows["half_view"], disk)
+        seen, passed = disk.array(count), disk.array(count)
+        for part in disk.blocks(self._end, self._start):
+            inside = np.abs(cable.states[part, 0]) < half_views[looks.first[part]]
+            way = cable.along[part] - float(self._wanted[0])
+            place = np.floor(way / PROFILE_SPACING).astype(np.int64)
+            fine = (place >= 0) & (place < count)
+            np.add.at(seen, place[fine], inside[fine].astype(float))
+            np.add.at(passed, place[fine], 1.0)
+        known = np.flatnonzero(passed)
+        if not len(known):
+            return np.zeros(count, bool)
+        shares = seen[known] / passed[known]
+        return np.asarray(np.interp(np.arange(count), known, shares) >= 0.5)
 
 
-def _rows_of(looks: Looks, members: IndexArray, count: int) -> IndexArray:
-    """Return for each row of the table the look that it belongs to; -1: none of these."""
-    owner = np.full(count, -1, np.int64)
-    for k in members:
-        owner[looks.first[k] : looks.last[k]] = k
-    return owner
-
-
-def _diameters(
-    looks: Looks, cable: SmoothedCable, rows: Rows, members: IndexArray, wanted: FloatArray
+def _at_even_places(
+    wanted: FloatArray, places: FloatArray, values: FloatArray, disk: Disk
 ) -> FloatArray:
-    owner = _rows_of(looks, members, len(rows))
-    known = (owner >= 0) & is_claimed(rows) & np.isfinite(rows["diameter"])
-    known &= cable.weights[owner] > LEAST_WEIGHT
-    along = cable.along[owner[known]]
-    place = np.round((along - wanted[0]) / SPACING).astype(np.int64)
-    inside = (place >= 0) & (place < len(wanted))
-    values, place = rows["diameter"][known][inside].astype(np.float64), place[inside]
-    found = np.full(len(wanted), np.nan)
-    order = np.argsort(place, kind="stable")
-    values, place = values[order], place[order]
-    edges = np.flatnonzero(np.diff(place, prepend=-1, append=-1))
-    for start, end in pairwise(edges):
-        found[place[start]] = np.median(values[start:end])
+    """Return values (M,) at places (M,) that grow, interpolated at wanted ones (N,)."""
+    if len(places) < 2:
+        return np.full(len(wanted), values[0])
+    found = np.zeros(len(wanted))
+    for part in disk.blocks(len(wanted)):
+        found[part] = interpolated(wanted[part], places, values)
     return found
-
-
-def _profile(
-    looks: Looks,
-    cable: SmoothedCable,
-    rows: Rows,
-    members: IndexArray,
-    limits: tuple[float, float],
-) -> Profile:
-    """Gather what each picture showed of each place along the way."""
-    first, last = limits
-    count = max(1, int(np.ceil((last - first) / PROFILE_SPACING)))
-    owner = _rows_of(looks, members, len(rows))
-    used = np.flatnonzero((owner >= 0) & (is_claimed(rows) | (rows["again"] == HIDDEN)))
-    look = owner[used]
-    off = np.abs(rows["aside"][used] - cable.states[look, 0])
-    allowed = ON_ROUTE * np.sqrt(cable.covariances[look, 0, 0]) + 0.05
-    # What is claimed of something else tells nothing about the cable.
-    tells = (off <= allowed) & (cable.weights[look] > LEAST_WEIGHT)
-    tells |= rows["again"][used] == HIDDEN
-    used, look = used[tells], look[tells]
-    total, number = np.zeros(count), np.zeros(count, np.int64)
-    for start in range(0, len(used), BLOCK):
-        some, own = used[start : start + BLOCK], look[start : start + BLOCK]
-        ahead = rows["profile_ahead"][some].astype(np.float64) - rows["look"][some][:, None]
-        along = cable.along[own][:, None] + ahead / np.cos(cable.states[own, 1])[:, None]
-        scores = rows["profile_score"][some]
-        place = np.floor((along - first) / PROFILE_SPACING)
-        fine = np.isfinite(place) & np.isfinite(scores) & (place >= 0) & (place < count)
-        index = place[fine].astype(np.int64)
-        total += np.bincount(index, scores[fine], minlength=count)
-        number += np.bincount(index, minlength=count)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        seen = np.where(number > 0, total / number, np.nan)
-    return Profile(0.0, seen, _in_view(looks, cable, rows, members, (first, count)))
-
-
-def _in_view(
-    looks: Looks,
-    cable: SmoothedCable,
-    rows: Rows,
-    members: IndexArray,
-    bins: tuple[float, int],
-) -> BoolArray:
-    """Tell for each place whether the cable passed through a picture while the camera was there."""
-    first, count = bins
-    half = filled(rows["half_view"])[looks.first[members]]
-    inside = np.abs(cable.states[members, 0]) < half
-    place = np.floor((cable.along[members] - first) / PROFILE_SPACING).astype(np.int64)
-    fine = (place >= 0) & (place < count)
-    seen = np.bincount(place[fine], inside[fine].astype(float), minlength=count)
-    passed = np.bincount(place[fine], minlength=count)
-    share = np.where(passed > 0, seen / np.maximum(passed, 1), np.nan)
-    known = np.flatnonzero(np.isfinite(share))
-    if not len(known):
-        return np.zeros(count, bool)
-    return np.asarray(np.interp(np.arange(count), known, share[known]) >= 0.5)

@@ -26,7 +26,7 @@ from cable_tracker.survey.forwards import ForwardDive, ForwardSettings, FrameRow
 from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING, Rows
 from cable_tracker.survey.route import LEAST_WEIGHT, Course
 from cable_tracker.survey.smoothing import SURE_ENOUGH
-from cable_tracker.survey.visibility import clearness_of, find_beside
+from cable_tracker.survey.visibility import border_step_of, find_beside
 
 REACH = 2.0
 """The cable is looked for so far to either side of its smoothed place [standard deviations]."""
@@ -51,23 +51,27 @@ def look_again(dive: ForwardDive, course: Course, settings: ForwardSettings) -> 
     clearly it is seen at its smoothed place.
     """
     rows = dive.table.rows
-    owner = _owners(course, len(rows))
-    wanted = _without_claim(dive, course, owner)
-    usual = _usual(dive, course, owner)
+    wanted = _without_claim(dive, course)
+    usual = _usual(dive, course)
     if not len(wanted) or usual is None or dive.flight is None:
         return 0
-    by_frame = {int(rows["frame"][k]): int(k) for k in wanted}
-    stamps = set(rows["stamp"][wanted].tolist())
-    last, found = max(by_frame), 0
+    stamps = dive.disk.filled(len(wanted), lambda part: rows["stamp"][wanted[part]], np.int64)
+    stamps.sort()
+    last, found, number = int(rows["frame"][wanted[-1]]), 0, 0
     with open_source(
         dive.path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True, with_truth=False
     ) as recording:
         try:
-            for frame in recording.chosen_frames(stamps.__contains__):
-                number = by_frame.get(frame.index)
-                if number is not None:
-                    place = number, int(owner[number])
+            for frame in recording.chosen_frames(lambda stamp: _is_among(stamps, stamp)):
+                while number < len(wanted) and rows["frame"][wanted[number]] < frame.index:
+                    number += 1
+                if number < len(wanted) and rows["frame"][wanted[number]] == frame.index:
+                    row = int(wanted[number])
+                    look = int(course.looks.of(np.array([row]))[0])
+                    place = row, look
                     found += _look(rows, course, dive.flight, place, frame.image, usual)
+                    if row % dive.disk.block == 0:
+                        dive.disk.let_go()
                 if frame.index >= last:
                     break
         except RecordingError:
@@ -76,37 +80,41 @@ def look_again(dive: ForwardDive, course: Course, settings: ForwardSettings) -> 
     return found
 
 
-def _owners(course: Course, count: int) -> IndexArray:
-    """Return for each row its look, shape (N,); -1: none."""
-    owner = np.full(count, -1, np.int64)
-    for k, (first, last) in enumerate(zip(course.looks.first, course.looks.last, strict=True)):
-        owner[first:last] = k
-    return owner
+def _is_among(sorted_stamps: IndexArray, stamp: int) -> bool:
+    place = int(np.searchsorted(sorted_stamps, stamp))
+    return place < len(sorted_stamps) and int(sorted_stamps[place]) == stamp
 
 
-def _without_claim(dive: ForwardDive, course: Course, owner: IndexArray) -> IndexArray:
+def _without_claim(dive: ForwardDive, course: Course) -> IndexArray:
     """Return rows without a claim that counts, where the cable's place is known and in view."""
-    rows, cable = dive.table.rows, course.cable
-    sure = cable.covariances[:, 0, 0] < SURE_ENOUGH**2
-    known = (owner >= 0) & sure[owner] & np.isfinite(rows["roll"])
-    # A claim that looks like the cable is not of something else, even if it does not fit.
-    counts = (cable.weights[owner] > LEAST_WEIGHT) | ~course.looks.doubtful[owner]
-    counts &= (rows["status"] == TRACKING) & np.isfinite(rows["aside"])
-    in_view = np.abs(cable.states[owner, 0]) < rows["half_view"]
-    wanted: IndexArray = np.flatnonzero(known & ~counts & in_view & (rows["again"] == NOT_AGAIN))
-    return wanted
+    cable, wanted = course.cable, dive.disk.growing(np.int64)
+    for part in dive.disk.blocks(len(dive.table)):
+        rows, owner = dive.table.rows[part], course.looks.of_rows(part)
+        sure = cable.covariances[owner, 0, 0] < SURE_ENOUGH**2
+        known = (owner >= 0) & sure & np.isfinite(rows["roll"])
+        # A claim that looks like the cable is not of something else, even if it does not fit.
+        counts = (cable.weights[owner] > LEAST_WEIGHT) | ~course.looks.doubtful[owner]
+        counts &= (rows["status"] == TRACKING) & np.isfinite(rows["aside"])
+        in_view = np.abs(cable.states[owner, 0]) < rows["half_view"]
+        chosen = known & ~counts & in_view & (rows["again"] == NOT_AGAIN)
+        wanted.extend(part.start + np.flatnonzero(chosen))
+    return wanted.rows()
 
 
-def _usual(dive: ForwardDive, course: Course, owner: IndexArray) -> tuple[float, float] | None:
-    """Return the usual diameter [m] and clearness of the cable; None without a claim."""
-    rows = dive.table.rows
-    counts = (owner >= 0) & (course.cable.weights[owner] > LEAST_WEIGHT)
-    counts &= (rows["status"] == TRACKING) & np.isfinite(rows["diameter"])
-    clear = clearness_of(rows["profile_score"][counts].astype(np.float32))
-    clear = clear[np.isfinite(clear)]
-    if not len(clear):
+def _usual(dive: ForwardDive, course: Course) -> tuple[float, float] | None:
+    """Return the usual diameter [m] and step of the borders; None without a claim."""
+    disk = dive.disk
+    diameters, steps = disk.growing(np.float32), disk.growing(np.float32)
+    for part in disk.blocks(len(dive.table)):
+        rows, owner = dive.table.rows[part], course.looks.of_rows(part)
+        counts = (owner >= 0) & (course.cable.weights[owner] > LEAST_WEIGHT)
+        counts &= (rows["status"] == TRACKING) & np.isfinite(rows["diameter"])
+        own = border_step_of(rows["profile_score"][counts].astype(np.float32))
+        diameters.extend(rows["diameter"][counts])
+        steps.extend(own[np.isfinite(own)])
+    if not len(steps):
         return None
-    return float(np.median(rows["diameter"][counts])), float(np.median(clear))
+    return disk.middle(diameters), disk.middle(steps)
 
 
 def _look(  # noqa: PLR0917
@@ -119,7 +127,7 @@ def _look(  # noqa: PLR0917
 ) -> bool:
     """Look for the cable in the picture of a row and its look; tell whether it is seen."""
     number, look = place
-    row, (diameter, clearness) = rows[number], usual
+    row, (diameter, border_step) = rows[number], usual
     attitude = Attitude(float(row["roll"]), float(row["pitch"]), flight.attitude.sigma)
     flight = replace(flight, attitude=attitude, height=float(row["altitude"]))
     try:
@@ -134,7 +142,7 @@ def _look(  # noqa: PLR0917
     if beside is None:
         return False
     shift, clear = beside
-    if clear < CLEAR_ENOUGH * clearness:
+    if clear < CLEAR_ENOUGH * border_step:
         if put_profile(row, flight, grey, expected):
             row["again"] = HIDDEN
         return False

@@ -23,14 +23,17 @@ systems".
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.compilation import compiled
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_table import Rows, is_claimed
-from cable_tracker.survey.visibility import clearness_of
+from cable_tracker.survey.on_disk import Disk, interpolated, running_sum
+from cable_tracker.survey.visibility import border_step_of
 
 STEP = 0.05
 """Looks that are nearer together than this are taken as one [m]."""
@@ -74,7 +77,7 @@ ODD_DIAMETER = 0.25
 """A claim whose diameter is off the dive's usual one by this share may be of something else."""
 
 WEAK_BORDERS = 0.6
-"""So may one whose borders are seen less clearly than this share of the dive's usual clearness."""
+"""So may one whose borders are steps below this share of the dive's usual ones."""
 
 SILENCE, SHORT_RUN = 1.0, 2.0
 """So may claims over a shorter way with silence on both sides of them [m]: a cable that comes out
@@ -120,6 +123,15 @@ class Looks:
     first: IndexArray
     last: IndexArray
 
+    def of_rows(self, part: slice) -> IndexArray:
+        """Return for some rows of the table the looks that they belong to, shape (K,); -1: none."""
+        return self.of(np.arange(part.start, part.stop))
+
+    def of(self, rows: IndexArray) -> IndexArray:
+        """Return the looks that rows (K,) of the table belong to, shape (K,); -1: none."""
+        looks = np.searchsorted(self.first, rows, "right") - 1
+        return np.where((looks >= 0) & (rows < self.last[looks]), looks, -1)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SmoothedCable:
@@ -154,7 +166,7 @@ class SmoothedCable:
     piece: IndexArray
 
 
-def look_steps(rows: Rows, poses: FloatArray) -> Looks:
+def look_steps(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> Looks:
     """Put frames together into steps of at least `STEP`.
 
     Parameters
@@ -163,90 +175,192 @@ def look_steps(rows: Rows, poses: FloatArray) -> Looks:
         Of a `FrameTable`, shape (N,).
     poses : FloatArray
         x, y, yaw of the vehicle in each frame, shape (N, 3); NaN where it is not known.
+    disk : Disk or None
+        Where the looks go; None: among the temporary files.
     """
-    look = filled(rows["look"])
-    yaw = poses[:, 2]
-    places = np.column_stack(
-        (poses[:, 0] + look * np.cos(yaw), poses[:, 1] + look * np.sin(yaw), yaw)
+    disk = disk or Disk()
+    look = filled(rows["look"], disk)
+
+    def look_lines(part: slice) -> FloatArray:
+        (x, y, yaw), reach = poses[part].T, look[part]
+        return np.column_stack((x + reach * np.cos(yaw), y + reach * np.sin(yaw), yaw))
+
+    places = disk.filled(len(rows), look_lines)
+    first, last = _first_and_last(places, disk)
+    count = len(first)
+    own = disk.filled(count, lambda part: places[first[part]])
+    claims, covariances = disk.array((count, 2)), disk.array((count, 3))
+    diameters, border_steps = disk.array(count), disk.array(count)
+    for part in disk.blocks(count):
+        _put_claims(
+            rows, places, (first[part], last[part]),
+            (claims[part], covariances[part], diameters[part], border_steps[part]),
+        )  # fmt: skip
+    gaps = disk.filled(count, lambda part: _way_to(own, part))
+    breaks = disk.filled(count, lambda part: gaps[part] > LONGEST_STEP, np.bool_)
+    breaks[:1] = True
+    alone = _alone(_summed(gaps, disk), claims, disk)
+    odd, weak = _odd_limits(diameters, disk), _weak_limit(border_steps, disk)
+
+    def doubts(part: slice) -> BoolArray:
+        with np.errstate(invalid="ignore"):
+            found: BoolArray = odd(diameters[part]) | (border_steps[part] < weak) | alone[part]
+        return found
+
+    return Looks(
+        own,
+        disk.filled(count, lambda part: rows["stamp"][first[part]], np.int64),
+        claims,
+        covariances,
+        disk.filled(count, doubts, np.bool_),
+        breaks,
+        first,
+        last,
     )
-    usable = np.flatnonzero(np.isfinite(places).all(axis=1))
-    starts = _starts(places[usable, :2], STEP)
-    count = len(starts)
-    ends = np.append(starts[1:], len(usable))
-    claims, covariances = np.full((count, 2), np.nan), np.full((count, 3), np.nan)
-    columns = ("aside", "heading", "aside_variance", "aside_heading", "heading_variance")
-    table = np.column_stack([rows[name].astype(np.float64) for name in columns])
-    tracked = is_claimed(rows) & np.isfinite(table).all(axis=1)
-    diameters, clearness = np.full(count, np.nan), np.full(count, np.nan)
-    clear = clearness_of(rows["profile_score"].astype(np.float32))
-    for number, (start, end) in enumerate(zip(starts, ends, strict=True)):
-        members = usable[start:end]
-        members = members[tracked[members]]
-        if not len(members):
+
+
+def _first_and_last(places: FloatArray, disk: Disk) -> tuple[IndexArray, IndexArray]:
+    """Return rows from which, and up to but without which, looks go; places (N, 3)."""
+    starts, usable = disk.growing(np.int64), -1
+    latest = np.full(2, np.inf)
+    for part in disk.blocks(len(places)):
+        known = np.flatnonzero(np.isfinite(places[part]).all(axis=1))
+        own = places[part][known, :2]
+        found = known[_starts(own, latest, STEP)] + part.start
+        starts.extend(found)
+        if len(found):
+            latest = places[found[-1], :2].copy()
+        if len(known):
+            usable = part.start + int(known[-1])
+    first = starts.rows()
+    last = disk.array(len(first), np.int64)
+    last[:-1], last[-1:] = first[1:], usable + 1
+    return first, last
+
+
+def _put_claims(
+    rows: Rows,
+    places: FloatArray,
+    steps: tuple[IndexArray, IndexArray],
+    columns: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+) -> None:
+    """Write what each of some steps claims: claims, covariances, diameters, border steps."""
+    first, last = steps
+    start, end = int(first[0]), int(last[-1])
+    rows, places = rows[start:end], places[start:end]
+    names = ("aside", "heading", "aside_variance", "aside_heading", "heading_variance")
+    table = np.column_stack([rows[name].astype(np.float64) for name in names])
+    tracked = is_claimed(rows) & np.isfinite(table).all(axis=1) & np.isfinite(places).all(axis=1)
+    clear = border_step_of(rows["profile_score"].astype(np.float32))
+    claims, covariances, diameters, border_steps = columns
+    for column in columns:
+        column[:] = np.nan
+    claimed = np.flatnonzero(tracked)
+    edges = np.searchsorted(claimed, np.append(first, end) - start)
+    for number in np.flatnonzero(np.diff(edges)):
+        members = claimed[edges[number] : edges[number + 1]]
+        reference = places[first[number] - start]
+        seen = _in_frame(reference, places[members], table[members, :2])
+        if len(members) == 1:
+            claims[number], covariances[number] = seen[0], table[members[0], 2:]
+            diameters[number], border_steps[number] = (
+                rows["diameter"][members[0]],
+                clear[members[0]],
+            )
             continue
-        seen = _in_frame(places[usable[start]], places[members], table[members, :2])
         claims[number] = np.median(seen, axis=0)
         covariances[number] = table[members, 2:].mean(axis=0)
         diameters[number] = np.median(rows["diameter"][members])
-        clearness[number] = np.median(clear[members])
-    own = places[usable[starts]]
-    gaps = np.hypot(*np.diff(own[:, :2], axis=0, prepend=own[:1, :2]).T)
-    breaks = gaps > LONGEST_STEP
-    if count:
-        breaks[0] = True
-    rows_at = np.append(usable, usable[-1] + 1 if len(usable) else 0)
-    return Looks(
-        own,
-        rows["stamp"][usable[starts]],
-        claims,
-        covariances,
-        _odd(diameters) | _weak(clearness) | _alone(np.cumsum(gaps), np.isfinite(claims[:, 0])),
-        breaks,
-        usable[starts],
-        rows_at[ends],
-    )
+        border_steps[number] = np.median(clear[members])
 
 
-def filled(values: FloatArray) -> FloatArray:
+def _way_to(places: FloatArray, part: slice) -> FloatArray:
+    """Return how far it is to each of some places (N, 2 or more) from the one before [m]."""
+    some = places[max(part.start - 1, 0) : part.stop, :2]
+    steps: FloatArray = np.hypot(*np.diff(some, axis=0, prepend=some[:1]).T)
+    return steps[len(steps) - (part.stop - part.start) :]
+
+
+def _summed(steps: FloatArray, disk: Disk) -> FloatArray:
+    """Return the sum of steps (S,) up to each."""
+    sums, before = disk.array(len(steps)), 0.0
+    for part in disk.blocks(len(steps)):
+        sums[part] = running_sum(steps[part], before)
+        before = float(sums[part.stop - 1])
+    whole: FloatArray = sums
+    return whole
+
+
+def filled(values: FloatArray, disk: Disk) -> FloatArray:
     """Return values (N,) with those between for what is not known."""
-    known = np.flatnonzero(np.isfinite(values))
-    if not len(known):
-        return np.zeros(len(values))
-    return np.asarray(np.interp(np.arange(len(values)), known, values[known]))
+    places, known = disk.growing(np.float64), disk.growing(np.float64)
+    for part in disk.blocks(len(values)):
+        some = values[part]
+        there = np.flatnonzero(np.isfinite(some))
+        places.extend(there + part.start)
+        known.extend(some[there])
+    where, what = places.rows(), known.rows()
+
+    def between(part: slice) -> FloatArray:
+        if len(where) < 2:
+            return np.full(part.stop - part.start, what[0] if len(where) else 0.0)
+        return interpolated(np.arange(part.start, part.stop, dtype=float), where, what)
+
+    whole: FloatArray = disk.filled(len(values), between)
+    return whole
 
 
-def _odd(diameters: FloatArray) -> BoolArray:
-    """Tell which diameters (S,) [m] are out of the ordinary; NaN is not."""
-    known = np.isfinite(diameters)
-    if not known.any():
-        return np.zeros(len(diameters), bool)
-    usual = float(np.median(diameters[known]))
-    with np.errstate(invalid="ignore"):
-        odd: BoolArray = np.abs(diameters - usual) > ODD_DIAMETER * usual
+def _odd_limits(diameters: FloatArray, disk: Disk) -> Callable[[FloatArray], BoolArray]:
+    """Return what tells which diameters are out of the ordinary among all (S,) [m]; NaN is not."""
+    usual = _usual(diameters, disk)
+
+    def odd(some: FloatArray) -> BoolArray:
+        found: BoolArray = np.abs(some - usual) > ODD_DIAMETER * usual
+        return found
+
     return odd
 
 
-def _weak(clearness: FloatArray) -> BoolArray:
-    """Tell where borders are seen far less clearly, shape (S,), than usual; NaN is not."""
-    known = np.isfinite(clearness)
-    if not known.any():
-        return np.zeros(len(clearness), bool)
-    with np.errstate(invalid="ignore"):
-        weak: BoolArray = clearness < WEAK_BORDERS * float(np.median(clearness[known]))
-    return weak
+def _weak_limit(border_steps: FloatArray, disk: Disk) -> float:
+    """Return below which steps of the borders are far below the usual of all (S,); or NaN."""
+    return WEAK_BORDERS * _usual(border_steps, disk)
 
 
-def _alone(way: FloatArray, claimed: BoolArray) -> BoolArray:
-    """Tell which claims are of a short run between silences, shape (S,); none if most are."""
-    alone = np.zeros(len(way), bool)
-    places = way[claimed]
-    if not len(places):
-        return alone
-    run = np.cumsum(np.diff(places, prepend=places[0]) > SILENCE)
-    first = np.searchsorted(run, np.arange(run[-1] + 1))
-    last = np.append(first[1:], len(run)) - 1
-    short = (places[last] - places[first] < SHORT_RUN)[run]
-    alone[claimed] = short & (short.mean() < 0.5)
+def _usual(values: FloatArray, disk: Disk) -> float:
+    """Return the median of the values (S,) that are known; NaN: none is."""
+    if not any(np.isfinite(values[part]).any() for part in disk.blocks(len(values))):
+        return math.nan
+    return disk.median(values, lambda part: np.isfinite(values[part]))
+
+
+def _alone(way: FloatArray, claims: FloatArray, disk: Disk) -> BoolArray:
+    """Tell which claims (S, 2) are of a short run between silences, shape (S,); none if most are.
+
+    `way` (S,) is how far the look line has gone [m].
+    """
+    alone: BoolArray = disk.array(len(way), np.bool_)
+    runs: list[tuple[int, int, int, float, float]] = []
+    for part in disk.blocks(len(way)):
+        claimed = np.flatnonzero(np.isfinite(claims[part, 0])) + part.start
+        if not len(claimed):
+            continue
+        edges = np.flatnonzero(np.diff(way[claimed]) > SILENCE) + 1
+        for some in np.split(claimed, edges):
+            run = (
+                int(some[0]),
+                int(some[-1]),
+                len(some),
+                float(way[some[0]]),
+                float(way[some[-1]]),
+            )
+            if runs and not run[3] - runs[-1][4] > SILENCE:
+                before = runs.pop()
+                run = (before[0], run[1], before[2] + run[2], before[3], run[4])
+            runs.append(run)
+    short = [run for run in runs if run[4] - run[3] < SHORT_RUN]
+    if sum(run[2] for run in short) < 0.5 * sum(run[2] for run in runs):
+        for start, end, *_ in short:
+            alone[start : end + 1] = np.isfinite(claims[start : end + 1, 0])
     return alone
 
 
@@ -262,76 +376,151 @@ def _in_frame(reference: FloatArray, places: FloatArray, claims: FloatArray) -> 
 
 
 @compiled
-def _starts(places: FloatArray, step: float) -> IndexArray:
-    """Return the first of each run of places (N, 2) that are nearer together than a step."""
+def _starts(places: FloatArray, before: FloatArray, step: float) -> IndexArray:
+    """Return the first of each run of places (N, 2) that are nearer together than a step.
+
+    The run of the place `before` (2,) may go on.
+    """
     starts = np.empty(len(places), np.int64)
+    x, y = before[0], before[1]
     count = 0
     for k in range(len(places)):
-        if count > 0:
-            last = starts[count - 1]
-            dx, dy = places[k, 0] - places[last, 0], places[k, 1] - places[last, 1]
-            if dx * dx + dy * dy < step * step:
-                continue
+        dx, dy = places[k, 0] - x, places[k, 1] - y
+        if dx * dx + dy * dy < step * step:
+            continue
+        x, y = places[k, 0], places[k, 1]
         starts[count] = k
         count += 1
     return starts[:count]
 
 
-def smooth(looks: Looks, *, way_back: bool = True) -> SmoothedCable:
-    """Smooth the claims of a dive in both directions, or only filter them forwards."""
-    claimed: BoolArray = np.isfinite(looks.claims.sum(axis=1))
-    # What may be something else has to fit to what the others say, so these come first.
-    weights = np.where(claimed & ~looks.doubtful, 1.0, 0.0)
-    scales, bend = (1.0, 1.0), BEND
+def smooth(looks: Looks, disk: Disk | None = None, *, way_back: bool = True) -> SmoothedCable:
+    """Smooth the claims of a dive in both directions, or only filter them forwards.
+
+    What is found goes to `disk`; None: among the temporary files.
+    """
+    disk = disk or Disk()
     count = len(looks.stamps)
-    # All rounds write into the same arrays: a dive has as many looks as it is long.
-    along, states, covariances = np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3))
-    steps = np.hypot(*np.diff(looks.places[:, :2], axis=0, prepend=looks.places[:1, :2]).T)
-    seconds = np.diff(looks.stamps, prepend=looks.stamps[:1]) / 1e9
-    shared = _shared(np.cumsum(steps), claimed)
+    cable = SmoothedCable(
+        disk.array(count),
+        disk.array((count, 3)),
+        disk.array((count, 3, 3)),
+        # What may be something else has to fit to what the others say, so these come first.
+        disk.filled(count, lambda part: np.where(_usual_claims(looks, part), 1.0, 0.0)),
+        (1.0, 1.0),
+        BEND,
+        _pieces(looks.breaks, disk),
+    )
+    is_new = disk.array(count, np.bool_)
+    steps = disk.filled(count, lambda part: _way_to(looks.places, part))
+    seconds = disk.filled(count, lambda part: _seconds_to(looks.stamps, part))
+    shared = _shared(_summed(steps, disk), looks.claims, disk)
     for _ in range(ROUNDS):
-        noise = _noise(looks.covariances, scales) * shared[:, None]
-        _both_ways(
-            looks.places, seconds, looks.claims, noise, weights, looks.breaks, bend, way_back,
-            along, states, covariances,
-        )  # fmt: skip
-        del noise
-        off = looks.claims - states[:, :2]
-        plain = _noise(looks.covariances, scales)
-        squares = off**2 / plain[:, ::2]
-        usual = claimed & ~looks.doubtful
-        if usual.any():
-            misses = np.sqrt(np.median(squares[usual], axis=0) / MEDIAN_SQUARE)
-            scales = _scaled(scales, misses)
-            squares = squares / np.maximum(misses, 1e-9) ** 2
-            bend = _bend(states, covariances)
-        counts = usual | (claimed & _fits(off, plain, covariances))
-        far = squares.sum(axis=1)
-        weights = np.where(counts, (DEGREES + 2.0) / (DEGREES + far), 0.0)
-    piece = np.cumsum(looks.breaks).astype(np.int64) - 1
-    return SmoothedCable(along, states, covariances, weights, scales, bend, piece)
+        for part in disk.blocks(count):
+            noise = _noise(looks.covariances[part], cable.scales) * shared[part, None]
+            _forwards(
+                looks.places, seconds, looks.claims, noise, cable.weights, looks.breaks,
+                cable.bend, part.start, part.stop, cable.along, cable.states, cable.covariances,
+                is_new,
+            )  # fmt: skip
+        for part in disk.blocks_back(count) if way_back else ():
+            _backwards(
+                looks.places, seconds, is_new, cable.bend, part.start, part.stop, cable.states,
+                cable.covariances,
+            )  # fmt: skip
+        cable = _weighed(looks, cable, disk)
+    return cable
 
 
-def _shared(way: FloatArray, claimed: BoolArray) -> FloatArray:
+def _usual_claims(looks: Looks, part: slice) -> BoolArray:
+    """Tell for some looks whether they have a claim that is surely of the cable."""
+    claimed: BoolArray = np.isfinite(looks.claims[part].sum(axis=1))
+    return claimed & ~looks.doubtful[part]
+
+
+def _pieces(breaks: BoolArray, disk: Disk) -> IndexArray:
+    """Return the number of the connected piece that each look belongs to, shape (S,)."""
+    pieces, before = disk.array(len(breaks), np.int64), -1
+    for part in disk.blocks(len(breaks)):
+        pieces[part] = before + np.cumsum(breaks[part])
+        before = int(pieces[part.stop - 1])
+    whole: IndexArray = pieces
+    return whole
+
+
+def _seconds_to(stamps: IndexArray, part: slice) -> FloatArray:
+    """Return how long it is to each of some looks from the one before [s]."""
+    some = stamps[max(part.start - 1, 0) : part.stop]
+    steps: FloatArray = np.diff(some, prepend=some[:1]) / NANOSECONDS
+    return steps[len(steps) - (part.stop - part.start) :]
+
+
+def _weighed(looks: Looks, cable: SmoothedCable, disk: Disk) -> SmoothedCable:
+    """Return a smoothed cable with scales and bend as its claims have them, and new weights."""
+    count, scales, bend = len(looks.stamps), cable.scales, cable.bend
+    squares = disk.filled(count, lambda part: _squares(looks, cable, part))
+    misses = np.ones(2)
+    if any(_usual_claims(looks, part).any() for part in disk.blocks(count)):
+        usual = [
+            disk.median(column, lambda part: _usual_claims(looks, part)) for column in squares.T
+        ]
+        misses = np.sqrt(np.array(usual) / MEDIAN_SQUARE)
+        scales, bend = _scaled(scales, misses), _bend(cable, disk)
+        misses = np.maximum(misses, 1e-9)
+    for part in disk.blocks(count):
+        off, plain = _off(looks, cable, part), _noise(looks.covariances[part], cable.scales)
+        claimed: BoolArray = np.isfinite(looks.claims[part].sum(axis=1))
+        counts = _usual_claims(looks, part) | (claimed & _fits(off, plain, cable.covariances[part]))
+        far = (squares[part] / misses**2).sum(axis=1)
+        cable.weights[part] = np.where(counts, (DEGREES + 2.0) / (DEGREES + far), 0.0)
+    return replace(cable, scales=scales, bend=bend)
+
+
+def _off(looks: Looks, cable: SmoothedCable, part: slice) -> FloatArray:
+    """Return by how much some claims are off the cable, shape (K, 2) [m, rad]."""
+    off: FloatArray = looks.claims[part] - cable.states[part, :2]
+    return off
+
+
+def _squares(looks: Looks, cable: SmoothedCable, part: slice) -> FloatArray:
+    """Return the same, squared, in variances of the claims."""
+    off = _off(looks, cable, part)
+    squares: FloatArray = off**2 / _noise(looks.covariances[part], cable.scales)[:, ::2]
+    return squares
+
+
+def _shared(way: FloatArray, claims: FloatArray, disk: Disk) -> FloatArray:
     """Return how many claims share what one would say alone, at each look, shape (S,).
 
     Parameters
     ----------
     way : FloatArray
         How far the look line has gone, shape (S,) [m].
-    claimed : BoolArray
-        Where there are claims, shape (S,).
+    claims : FloatArray
+        Of the looks, shape (S, 2); NaN without.
+    disk : Disk
+        Where they are.
     """
-    shared = np.ones(len(way))
-    gaps = np.diff(way[claimed])
-    if len(gaps):
-        before, after = np.append(gaps[:1], gaps), np.append(gaps, gaps[-1:])
+    shared: FloatArray = disk.filled(len(way), lambda part: np.ones(part.stop - part.start))
+    where = disk.growing(np.int64)
+    for part in disk.blocks(len(way)):
+        where.extend(np.flatnonzero(np.isfinite(claims[part].sum(axis=1))) + part.start)
+    claimed = where.rows()
+    last = len(claimed) - 1
+    for part in disk.blocks(len(claimed)) if last > 0 else ():
+        number = np.arange(part.start, part.stop)
+        # The first and the last have a neighbour on one side only, which stands for both.
+        before = way[claimed[np.maximum(number, 1)]] - way[claimed[np.maximum(number, 1) - 1]]
+        after = (
+            way[claimed[np.minimum(number, last - 1) + 1]]
+            - way[claimed[np.minimum(number, last - 1)]]
+        )
         # Beside a silence the claims on the other side tell how dense they are.
         before, after = (
             np.where(before > CORRELATION, after, before),
             np.where(after > CORRELATION, before, after),
         )
-        shared[claimed] = CORRELATION / np.clip((before + after) / 2, STEP, CORRELATION)
+        shared[claimed[part]] = CORRELATION / np.clip((before + after) / 2, STEP, CORRELATION)
     return shared
 
 
@@ -341,9 +530,13 @@ def _scaled(scales: tuple[float, float], misses: FloatArray) -> tuple[float, flo
     return place, direction
 
 
-def _bend(states: FloatArray, covariances: FloatArray) -> float:
+def _bend(cable: SmoothedCable, disk: Disk) -> float:
     """Return the curvature's standard deviation, as expectation and maximisation has it [1/m]."""
-    square = float(np.mean(states[:, 2] ** 2 + covariances[:, 2, 2]))
+    squares = disk.filled(
+        len(cable.along),
+        lambda part: cable.states[part, 2] ** 2 + cable.covariances[part, 2, 2],
+    )
+    square = float(np.mean(squares))
     return min(max(math.sqrt(square), LEAST_BEND), MOST_BEND)
 
 
@@ -445,7 +638,7 @@ def _claimed(
 
 
 @compiled
-def _both_ways(  # noqa: PLR0917
+def _forwards(  # noqa: PLR0917
     places: FloatArray,
     seconds: FloatArray,
     claims: FloatArray,
@@ -453,31 +646,48 @@ def _both_ways(  # noqa: PLR0917
     weights: FloatArray,
     breaks: BoolArray,
     bend: float,
-    way_back: bool,
+    first: int,
+    last: int,
     along: FloatArray,
     means: FloatArray,
     spreads: FloatArray,
+    is_new: BoolArray,
 ) -> None:
-    """Filter forwards and smooth backwards, into the last three arrays; see `smooth`."""
-    count = len(places)
-    is_new = breaks.copy()
-    mean, spread = np.zeros(3), np.zeros((3, 3))
+    """Filter the looks from `first` up to `last`, into the last four arrays; see `smooth`.
+
+    `noise` has those of these looks; of the other arrays one before the first is read.
+    """
     moved = np.zeros(4)
-    for k in range(count):
+    for k in range(first, last):
+        is_new[k] = breaks[k]
         if not is_new[k]:
-            moved = _moved(places[k - 1], places[k], mean)
+            moved = _moved(places[k - 1], places[k], means[k - 1])
             is_new[k] = not np.isfinite(moved[3])
         if is_new[k]:
             mean, spread = np.zeros(3), np.diag(np.array((*FIRST, bend * bend)))
             along[k] = along[k - 1] if k > 0 else 0.0
         else:
             along[k] = along[k - 1] + moved[3]
-            mean, spread, _ = _predicted(mean, spread, moved, seconds[k], bend)
+            mean, spread, _ = _predicted(means[k - 1], spreads[k - 1], moved, seconds[k], bend)
         if weights[k] > 0.0:
-            mean, spread = _claimed(mean, spread, claims[k], noise[k] / weights[k])
+            mean, spread = _claimed(mean, spread, claims[k], noise[k - first] / weights[k])
         means[k], spreads[k] = mean, spread
-    for k in range(count - 2, -1, -1):
-        if is_new[k + 1] or not way_back:
+
+
+@compiled
+def _backwards(  # noqa: PLR0917
+    places: FloatArray,
+    seconds: FloatArray,
+    is_new: BoolArray,
+    bend: float,
+    first: int,
+    last: int,
+    means: FloatArray,
+    spreads: FloatArray,
+) -> None:
+    """Smooth the looks from the one before `last` back to `first`, in the last two arrays."""
+    for k in range(min(last, len(places) - 1) - 1, first - 1, -1):
+        if is_new[k + 1]:
             continue
         # What was predicted is worked out again: kept, it would be most of what this takes.
         moved = _moved(places[k], places[k + 1], means[k])

@@ -81,7 +81,7 @@ def find_beside(image: Image, state: CableState, reach: float) -> tuple[float, f
     -------
     (float, float) or None
         How far to the right of the state its borders are seen most clearly [widths], and how
-        clearly, as `clearness_of`; None where too little is inside.
+        clearly, as `border_step_of`; None where too little is inside.
     """
     inside = _reach(image, state)
     if inside is None:
@@ -90,12 +90,12 @@ def find_beside(image: Image, state: CableState, reach: float) -> tuple[float, f
     slopes, usual = _slopes(image, state, inside, margin)
     shifts = range(-margin, margin + 1, STRIDE)
     scores = [_weaker(slopes, margin + shift) for shift in shifts]
-    clear = clearness_of(np.array(scores)) / usual
+    clear = border_step_of(np.array(scores)) / usual
     best = int(clear.argmax())
     return shifts[best] / (RIGHT - LEFT), float(clear[best])
 
 
-def clearness_of(scores: FloatArray) -> FloatArray:
+def border_step_of(scores: FloatArray) -> FloatArray:
     """Return how clearly a cable is seen where it is seen best; scores (N, B), result (N,)."""
     windows = np.lib.stride_tricks.sliding_window_view(scores, CLEAREST, axis=1)
     clearest: FloatArray = windows.mean(axis=2).max(axis=1)

@@ -11,6 +11,7 @@ import numpy as np
 from cable_tracker.survey.forwards import ForwardDive
 from cable_tracker.survey.frame_table import PROFILE_BINS, TRACKING
 from cable_tracker.survey.navigation import Poses, joined_poses
+from cable_tracker.survey.on_disk import Disk
 
 SPEED, RATE, LOOK = 0.5, 10.0, 0.7
 START = 1_000_000_000
@@ -40,10 +41,10 @@ def course(along: np.ndarray, bend: float) -> tuple[np.ndarray, np.ndarray]:
     return np.column_stack((along, amplitude * np.sin(wave * along))), heading
 
 
-def make_dive(plan: Plan, path: Path = Path("dive")) -> ForwardDive:
+def make_dive(plan: Plan, path: Path = Path("dive"), disk: Disk | None = None) -> ForwardDive:
     """Return a dive with claims of a noise that is alike over half a metre."""
     rng = np.random.default_rng(plan.seed)
-    dive = ForwardDive(path)
+    dive = ForwardDive(path, disk or Disk())
     count = int(plan.length / SPEED * RATE)
     errors = np.zeros(2)
     for k in range(count):

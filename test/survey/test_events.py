@@ -89,7 +89,8 @@ def test_an_odometry_that_jumps_is_an_event():
     dive = make_dive(Plan())
     stamps, values = dive.poses.arrays()
     values[200:, 0] += 30.0
-    again = ForwardDive(dive.path, dive.table)
+    again = ForwardDive(dive.path, dive.disk)
+    again.table = dive.table
     for stamp, value in zip(stamps, values, strict=True):
         again.poses.add(int(stamp), list(value))
     assert len(events(again, EventKind.NAVIGATION)) == 1
@@ -97,7 +98,8 @@ def test_an_odometry_that_jumps_is_an_event():
 
 def test_without_odometry_there_are_times_instead_of_places():
     dive = make_dive(Plan(hidden=((15.0, 21.0),)))
-    bare = ForwardDive(dive.path, dive.table)
+    bare = ForwardDive(dive.path, dive.disk)
+    bare.table = dive.table
     surveyed, course = analyse(bare, SurveySettings())
     assert course is None and not surveyed.routes
     assert [event.kind for event in surveyed.events] == [

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.survey.visibility import border_profile, clearness_of, find_beside
+from cable_tracker.survey.visibility import border_profile, border_step_of, find_beside
 
 WIDTH, HEIGHT = 320, 240
 
@@ -56,6 +56,6 @@ def test_where_there_is_none_nothing_is_clear():
     assert find_beside(bottom, STATE, 1.2)[1] < 2.0
 
 
-def test_clearness_is_that_of_the_part_that_is_seen():
+def test_the_step_of_the_borders_is_that_of_the_part_that_is_seen():
     half = np.array([[4.0] * 6 + [0.1] * 6])
-    assert clearness_of(half) == pytest.approx([4.0])
+    assert border_step_of(half) == pytest.approx([4.0])

@@ -9,7 +9,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from cable_tracker.arrays import IndexArray
 from cable_tracker.survey.forwards import ForwardDive
 from cable_tracker.survey.frame_table import STATUSES
 from cable_tracker.survey.route import Course
@@ -34,31 +33,20 @@ ROW_GROUP = 4096
 def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course | None) -> None:
     """Write the table of a dive, some rows at a time."""
     count = len(dive.table)
-    owner = _looks(count, course)
     with ExitStack() as stack:
         writer: pq.ParquetWriter | None = None
         for first in range(0, max(count, 1), ROW_GROUP):
             part = slice(first, min(first + ROW_GROUP, count))
-            table = _table(recording, dive, course, owner, part)
+            table = _table(recording, dive, course, part)
             if writer is None:
                 writer = stack.enter_context(
                     pq.ParquetWriter(path, table.schema, compression="zstd")
                 )
             writer.write_table(table)
+            dive.disk.let_go()
 
 
-def _looks(count: int, course: Course | None) -> IndexArray:
-    """Return for each row of the table its look, shape (N,); -1: none."""
-    owner = np.full(count, -1, np.int64)
-    if course is not None:
-        for k, (first, last) in enumerate(zip(course.looks.first, course.looks.last, strict=True)):
-            owner[first:last] = k
-    return owner
-
-
-def _table(
-    recording: str, dive: ForwardDive, course: Course | None, owner: IndexArray, part: slice
-) -> pa.Table:
+def _table(recording: str, dive: ForwardDive, course: Course | None, part: slice) -> pa.Table:
     rows = dive.table.rows[part]
     count = len(rows)
     columns: dict[str, pa.Array] = {
@@ -73,7 +61,7 @@ def _table(
     places, smoothed = np.full((count, 3), np.nan), np.full((count, 4), np.nan)
     if course is not None:
         places = course.poses.at(rows["stamp"])
-        cable, look = course.cable, owner[part]
+        cable, look = course.cable, course.looks.of_rows(part)
         known, look = look >= 0, look[look >= 0]
         sigma = np.sqrt(cable.covariances[look, 0, 0])
         smoothed[known] = np.column_stack((cable.states[look, :2], sigma, cable.along[look]))
