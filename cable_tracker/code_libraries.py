@@ -14,12 +14,19 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 import llvmlite.binding as llvm
+import numba
+from numba.core import types
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import Compiler, Flags
 from numba.core.environment import lookup_environment
+from numba.core.types.misc import unliteral
+from numba.core.typing.templates import infer_global
+from numba.extending import models, register_model
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 ENVIRONMENT = "_ZN08NumbaEnv"
 """Beginning of the names of variables that hold what a function needs of Python."""
@@ -173,7 +180,44 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
-class EntryCompiler(Compiler):  # type: ignore[misc]
+class SharedFlags(Flags):  # type: ignore[misc]
+    """What a function is compiled with, one object for all functions that are compiled alike.
+
+    Numba asks thousands of times whether two functions are, and compares every flag each time.
+    """
+
+    def copy(self) -> SharedFlags:
+        """Return the flags themselves: nothing changes them."""
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    def __hash__(self) -> int:
+        return id(self)
+
+
+_FLAGS: list[SharedFlags] = []
+"""All that there are."""
+
+
+def _shared(flags: Flags) -> SharedFlags:
+    for known in _FLAGS:
+        if known.values() == flags.values():
+            return known
+    _FLAGS.append(SharedFlags(flags))
+    return _FLAGS[-1]
+
+
+class PartCompiler(Compiler):  # type: ignore[misc]
+    """Compiles a part."""
+
+    def __init__(self, *arguments: Any) -> None:  # noqa: ANN401
+        super().__init__(*arguments)
+        self.state.flags = _shared(self.state.flags)
+
+
+class EntryCompiler(PartCompiler):
     """Compiles an entry; all that it calls is compiled as parts."""
 
     def compile_extra(self, func: Callable[..., Any]) -> Any:  # noqa: ANN401
@@ -183,3 +227,31 @@ class EntryCompiler(Compiler):  # type: ignore[misc]
         self.state.library.enable_object_caching()
         with _making(codegen, PartLibrary), _without_collection():
             return super().compile_extra(func)
+
+
+class PartType(types.Dispatcher):
+    """The type of a part within compiled code: it is compiled once for each kind of arguments.
+
+    Numba would compile it anew for each kind of function that calls it, and for each number that
+    stands in a call.
+    """
+
+    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:  # noqa: ANN401
+        """Return what Numba's type does, numbers in the call being variables."""
+        plain = {name: unliteral(each) for name, each in kws.items()}
+        return super().get_call_type(context, tuple(unliteral(each) for each in args), plain)
+
+
+register_model(PartType)(models.OpaqueModel)
+
+_PARTS: list[Any] = []
+"""What compiles the parts: types refer to it weakly."""
+
+
+def register_part(function: Function, options: dict[str, Any]) -> Function:
+    """Let compiled functions call a function, which stays as it is for Python."""
+    if not numba.config.DISABLE_JIT:
+        part = numba.njit(pipeline_class=PartCompiler, **options)(function)
+        _PARTS.append(part)
+        infer_global(function, PartType(part))
+    return function

@@ -25,18 +25,22 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.extending import register_jitable
 
-from cable_tracker.code_libraries import EntryCompiler
+from cable_tracker.code_libraries import EntryCompiler, register_part
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 ENTRY: dict[str, Any] = COMMON | {"pipeline_class": EntryCompiler}
 
-PART: dict[str, Any] = COMMON | {"no_cpython_wrapper": True, "_nrt": True}
+PART: dict[str, Any] = COMMON | {"no_cpython_wrapper": True, "_nrt": True, "fastmath": False}
 """To unpack what Python hands over takes longest to compile, and a part is never called so."""
 
 LOOP: dict[str, Any] = PART | {"_nrt": False}
 """Without counting who refers to an array: half of the instructions of a small function."""
+
+INSIDE: dict[str, Any] = {key: LOOP[key] for key in LOOP if key != "fastmath"} | {
+    "forceinline": True
+}
 
 FAST = {"reassoc", "contract", "nsz", "arcp"}
 """Liberties of the `fast` ones: sums may be taken in any order, so the processor vectorises."""
@@ -57,7 +61,7 @@ def compiled(function: Function) -> Function:
 
 def compiled_part(function: Function) -> Function:
     """Compile a function as a part of compiled ones that call it."""
-    return cast(Function, register_jitable(**PART)(function))
+    return register_part(function, PART)
 
 
 def compiled_fast_part(function: Function) -> Function:
@@ -65,7 +69,7 @@ def compiled_fast_part(function: Function) -> Function:
 
     Not for code that compares with infinity or NaN.
     """
-    return cast(Function, register_jitable(fastmath=FAST, **PART)(function))
+    return register_part(function, PART | {"fastmath": FAST})
 
 
 def compiled_loop(function: Function) -> Function:
@@ -74,17 +78,20 @@ def compiled_loop(function: Function) -> Function:
     What it calls must be of this kind or `compiled_inside`. To make an array in one does not
     compile; to return one would free it too early.
     """
-    return cast(Function, register_jitable(**LOOP)(function))
+    return register_part(function, LOOP)
 
 
 def compiled_fast_loop(function: Function) -> Function:
     """Compile such a part whose sums may be taken in any order; see `compiled_fast_part`."""
-    return cast(Function, register_jitable(fastmath=FAST, **LOOP)(function))
+    return register_part(function, LOOP | {"fastmath": FAST})
 
 
 def compiled_inside(function: Function) -> Function:
-    """Compile a `compiled_loop` into each place that calls it: a small one, called very often."""
-    return cast(Function, register_jitable(forceinline=True, **LOOP)(function))
+    """Compile a `compiled_loop` into each place that calls it: a small one, called very often.
+
+    Where the caller's sums may be taken in any order, so may those in here.
+    """
+    return cast(Function, register_jitable(**INSIDE)(function))
 
 
 def _entry(function: Function, **options: Any) -> Function:  # noqa: ANN401
