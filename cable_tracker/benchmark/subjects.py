@@ -15,7 +15,7 @@ from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod
 from cable_tracker.benchmark.round_robin import Label, Step, Subject
 from cable_tracker.benchmark.yardstick import Yardstick
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.working_image import WorkingImage, make_working_image
+from cable_tracker.cable.measure.working_image import WorkingImage, working_image_for
 from cable_tracker.cable.model.geometry import project_borders, sample_points
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import CableMovement
@@ -189,14 +189,8 @@ def moment_of(parameters: TrackerParameters, shown: Footage, frames: int) -> Mom
         frame = shown.images[shown.index_at(number)]
         tracker.process(frame, FIRST_STAMP + number * FRAME_STEP)
     assert tracker.particles is not None
-    image = noting.seen if noting.seen is not None else _working_image(frame, parameters)
+    image = noting.seen if noting.seen is not None else working_image_for(frame, parameters)
     return Moment(tracker.particles, frame, image)
-
-
-def _working_image(frame: Image, parameters: TrackerParameters) -> WorkingImage:
-    return make_working_image(
-        frame, parameters.working_width, parameters.filter_sigma, parameters.sample_spacing
-    )
 
 
 class FilterSteps:
@@ -229,7 +223,7 @@ class FilterSteps:
             else self._default_steps()
         )
         return {
-            "working image": lambda: _working_image(frame, self._parameters),
+            "working image": lambda: working_image_for(frame, self._parameters),
             **self.picture_steps(),
             "resample": lambda: scheme(particles.weights, particles.count, self._rng),
             "predict": lambda: self._movement.propagate(particles.states, DT, self._rng),

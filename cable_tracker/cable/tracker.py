@@ -13,7 +13,7 @@ from cable_tracker.cable.filter_interface import BeliefSummary, CableFilter, Par
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import MultiHypothesisFilter
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.response_table import load_table
-from cable_tracker.cable.measure.working_image import WorkingImage, check_frame, make_working_image
+from cable_tracker.cable.measure.working_image import WorkingImage, check_frame, working_image_for
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.initial_state import GivenState, draw_given_states
 from cable_tracker.cable.model.motion_aid import MotionAid
@@ -165,12 +165,7 @@ class CableTracker:
             self._belief = None
             self._status = StatusMachine()
         self._frame = frame
-        working_image = make_working_image(
-            image,
-            self._parameters.working_width,
-            self._parameters.filter_sigma,
-            self._parameters.sample_spacing,
-        )
+        working_image = working_image_for(image, self._parameters)
         known = motion if has_moved and not step.event else None
         summary = self._find(working_image, step.dt, known)
         return self._estimate(summary, step.dt, step.event)

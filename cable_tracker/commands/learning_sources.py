@@ -10,9 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.learning import ResponseCounts
-from cable_tracker.cable.measure.working_image import WorkingImage, check_frame, make_working_image
+from cable_tracker.cable.measure.working_image import check_frame, working_image_for
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.judged_sequences import (
@@ -220,18 +219,12 @@ def count_frames(
                 continue
             raise FrameError(f"{sequence.name}: frame {frame.index}: {error}") from error
         if frame.truth is None:
-            counts.add_background(_working(image, parameters))
+            counts.add_background(working_image_for(image, parameters))
             continue
-        polarity = counts.add(_working(image, parameters), frame.truth)
+        polarity = counts.add(working_image_for(image, parameters), frame.truth)
         for _ in range(plan.harder if polarity is not None else 0):
-            harder = _working(made_harder(image, frame.truth, rng), parameters)
+            harder = working_image_for(made_harder(image, frame.truth, rng), parameters)
             counts.add(harder, frame.truth, polarity)
-
-
-def _working(image: Image, parameters: TrackerParameters) -> WorkingImage:
-    return make_working_image(
-        image, parameters.working_width, parameters.filter_sigma, parameters.sample_spacing
-    )
 
 
 def describe_origin(

@@ -29,7 +29,7 @@ CABLE_GROUPS: Groups = (
     (
         "Observation",
         (
-            "working_width", "sample_spacing", "filter_sigma", "epsilon",
+            "working_width", "sample_spacing", "filter_sigma", "light_correction", "epsilon",
             "response_table", "tempering", "missing_cost", "polarity_memory",
             "border_displacement",
         ),

@@ -10,6 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.dead_margins import without_dead_margins
+from cable_tracker.cable.measure.illumination import evenly_lit
 from cable_tracker.cable.measure.scanned_gradients import ScannedFrame, scan_frame, scan_kernels
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.errors import FrameError
@@ -53,12 +54,15 @@ class WorkingImage:
         Sigma of the Gaussian for the gradients [px at the reference width].
     sample_spacing : float
         Distance between scan lines [px at the reference width].
+    light_correction : float
+        Share of uneven light that is taken out before gradients are worked out; see `evenly_lit`.
     """
 
     frame: Image
     size: tuple[int, int]
     filter_sigma: float
     sample_spacing: float
+    light_correction: float = 0.0
 
     @property
     def frame_size(self) -> tuple[int, int]:
@@ -102,7 +106,8 @@ class WorkingImage:
             REGION_SIGMA * self.scale,
             max(1, round(CONTRAST_LAG * self.scale)),
         )
-        return scan_frame(self._reduced(self.frame), self.line_spacing, kernels)
+        picture = evenly_lit(self._reduced(self.frame), self.light_correction)
+        return scan_frame(picture, self.line_spacing, kernels)
 
 
 def check_frame(image: Image) -> None:
@@ -135,6 +140,7 @@ def make_working_image(
     working_width: int,
     filter_sigma: float = DEFAULTS.filter_sigma,
     sample_spacing: float = DEFAULTS.sample_spacing,
+    light_correction: float = 0.0,
 ) -> WorkingImage:
     """Fill dead margins, and reduce a wider frame to the working width by averaging over areas.
 
@@ -144,7 +150,7 @@ def make_working_image(
         Grey levels, uint8 or float32, shape (H, W).
     working_width : int
         Wanted width [px].
-    filter_sigma, sample_spacing : float
+    filter_sigma, sample_spacing, light_correction : float
         See `WorkingImage`.
     """
     image = without_dead_margins(image)
@@ -152,4 +158,15 @@ def make_working_image(
     size = (width, height)
     if width > working_width:
         size = (working_width, max(1, round(height * working_width / width)))
-    return WorkingImage(image, size, filter_sigma, sample_spacing)
+    return WorkingImage(image, size, filter_sigma, sample_spacing, light_correction)
+
+
+def working_image_for(image: Image, parameters: TrackerParameters) -> WorkingImage:
+    """Return the working image of a frame (H, W) that a tracker of these parameters makes."""
+    return make_working_image(
+        image,
+        parameters.working_width,
+        parameters.filter_sigma,
+        parameters.sample_spacing,
+        parameters.light_correction,
+    )

@@ -175,6 +175,13 @@ class TrackerParameters(ParameterSet):
         20.0,
         "Sigma of the derivative-of-Gaussian filter across a border; it ends at 3 sigma.",
     )
+    light_correction: float = number(
+        0.5,
+        "",
+        0.0,
+        1.0,
+        "Share of uneven light (lamps, dark corners) that is taken out of a frame; 0 for none.",
+    )
     epsilon: float = number(
         1e-3,
         "grey levels",

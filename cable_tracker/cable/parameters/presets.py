@@ -48,6 +48,7 @@ PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
             initial_skew_minimum=0.0,
             initial_skew_maximum=10.0,
             sample_spacing=20.0,
+            light_correction=0.0,
             detector="none",
             evidence_to_track=1.6,
             evidence_to_lose=1.0,

@@ -113,6 +113,7 @@ TAKEN_AWAY = AblationTable(
             "no rates of w and β",
             {"width_rate_variance": 0.0, "skew_rate_variance": 0.0},
         ),
+        _without("uneven_light", "uneven light left in", {"light_correction": 0.0}),
         _without("free_outside", "points outside the image cost nothing", {"missing_cost": 0.0}),
         _without("hardly_tempered", "points of a border all but independent", {"tempering": 0.3}),
         _without("any_width", "no usual width", ANY_WIDTH),
@@ -151,6 +152,7 @@ _STEPS = (
         "variances of `default`, damped rates",
         (*VARIANCES, "rate_damping"),
     ),
+    _Step("light", "uneven light taken out", ("light_correction",)),
     _Step("spacing", "points as near to each other as in `default`", ("sample_spacing",)),
     _Step(
         "likelihood_ratio",
