@@ -112,7 +112,7 @@ def _write_in_chart(poses: FloatArray, reference_angle: float, chart: FloatArray
         unwrap_pose(poses[row], reference_angle, chart[row])
 
 
-@compiled_loop
+@compiled_part
 def _draw_first(
     sample: Sample,
     inputs: ProposalInputs,
@@ -146,7 +146,7 @@ def _draw_first(
     return end
 
 
-@compiled_loop
+@compiled_part
 def _complete(
     sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
 ) -> None:
@@ -160,7 +160,7 @@ def _complete(
     _measure(sample, inputs, config, start, stop)
 
 
-@compiled_loop
+@compiled_part
 def _measure(
     sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
 ) -> None:

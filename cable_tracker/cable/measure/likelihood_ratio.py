@@ -42,7 +42,7 @@ from cable_tracker.cable.measure.response_table import LARGEST_RATIO, ResponseTa
 from cable_tracker.cable.measure.scanned_gradients import ScanLines
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.compilation import compiled, compiled_inside, compiled_loop, compiled_part
+from cable_tracker.compilation import compiled, compiled_inside, compiled_part
 
 TEMPERED_SPACING = 5.0
 """Spacing of the points that the parameter `tempering` is given for [px at the reference width]."""
@@ -94,17 +94,12 @@ class RatioModel(NamedTuple):
         Power of one point's ratio.
     missing : FloatArray
         Log-likelihood ratio of a point that a border lacks, by class of strength, shape (4,).
-    sums, shares : Image, FloatArray
-        Room for the ratios of the two borders of a cable: summed along each border, by polarity and
-        class, float32, shape (2, 8), and of the classes of one polarity, shape (2, 4).
     """
 
     edges: Image
     contrasts: Image
     tempering: float
     missing: FloatArray
-    sums: Image
-    shares: FloatArray
 
 
 class BorderLikelihoodRatio:
@@ -129,7 +124,6 @@ class BorderLikelihoodRatio:
         self._model = RatioModel(
             chosen.edges_of_both, chosen.contrasts_of_both, 0.0,
             parameters.missing_cost * chosen.absent,
-            np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES)),
         )  # fmt: skip
 
     def log_likelihoods(self, states: FloatArray, observation: WorkingImage) -> FloatArray:
@@ -160,7 +154,7 @@ def _measure_all(
     measure_into(states, 0, len(states), scan, model, evidence)
 
 
-@compiled_loop
+@compiled_part
 def measure_into(
     states: FloatArray,
     start: int,
@@ -171,7 +165,8 @@ def measure_into(
 ) -> None:
     """Fill in the evidence on the states from `start` to `stop`."""
     log_ratios, weaker, visible = evidence
-    sums = model.sums
+    # Arrays of its own: in others', every addition would go through memory.
+    sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
     for cable in range(start, stop):
         state = states[cable]
         depths = contrast_depths(state, scan)
@@ -192,7 +187,9 @@ def measure_into(
             visible[cable] = min(visible[cable], length)
             longest = max(longest, length)
         for polarity in range(2):
-            log_ratios[cable, polarity], weakest = _over_strengths(model, polarity * CLASSES)
+            log_ratios[cable, polarity], weakest = _over_strengths(
+                sums, polarity * CLASSES, model.tempering, shares
+            )
             weaker[cable, polarity] = weakest / (model.tempering * longest)
 
 
@@ -229,13 +226,15 @@ def border_clearness(states: FloatArray, scan: FrameScan, model: RatioModel) -> 
 
 
 @compiled_inside
-def _over_strengths(model: RatioModel, first: int) -> tuple[float, float]:
+def _over_strengths(
+    sums: Image, first: int, tempering: float, shares: FloatArray
+) -> tuple[float, float]:
     """Return the log-likelihood ratio of a cable, and that of its weaker border alone.
 
-    They are worked out from the sums, which are not tempered; the classes of the polarity begin at
-    `first`.
+    `sums`, shape (2, 8), are those of the ratios along each border, by polarity and class, not
+    tempered; the classes of the polarity begin at `first`. `shares` (2, 4) is room for those of the
+    classes.
     """
-    sums, shares, tempering = model.sums, model.shares, model.tempering
     total, weakest = 0.0, np.inf
     for border in range(2):
         peak = sums[border, first]
