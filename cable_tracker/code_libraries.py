@@ -20,7 +20,7 @@ import llvmlite.binding as llvm
 import numba
 from numba.core import types
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler, Flags
+from numba.core.compiler import Compiler
 from numba.core.environment import lookup_environment
 from numba.core.types.misc import unliteral
 from numba.core.typing.templates import infer_global
@@ -180,44 +180,7 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
-class SharedFlags(Flags):  # type: ignore[misc]
-    """What a function is compiled with, one object for all functions that are compiled alike.
-
-    Numba asks thousands of times whether two functions are, and compares every flag each time.
-    """
-
-    def copy(self) -> SharedFlags:
-        """Return the flags themselves: nothing changes them."""
-        return self
-
-    def __eq__(self, other: object) -> bool:
-        return self is other
-
-    def __hash__(self) -> int:
-        return id(self)
-
-
-_FLAGS: list[SharedFlags] = []
-"""All that there are."""
-
-
-def _shared(flags: Flags) -> SharedFlags:
-    for known in _FLAGS:
-        if known.values() == flags.values():
-            return known
-    _FLAGS.append(SharedFlags(flags))
-    return _FLAGS[-1]
-
-
-class PartCompiler(Compiler):  # type: ignore[misc]
-    """Compiles a part."""
-
-    def __init__(self, *arguments: Any) -> None:  # noqa: ANN401
-        super().__init__(*arguments)
-        self.state.flags = _shared(self.state.flags)
-
-
-class EntryCompiler(PartCompiler):
+class EntryCompiler(Compiler):  # type: ignore[misc]
     """Compiles an entry; all that it calls is compiled as parts."""
 
     def compile_extra(self, func: Callable[..., Any]) -> Any:  # noqa: ANN401
@@ -251,7 +214,7 @@ _PARTS: list[Any] = []
 def register_part(function: Function, options: dict[str, Any]) -> Function:
     """Let compiled functions call a function, which stays as it is for Python."""
     if not numba.config.DISABLE_JIT:
-        part = numba.njit(pipeline_class=PartCompiler, **options)(function)
+        part = numba.njit(**options)(function)
         _PARTS.append(part)
         infer_global(function, PartType(part))
     return function

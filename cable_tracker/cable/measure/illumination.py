@@ -3,7 +3,8 @@
 Grey levels are the light that falls on the bottom times what the bottom reflects, so in a dim part
 of the picture a border is as clear to the eye as in a bright one, but its gradient is smaller. A
 surface that is smooth over the whole picture, and cannot follow a cable or a shadow, is fitted to
-the light. Where it is dim, grey levels are raised. Not by all of it: noise is raised as well.
+the light. Where it is dim, grey levels are raised. Not by all of it: noise is raised as well. And
+not where the surface explains little of the picture: a wide pipe bends it, too.
 """
 
 from __future__ import annotations
@@ -28,6 +29,10 @@ beyond so many robust standard deviations of the last: cables, shadows, glare.""
 SMALLEST_DEVIATION = 0.02
 """Of the residuals, for pictures that are lit just so [log grey levels]."""
 
+DOUBTED, TRUSTED = 0.6, 0.85
+"""A surface that explains a smaller share of the variance than the first is not of light; one that
+explains more than the second is."""
+
 DARKEST = 0.1
 """Light below this share of its mean is not raised any further than that: noise is left there."""
 
@@ -44,25 +49,31 @@ def evenly_lit(picture: Image, share: float) -> Image:
         Grey levels, uint8 or float32, shape (h, w).
     share : float
         Power of the light that the picture is divided by: 0 leaves it as it is, 1 makes the light
-        even.
+        even. Less of it counts if little of the picture is explained by light.
 
     Returns
     -------
     Image
-        float32, shape (h, w), of about the same mean; `picture` itself for a share of 0.
+        float32, shape (h, w), of about the same mean; `picture` itself if there is nothing to do.
     """
     if share == 0.0:
         return picture
     height, width = picture.shape
-    light = _light(picture)
+    light, explained = _light(picture)
+    share *= min(max((explained - DOUBTED) / (TRUSTED - DOUBTED), 0.0), 1.0)
+    if share == 0.0:
+        return picture
     mean = float(light.mean())
     gain = ((1.0 + DARKEST) * mean / (light + DARKEST * mean)) ** share
     gains = cv2.resize(gain.astype(np.float32), (width, height), interpolation=cv2.INTER_LINEAR)
     return np.asarray(cv2.multiply(np.asarray(picture, np.float32), gains))
 
 
-def _light(picture: Image) -> FloatArray:
-    """Return the light that was fitted to a picture, in each cell, shape (15, 20)."""
+def _light(picture: Image) -> tuple[FloatArray, float]:
+    """Return the light that was fitted to a picture, in each cell, and what it explains.
+
+    Shape (15, 20), and a share of the variance of the logarithms of the cells, at most 1.
+    """
     means = cv2.resize(np.asarray(picture, np.float32), CELLS, interpolation=cv2.INTER_AREA)
     levels = np.log(np.maximum(means.astype(np.float64).ravel(), 0.0) + ROUNDING)
     terms = _polynomial()
@@ -74,7 +85,8 @@ def _light(picture: Image) -> FloatArray:
         weighted = terms * weights[:, None]
         fitted = terms @ np.linalg.solve(weighted.T @ terms, weighted.T @ levels)
     light: FloatArray = np.exp(fitted).reshape(CELLS[1], CELLS[0])
-    return light
+    unexplained = float(np.var(levels - fitted)) / max(float(np.var(levels)), SMALLEST_DEVIATION**2)
+    return light, 1.0 - unexplained
 
 
 @cache

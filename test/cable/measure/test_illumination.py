@@ -59,11 +59,12 @@ def test_a_strip_is_as_clear_at_the_dim_edge_as_in_the_middle() -> None:
 
 
 @pytest.mark.parametrize("factor", [0.4, 2.0])
-def test_a_cable_is_not_taken_for_light(factor: float) -> None:
-    picture = with_strip(ground(), factor).astype(np.float32)
-    lit = evenly_lit(picture, 1.0)
-    rows = slice(0, HEIGHT)
-    assert step_at(lit, rows) == pytest.approx(step_at(picture, rows), rel=0.15)
+@pytest.mark.parametrize("strip", [slice(70, 90), slice(30, 120), slice(0, 70)])
+def test_a_cable_is_not_taken_for_light(factor: float, strip: slice) -> None:
+    levels = ground()
+    levels[:, strip] *= factor
+    picture = levels.astype(np.float32)
+    assert evenly_lit(picture, 1.0) == pytest.approx(picture, rel=0.1)
 
 
 @given(
@@ -78,11 +79,11 @@ def test_light_is_raised_within_bounds_and_stays_finite(
     levels = brightness * lamp(falloff)
     picture = levels.astype(np.float32 if is_float else np.uint8)
     lit = evenly_lit(picture, share)
-    assert lit.dtype == np.float32
+    assert lit.dtype == np.float32 or lit is picture
     assert lit.shape == picture.shape
     assert np.isfinite(lit).all()
     # 1.1 over 0.1: what is dark is raised so many times at most.
-    assert (lit <= 11.0 * picture + 1e-3).all()
+    assert (lit <= 11.0 * picture.astype(np.float32) + 1e-3).all()
 
 
 @pytest.mark.parametrize("levels", [-5.0, 0.0, 1e12])

@@ -472,7 +472,7 @@ class TestInitialState:
         # The same line, with its normal to the other side.
         distance = truth.distance if turned == 0.0 else -truth.distance
         publisher.publish(prior_message(distance, truth.angle + turned))
-        world.spin(lambda: node.tracker._prior is not None)
+        world.spin(lambda: node.tracker._given is not None)
         world.show(node, image_message())
         states = node.tracker.particles.states
         assert states[:, 0].mean() == pytest.approx(truth.distance, abs=1.0)
