@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.measure.scanned_gradients import GAUSSIAN_MAD
 
 CELLS = (20, 15)
 """The light is fitted to the mean grey levels of so many cells across and down."""
@@ -80,7 +81,7 @@ def _light(picture: Image) -> tuple[FloatArray, float]:
     fitted: FloatArray = np.full(len(levels), np.median(levels))
     for _ in range(FITS):
         residuals = levels - fitted
-        deviation = max(1.4826 * float(np.median(np.abs(residuals))), SMALLEST_DEVIATION)
+        deviation = max(GAUSSIAN_MAD * float(np.median(np.abs(residuals))), SMALLEST_DEVIATION)
         weights = 1.0 / (1.0 + (residuals / (TUNING * deviation)) ** 2) ** 2
         weighted = terms * weights[:, None]
         fitted = terms @ np.linalg.solve(weighted.T @ terms, weighted.T @ levels)
