@@ -49,8 +49,11 @@ def test_more_rows_take_no_more_memory_and_leave_no_file(tmp_path):
         assert len(rows) == count
         return size
 
-    kept(100)
-    assert kept(5000) - kept(500) < 9000
+    def least_kept(count):
+        # What other threads, and what happens once, need meanwhile does not count.
+        return min(kept(count) for _ in range(3))
+
+    assert least_kept(5000) - least_kept(500) < 9000
     assert list(tmp_path.iterdir()) == []
 
 
