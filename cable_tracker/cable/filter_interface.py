@@ -72,8 +72,8 @@ class CableFilter(ABC, Generic[BeliefType]):
         """Return the belief of a search: the prior, without a history."""
 
     @abstractmethod
-    def given_belief(self, states: FloatArray) -> BeliefType:
-        """Return the belief after an operator or planner gave states, (N, 8)."""
+    def given_belief(self, states: FloatArray, *, is_certain: bool = True) -> BeliefType:
+        """Return the belief after states (N, 8) were given, certainly of the cable or perhaps."""
 
     @abstractmethod
     def converted(self, belief: ParticleBelief) -> BeliefType:

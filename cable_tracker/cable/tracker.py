@@ -192,7 +192,7 @@ class CableTracker:
         assert self._frame is not None
         width = self._frame.size[0]
         states = draw_given_states(given, self._parameters, width, self._rng)
-        belief: ParticleBelief = cable_filter.given_belief(states)
+        belief: ParticleBelief = cable_filter.given_belief(states, is_certain=given.is_certain)
         return belief
 
     def _make_filter(self, image_size: tuple[int, int]) -> CableFilter[Any]:

@@ -114,8 +114,11 @@ def test_a_dive_that_is_tracked_longer_keeps_no_more_in_memory():
         assert len(table) == len(poses) == count
         return size
 
-    kept(100)
-    assert kept(5000) - kept(500) < 4500
+    def least_kept(count: int) -> int:
+        # What other threads, and what happens once, need meanwhile does not count.
+        return min(kept(count) for _ in range(3))
+
+    assert least_kept(5000) - least_kept(500) < 4500
 
 
 def test_a_row_is_small():

@@ -40,6 +40,9 @@ class Belief:
         That each cluster is a cable, shape (K,).
     refused_time : float
         How long a cable has been present whose weaker border cannot be seen [s].
+    known_time : float
+        For how long the leading hypothesis has been held for a cable [s]; infinite where an
+        operator or planner gave it.
     """
 
     particles: Particles
@@ -50,6 +53,7 @@ class Belief:
     width_prior: WidthPrior | None = None
     log_odds: FloatArray = field(default_factory=lambda: np.empty(0))
     refused_time: float = 0.0
+    known_time: float = 0.0
 
     @property
     def reference_angle(self) -> float:

@@ -3,8 +3,9 @@
 Particles of one group compete by their likelihood. Between groups what counts is how well the frame
 is explained. Of a group that goes on, a part counts in each frame: a furrow that is there in this
 frame is there in the next. Of a new group all counts that it explains better than the heaviest of
-those that go on, up to a limit. A width that is not the one of before lowers the
-limit: the clearest rope is no cable. Evidence for thin strips counts less: any bottom has lines.
+those that go on, up to a limit, which is lower beside a cable that is known. A width that is not
+the one of before lowers the limit: the clearest rope is no cable. Evidence for thin strips counts
+less: any bottom has lines.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def corrected_weights(
         highest = limit + penalties[group]
         old = rules.evidence_repeated * min(evidence[group], highest)
         better = min(max(evidence[group] - reference, -limit), highest)
-        new = rules.evidence_repeated * reference + better
+        new = rules.evidence_repeated * min(reference, highest) + better
         share = survived[group]
         corrected[row] += share * old + (1.0 - share) * new - raw[group]
     return corrected

@@ -56,10 +56,14 @@ from cable_tracker.cable.hypotheses.presence import (
     Standing,
     gain_over,
     inherited_log_odds,
+    leader_goes_on,
     thin_factor,
     updated_log_odds,
 )
-from cable_tracker.cable.hypotheses.proposal_config import proposal_config
+from cable_tracker.cable.hypotheses.proposal_config import (
+    beside_a_known_cable,
+    proposal_config,
+)
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs
 from cable_tracker.cable.hypotheses.remembered_cable import remember
 from cable_tracker.cable.hypotheses.rounds import refined_counts
@@ -98,6 +102,9 @@ GIVEN_PRESENCE = 0.95
 
 LEAST_PRESENCE = 1e-3
 """Probability that there is a cable before any frame has been seen."""
+
+KNOWN_PRESENCE = 0.5
+"""A hypothesis is held for a cable while its presence is above this."""
 
 MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
 """A cable is remembered while it is present, and in one cluster, by so much."""
@@ -146,6 +153,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self._smallest_kernel = SMALLEST_KERNEL * pose_units(width)
         self._refined = refined_counts(parameters)
         self._config = proposal_config(parameters, self._movement.degrees_of_freedom, image_size)
+        self._known_config = beside_a_known_cable(self._config, parameters)
         self._sample = empty_sample(parameters.particle_count)
         self._displacement = displacement_covariance(parameters, width)
 
@@ -154,14 +162,16 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         states = self._box.draw(self._parameters.particle_count, self._rng)
         return initial_belief(states, LEAST_PRESENCE)
 
-    def given_belief(self, states: FloatArray) -> Belief:
-        """Return the belief after an operator or planner gave states, (N, 8)."""
-        return initial_belief(states, GIVEN_PRESENCE)
+    def given_belief(self, states: FloatArray, *, is_certain: bool = True) -> Belief:
+        """Return the belief after states (N, 8) were given, certainly of the cable or perhaps."""
+        known_time = math.inf if is_certain else 0.0
+        return replace(initial_belief(states, GIVEN_PRESENCE), known_time=known_time)
 
     def converted(self, belief: ParticleBelief) -> Belief:
         """Return the belief of any filter as this one's, with as many particles as wanted."""
         if not isinstance(belief, Belief):
-            return self.given_belief(resampled_states(belief, self._parameters, self._rng))
+            states = resampled_states(belief, self._parameters, self._rng)
+            return self.given_belief(states, is_certain=False)
         count = self._parameters.particle_count
         if belief.particles.count == count:
             return belief
@@ -204,12 +214,15 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             detected=detections,
             anchors=expected[:1] if belief.presence >= 0.5 else NO_ANCHOR,
         )
-        found = draw_and_conclude(self._sample, inputs, counts, self._config)
+        is_known = belief.known_time >= self._parameters.known_after
+        config = self._known_config if is_known else self._config
+        found = draw_and_conclude(self._sample, inputs, counts, config)
         before = replace(belief, memory=memory, width_prior=width_prior)
         if not len(found.hypotheses.clusters.masses):
             return self._spread(before, births)
         log_odds = self._log_odds(belief, expected, existence, found, dt)
-        return self._concluded(belief, before, found, log_odds, dt)
+        concluded = self._concluded(belief, before, found, log_odds, dt)
+        return self._followed(belief, concluded, expected, dt)
 
     def _log_odds(
         self,
@@ -337,6 +350,12 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             log_odds=log_odds,
             refused_time=belief.refused_time + dt if refused else 0.0,
         )
+
+    def _followed(self, before: Belief, belief: Belief, expected: FloatArray, dt: float) -> Belief:
+        """Return the belief with the time for which the leader has been held for a cable."""
+        means, width = belief.hypotheses.clusters.means, float(self._image_size[0])
+        is_held = belief.presence >= KNOWN_PRESENCE and leader_goes_on(expected, means, width)
+        return replace(belief, known_time=before.known_time + dt if is_held else 0.0)
 
     def _spread(self, before: Belief, births: BirthDensity) -> Belief:
         """Return the belief when every particle is impossible: that of a new search."""

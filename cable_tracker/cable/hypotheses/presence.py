@@ -160,14 +160,25 @@ def inherited_log_odds(
     image_width : float
         Width of the frame [px].
     """
+    distances = _distances(expected, means, image_width)
+    inherited = log_odds[distances.argmin(axis=0)]
+    return np.where(distances.min(axis=0) < 1.0, inherited, np.nan)
+
+
+def leader_goes_on(expected: FloatArray, means: FloatArray, image_width: float) -> bool:
+    """Tell whether the first of the hypotheses (K, 8) is the first of those that are expected."""
+    return bool(_distances(expected[:1], means[:1], image_width)[0, 0] < 1.0)
+
+
+def _distances(expected: FloatArray, means: FloatArray, image_width: float) -> FloatArray:
+    """Return how far apart hypotheses are, shape (J, K), in units of `NEAR`."""
     near = NEAR * pose_units(image_width)
     before, now = len(expected), len(means)
     angles = np.repeat(expected[:, StateColumn.ANGLE], now)
     chart = unwrap_states(np.tile(means, (before, 1)), angles)[:, :POSE_SIZE]
     apart = np.abs(chart.reshape(before, now, POSE_SIZE) - expected[:, None, :POSE_SIZE])
-    distances = (apart / near).max(axis=2)
-    inherited = log_odds[distances.argmin(axis=0)]
-    return np.where(distances.min(axis=0) < 1.0, inherited, np.nan)
+    distances: FloatArray = (apart / near).max(axis=2)
+    return distances
 
 
 def updated_log_odds(

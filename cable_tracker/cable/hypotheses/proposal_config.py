@@ -82,3 +82,9 @@ def proposal_config(
             parameters.thin_width * width / REFERENCE_WIDTH,
         ),
     )
+
+
+def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) -> ProposalConfig:
+    """Return a configuration in which other strips count less: where the cable is, is known."""
+    rules = config.rules._replace(evidence_limit=parameters.evidence_limit_known)
+    return config._replace(rules=rules)

@@ -36,15 +36,23 @@ class GivenState:
         Standard deviations, shape (8,) [px, rad, per second]. An infinite one means "not known":
         that component is drawn as in a random start. NaN means "not said": the component is taken
         as known well, see `usual_sigma`.
+    is_guess : bool
+        Whether it may be another thing than the cable, as what a detector finds.
     """
 
     state: CableState
     sigma: FloatArray
+    is_guess: bool = False
 
     @classmethod
-    def around(cls, state: CableState) -> GivenState:
+    def around(cls, state: CableState, *, is_guess: bool = False) -> GivenState:
         """Return what is given of a state that is known well."""
-        return cls(state, np.full(STATE_SIZE, np.nan))
+        return cls(state, np.full(STATE_SIZE, np.nan), is_guess)
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether d, alpha, w and beta are all given, and are those of the cable."""
+        return not self.is_guess and not bool(np.isinf(self.sigma[:POSE_SIZE]).any())
 
 
 def usual_sigma(image_width: int) -> FloatArray:

@@ -253,6 +253,21 @@ class TrackerParameters(ParameterSet):
         "Most that one frame's evidence for a hypothesis counts; for a new one, how much better it"
         " explains the frame than the heaviest known one.",
     )
+    evidence_limit_known: float = number(
+        6.0,
+        "nats",
+        0.0,
+        1e6,
+        "The same beside a cable that is known: given, or followed for `known_after`. The higher,"
+        " the sooner a clearer strip elsewhere is taken for the cable.",
+    )
+    known_after: float = number(
+        1.0,
+        "s",
+        0.0,
+        1e6,
+        "So long a hypothesis is held for a cable, and it is known.",
+    )
     evidence_repeated: float = number(
         0.2,
         "",

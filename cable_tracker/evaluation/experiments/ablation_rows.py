@@ -29,7 +29,7 @@ RANDOM_START = (
 CLAIMS = ("evidence_to_track", "evidence_to_lose", "confirmation_time", "loss_time")
 
 EVIDENCE_IN_FULL: Mapping[str, ParameterValue] = MappingProxyType(
-    {"evidence_repeated": 1.0, "evidence_limit": 1e6}
+    {"evidence_repeated": 1.0, "evidence_limit": 1e6, "evidence_limit_known": 1e6}
 )
 ANY_WIDTH: Mapping[str, ParameterValue] = MappingProxyType({"width_spread": 100.0})
 NO_DETECTOR: Mapping[str, ParameterValue] = MappingProxyType({"detector": "none"})
@@ -118,6 +118,9 @@ TAKEN_AWAY = AblationTable(
         _without("hardly_tempered", "points of a border all but independent", {"tempering": 0.3}),
         _without("any_width", "no usual width", ANY_WIDTH),
         _without("evidence_in_full", "evidence counts in full every frame", EVIDENCE_IN_FULL),
+        _without(
+            "never_known", "a known cable counts as any other", {"evidence_limit_known": 18.0}
+        ),
         _without("no_polarity", "bright or dark not remembered", {"polarity_memory": 0.0}),
         _without("undamped", "undamped rates, as in the thesis", {"rate_damping": 1.0}),
         _without(

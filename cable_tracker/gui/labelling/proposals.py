@@ -141,7 +141,7 @@ class Proposer:
         if not found:
             return Proposal(frame, None, "no cable was detected")
         tracker = make_tracker(self._parameters)
-        tracker.initialise(GivenState.around(found[0].state))
+        tracker.initialise(GivenState.around(found[0].state, is_guess=True))
         estimate = tracker.process(grey, picture.stamp)
         if estimate.status is not TrackingStatus.TRACKING:
             return Proposal(frame, at_rest(found[0].state), "detected in this frame, in doubt")

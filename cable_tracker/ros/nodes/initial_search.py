@@ -74,4 +74,4 @@ class InitialSearch:
         if not found:
             return None
         self._is_seeking = False
-        return GivenState.around(found[0].state)
+        return GivenState.around(found[0].state, is_guess=True)

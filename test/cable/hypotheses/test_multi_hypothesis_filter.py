@@ -188,6 +188,41 @@ def test_the_width_and_the_place_are_remembered_while_a_cable_is_tracked(strip, 
     assert gone.memory.seconds > 0.4
 
 
+def faint_beside_clear(draw_strip, noise_picture) -> list:
+    """A faint STRIP, and a clear OTHER that comes into view after eight frames."""
+    faint = draw_strip(STRIP, SIZE, strip=124.0, ground=100.0, blur=2.0).astype(float)
+    clear = draw_strip(OTHER, SIZE, strip=190.0, ground=100.0).astype(float)
+    pictures = [faint] * 8 + [np.maximum(faint, clear)] * 17
+    noises = [noise_picture(seed, SIZE).astype(float) - 128.0 for seed in range(len(pictures))]
+    shown = zip(pictures, noises, strict=True)
+    return [working(np.clip(each + 0.2 * noise, 0, 255).astype(np.uint8)) for each, noise in shown]
+
+
+@pytest.mark.parametrize(("limit", "is_left"), [(6.0, False), (40.0, True)])
+def test_a_known_cable_is_not_left_for_a_clearer_strip(draw_strip, noise_picture, limit, is_left):
+    images = faint_beside_clear(draw_strip, noise_picture)
+    detections = np.array([STRIP.to_array()[:4], OTHER.to_array()[:4]])
+    ends = []
+    for seed in range(3):
+        cable_filter = make_filter(seed, evidence_limit_known=limit)
+        belief = cable_filter.given_belief(cloud(STRIP))
+        ends.append(mean_of(run(cable_filter, belief, images, detections)[-1])[0])
+    np.testing.assert_allclose(ends, -45.0 if is_left else 12.0, atol=5.0)
+
+
+def test_a_cable_is_known_when_it_was_given_or_followed_for_long(strip, noise):
+    cable_filter = make_filter()
+    assert run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip])[-1].known_time == (
+        np.inf
+    )
+    guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
+    followed = run(cable_filter, guess, [strip] * 10, FOUND)[-1]
+    assert followed.known_time == pytest.approx(10 * FRAME)
+    gone = run(cable_filter, followed, [noise(k) for k in range(25)])[-1]
+    assert gone.known_time == 0.0
+    assert cable_filter.first_belief().known_time == 0.0
+
+
 def test_what_cannot_be_is_a_new_search(strip, monkeypatch):
     # No width that particles may have is one that is drawn; only jumps would have one.
     monkeypatch.setattr(sample_counts, "JUMP_SHARE", 0.0)
@@ -253,7 +288,12 @@ EXTREMES = {
     },
     "never gone": {"disappearance_rate": 0.0, "leaving_rate": 0.0, "appearance_rate": 100.0},
     "always gone": {"disappearance_rate": 100.0, "leaving_rate": 100.0, "appearance_rate": 0.0},
-    "evidence as it is": {"evidence_repeated": 1.0, "evidence_limit": 1e6, "tempering": 1.0},
+    "evidence as it is": {
+        "evidence_repeated": 1.0,
+        "evidence_limit": 1e6,
+        "evidence_limit_known": 1e6,
+        "tempering": 1.0,
+    },
     "no polarity": {"polarity_memory": 0.0},
     "cauchy": {"diffusion_degrees_of_freedom": 1.0},
     "gaussian": {"diffusion_degrees_of_freedom": 0.0},

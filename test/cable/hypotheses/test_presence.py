@@ -16,6 +16,7 @@ from cable_tracker.cable.hypotheses.presence import (
     frame_log_odds,
     gain_over,
     inherited_log_odds,
+    leader_goes_on,
     thin_factor,
     updated_log_odds,
 )
@@ -113,6 +114,14 @@ def test_a_hypothesis_inherits_from_the_nearest_that_is_near_enough():
     assert found[0] == 2.0
     assert math.isnan(found[1])
     assert found[2] == 1.0
+
+
+def test_a_leader_goes_on_near_where_it_is_expected():
+    expected, means = np.zeros((2, 8)), np.zeros((2, 8))
+    expected[:, :4] = [[0.0, 0.0, 30.0, 0.0], [60.0, 0.0, 30.0, 0.0]]
+    means[:, :4] = [[10.0, 0.1, 30.0, 0.0], [60.0, 0.0, 30.0, 0.0]]
+    assert leader_goes_on(expected, means, 320.0)
+    assert not leader_goes_on(expected, means[::-1], 320.0)
 
 
 def test_thin_strips_count_less_but_something():

@@ -119,3 +119,14 @@ def test_numbers_from_0_to_1_are_poses_from_one_corner_of_the_box_to_the_other()
 def test_a_range_of_zero_is_a_narrow_box_and_no_division_by_zero():
     point = search_box(parameters(initial_distance_range=0.0, initial_angle_range=0.0), 320)
     assert (point.upper[:4] > point.lower[:4]).all()
+
+
+def test_a_state_is_certain_when_all_of_it_is_given_and_it_is_no_guess():
+    assert GivenState.around(KNOWN).is_certain
+    assert not GivenState.around(KNOWN, is_guess=True).is_certain
+    sigma = np.zeros(8)
+    sigma[2] = np.inf
+    assert not GivenState(KNOWN, sigma).is_certain
+    sigma = np.zeros(8)
+    sigma[4:] = np.inf
+    assert GivenState(KNOWN, sigma).is_certain
