@@ -331,6 +331,8 @@ def test_switched_off_frames_pass_and_nothing_is_believed(watch):
 
 def test_without_listeners_it_goes_on(watch):
     watched = watch()
+    # It stands still: nothing is told until it plays.
+    watched.at(0)
     end = watched.session.listen(watched.seen.append)
     end()
     end()

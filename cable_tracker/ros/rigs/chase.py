@@ -51,8 +51,8 @@ from cable_tracker.visualisation.video import VideoWriter
 
 VIDEO = "chase.webm"
 
-SETTLE_TIME = 1.0
-"""The follower waits so long for a place that may be withheld [s]."""
+SETTLE_TIME = 60.0
+"""The follower waits so long at most for a place that the tracker's report announces [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,5 +330,6 @@ def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
             "rate": world.rate,
             "lockstep": True,
             "publish_clock": True,
+            "truth_readers": 1,
         },
     }

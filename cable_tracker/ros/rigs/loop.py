@@ -52,8 +52,8 @@ WAY, ERRORS, VIDEO = "way.png", "cross_track.png", "loop.webm"
 SETTLE_TIMEOUT = 3.0
 """Free-running, frames that the tracker left out are not waited for any longer [s]."""
 
-SETTLE_TIME = 1.0
-"""In lockstep the controller waits so long for a `cross_track` that may be withheld [s]."""
+SETTLE_TIME = 60.0
+"""In lockstep the controller waits so long at most for what the tracker's report announces [s]."""
 
 CAMERA_WIDTH = 480
 """Of the camera's picture in the video [px]."""
@@ -196,6 +196,7 @@ def _simulator_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
         "publish_clock": True,
         "image_readers": 2 if request.with_video else 1,
         "odometry_readers": 2,
+        "truth_readers": 1,
         "patience": request.patience,
         "standstill": request.standstill,
     }
