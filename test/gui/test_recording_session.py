@@ -26,7 +26,7 @@ from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.trackers import make_tracker
 from cable_tracker.tracking.idle_status import WARMING_UP
 
-TIMEOUT = 120.0
+TIMEOUT = 300.0
 LAST = 59
 PARAMETERS = TrackerParameters(particle_count=120, seed=4)
 

@@ -32,7 +32,7 @@ END_TIMEOUT = 120.0
 """So long the replay may take to end after its last frame [s]."""
 
 PATIENT: Final[Mapping[str, ParameterValue]] = {"answer_timeout": 3600.0}
-"""Of a replay that is watched: the one that watches it gives up, and not two at once."""
+"""Of what awaits answers and is watched: the one that watches it gives up, and not two at once."""
 
 READY_SOON: Final[Mapping[str, ParameterValue]] = {"diagnostics_period": 0.1}
 """Of a tracker whose diagnostics are waited for: they tell when it is ready."""

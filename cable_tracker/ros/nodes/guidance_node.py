@@ -136,9 +136,11 @@ class GuidanceNode(ProcessNode):
         if has_time and not self._is_complete(stamp, is_placed):
             return
         self._states.pop(0)
-        self._commands.publish(self._command(stamp, is_claimed))
+        command = self._command(stamp, is_claimed)
         self._stopped = False
+        # Before the command: in lockstep, all about a frame is told when the next one comes.
         self._tell(stamp)
+        self._commands.publish(command)
 
     def _watch(self) -> None:
         silent = time.monotonic() - self._last_state > self._number("state_timeout")
