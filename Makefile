@@ -29,7 +29,7 @@ FUZZ := fuzz
 MINUTES ?= 10
 TIER ?=
 # Tests beside linters: those for every change, and what is left for before a merge.
-PYTEST := python -m pytest -n 2 --timeout 600 -q
+PYTEST := python -m pytest -n 2 --timeout 1800 -q
 QUICK := -m "not slow and not browser" --hypothesis-profile quick
 TESTS ?= test
 # The versions of Ubuntu 24.04, which ROS 2 Jazzy is made for; its Python is 3.12.
@@ -100,7 +100,7 @@ test-all: install lint
 # Whole, it takes as long as five times the suite. `TESTS=test/cable` chooses a part of it, and
 # `TIER=quick` the tests for every change; `python test/processors.py --help` tells more.
 test-processors: install
-	$(BIN)/python test/processors.py $(TIER:%=--tier %) -n 2 --timeout 1200 -q $(TESTS)
+	$(BIN)/python test/processors.py $(TIER:%=--tier %) -n 2 --timeout 3600 -q $(TESTS)
 
 # JAZZY_TIER= (empty) runs all tests. Warnings of deprecated names come from what the platform has.
 test-jazzy: $(JAZZY_VENV)/installed

@@ -199,7 +199,7 @@ TARGET_METRIC_PARAMETERS = (
         "s",
         (0.0, 60.0),
         "Hold a frame back for at most so long, until `camera_info` and, of its time or later,"
-        " `odometry` or `imu` have come; 0: do not wait.",
+        " those of `odometry` and `imu` that speak at all have come; 0: do not wait.",
     ),
 )
 """For `bearing`, `relative_pose` and turns of the camera; see docs/targets.md."""
@@ -269,6 +269,7 @@ VEHICLE_PARAMETERS = (
     number("answer_timeout", 60.0, "s", (0.1, 3600.0), "Lockstep: give up after waiting so long."),
     count("image_readers", 1, (0, 100), "Begin when so many nodes subscribe to `image`."),
     count("odometry_readers", 0, (0, 100), "Begin when so many nodes subscribe to `odometry`."),
+    count("truth_readers", 0, (0, 100), "Begin when so many nodes subscribe to the ground truth."),
     number(
         "command_timeout",
         0.5,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import threading
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -200,24 +201,30 @@ def _work_in_worker(
 
 
 class _Progress:
-    """What has been told of each work; what comes after its end is known already."""
+    """What has been told of each work; what comes after its end is known already.
+
+    Works tell in a thread of the client, and their end comes in another.
+    """
 
     def __init__(self, advance: Callable[[int], None]) -> None:
         self._advance = advance
         self._told: dict[int, int] = {}
         self._ended: set[int] = set()
+        self._lock = threading.Lock()
 
     def tell(self, number: int, count: int) -> None:
         """Count frames of a work that goes on."""
-        if number not in self._ended:
-            self._told[number] = self._told.get(number, 0) + count
-            self._advance(count)
+        with self._lock:
+            if number not in self._ended:
+                self._told[number] = self._told.get(number, 0) + count
+                self._advance(count)
 
     def end(self, number: int, total: int) -> None:
         """Count the rest of a work."""
-        self._ended.add(number)
-        # A work that was begun again, after its worker was killed, has told too much.
-        self._advance(total - self._told.get(number, 0))
+        with self._lock:
+            self._ended.add(number)
+            # A work that was begun again, after its worker was killed, has told too much.
+            self._advance(total - self._told.get(number, 0))
 
 
 def run_on_cluster(

@@ -22,7 +22,7 @@ from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.parameter_table import ParameterValue
 
-LONGEST_WAIT = 5.0
+LONGEST_WAIT = 60.0
 """For the instruments of a frame [s]; a replay has sent them before it."""
 
 

@@ -34,7 +34,7 @@ def test_it_gives_the_weights_of_the_observation_of_the_thesis(shown, yardstick)
     np.testing.assert_allclose(weights, observed(shown.images[0], yardstick.states), rtol=0.02)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(
     d=st.floats(-250.0, 250.0),
     alpha=st.floats(-1.6, 1.6),

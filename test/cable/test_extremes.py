@@ -109,7 +109,7 @@ def test_wherever_the_cable_is_believed_to_be_the_estimate_is_sound(parameters, 
     | arrays(np.float32, (20, 30), elements=st.floats(0, 255, width=32)),
     gaps=st.lists(st.integers(-(10**10), 10**11), min_size=1, max_size=5),
 )
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 def test_any_picture_at_any_time_is_answered_or_refused(name, picture, gaps):
     tracker = CableTracker(preset(name).replaced({"particle_count": PARTICLES}))
     stamp = 10**12
@@ -123,7 +123,7 @@ def test_any_picture_at_any_time_is_answered_or_refused(name, picture, gaps):
 
 @pytest.mark.parametrize("name", sorted(PRESETS))
 @given(seed=st.integers(0, 2**31))
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_a_cable_across_the_image_is_followed_over_the_wrap(name, seed):
     parameters = preset(name).replaced({"particle_count": 300, "seed": seed % 1000})
     tracker = CableTracker(parameters)
@@ -161,7 +161,6 @@ def test_mean_and_covariance_of_any_cables_are_sound(states, log_weights):
     st.floats(1e-9, 3600.0),
     st.integers(0, 99),
 )
-@settings(deadline=None)
 def test_particles_stay_within_their_limits(name, states, dt, seed):
     parameters = preset(name)
     moved = CableMovement(parameters, 320).propagate(states, dt, np.random.default_rng(seed))
@@ -175,7 +174,6 @@ def test_particles_stay_within_their_limits(name, states, dt, seed):
 
 
 @given(arrays(np.float64, (9, 8), elements=st.floats(-1e9, 1e9)))
-@settings(deadline=None)
 def test_the_likelihood_of_any_cable_is_a_number(states):
     image = make_working_image(draw_cable(), 320, 1.6)
     likelihoods = BorderResponseModel(preset("thesis")).log_likelihoods(wrap_states(states), image)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from campaign_tasks import Failing, KillsItsWorkerOnce, Square, Work  # noqa: E4
 from distributed import Client, LocalCluster  # noqa: E402
 
 from cable_tracker.campaigns.crew import ClusterSettings, Crew, run_all  # noqa: E402
-from cable_tracker.campaigns.runner import run_campaign  # noqa: E402
+from cable_tracker.campaigns.runner import _Progress, run_campaign  # noqa: E402
 from cable_tracker.campaigns.task import TaskState, fingerprint_of_files  # noqa: E402
 from cable_tracker.errors import ParameterError, RecordingError  # noqa: E402
 
@@ -51,7 +52,7 @@ def states(outcomes):
 
 def wait_until_idle(cluster):
     """Wait until no worker does anything: a task outlives the client that asked for it."""
-    deadline = time.monotonic() + 240.0
+    deadline = time.monotonic() + 600.0
     with Client(cluster) as client:
         while any(client.run(lambda dask_worker: dask_worker.state.executing_count).values()):
             assert time.monotonic() < deadline
@@ -87,6 +88,25 @@ def test_many_tiny_tasks_all_come_to_their_end(both, tmp_path, count):
     tasks = [Square(n) for n in range(count)]
     outcomes = run_campaign(tasks, tmp_path, both, advance=counted.append)
     assert states(outcomes) == [TaskState.DONE] * count
+
+
+def test_the_end_of_a_task_in_the_midst_of_its_telling_counts_no_frame_twice():
+    told = []
+    progress = _Progress(told.append)
+    ending = threading.Thread(target=progress.end, args=(0, 5))
+
+    class Ended(set):
+        def __contains__(self, number):
+            is_in = super().__contains__(number)
+            ending.start()
+            # Where nothing keeps it waiting it is done before the telling goes on.
+            ending.join(1.0)
+            return is_in
+
+    progress._ended = Ended()
+    progress.tell(0, 2)
+    ending.join()
+    assert sum(told) == 5
 
 
 def test_results_that_are_sent_back_come_in_order(both):
@@ -128,7 +148,7 @@ def test_what_a_killed_client_left_is_kept(cluster, tmp_path):
         [sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": path}
     )
     try:
-        deadline = time.monotonic() + 240.0
+        deadline = time.monotonic() + 600.0
         while not all((tmp_path / f"number_{n}/square.txt").exists() for n in range(2)):
             assert time.monotonic() < deadline and client.poll() is None
             time.sleep(0.1)

@@ -89,7 +89,7 @@ def test_a_single_edge_is_no_cable(detector):
     assert detector.detect(image, None) == []
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     seed=st.integers(0, 2**31),
     size=st.tuples(st.integers(16, 130), st.integers(16, 130)),

@@ -52,7 +52,7 @@ def mutated(data: bytes, rng: np.random.Generator) -> bytes:
 def test_inputs_guided_by_coverage(target, tmp_path):
     command = [
         sys.executable, str(HERE / "run.py"), target,
-        "--runs", str(RUNS), "--seed", "1",
+        "--runs", str(RUNS), "--seed", "1", "--timeout", "300",
         "--corpus", str(tmp_path / "corpus"), "--findings", str(tmp_path / "findings"),
     ]  # fmt: skip
     done = subprocess.run(

@@ -25,9 +25,9 @@ from cable_tracker.simulation.targets.sequence import simulate_target
 
 DIVE_LENGTH = 60
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
-START_TIMEOUT = 120.0
+START_TIMEOUT = 300.0
 """Seconds until a command must have printed its address, on a busy machine, compiling included."""
-PAGE_TIMEOUT = 120_000
+PAGE_TIMEOUT = 300_000
 """Milliseconds that Playwright waits for anything on a page."""
 
 
@@ -127,7 +127,7 @@ class Running:
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
         try:
-            rest, _ = self.process.communicate(timeout=120)
+            rest, _ = self.process.communicate(timeout=300)
         except subprocess.TimeoutExpired:
             self.process.kill()
             raise

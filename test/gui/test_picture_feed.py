@@ -7,7 +7,7 @@ from cable_tracker.gui.packet import unpack
 from cable_tracker.gui.picture_feed import PictureFeed
 from cable_tracker.gui.session import Snapshot
 
-TIMEOUT = 120.0
+TIMEOUT = 300.0
 
 
 class GoneError(Exception):

@@ -26,7 +26,7 @@ from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.trackers import make_tracker
 from cable_tracker.tracking.idle_status import WARMING_UP
 
-TIMEOUT = 120.0
+TIMEOUT = 300.0
 LAST = 59
 PARAMETERS = TrackerParameters(particle_count=120, seed=4)
 
@@ -331,6 +331,8 @@ def test_switched_off_frames_pass_and_nothing_is_believed(watch):
 
 def test_without_listeners_it_goes_on(watch):
     watched = watch()
+    # It stands still: nothing is told until it plays.
+    watched.at(0)
     end = watched.session.listen(watched.seen.append)
     end()
     end()

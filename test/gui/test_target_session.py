@@ -15,7 +15,7 @@ from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.idle_status import WARMING_UP
 
-TIMEOUT = 120.0
+TIMEOUT = 300.0
 PARAMETERS = TargetParameters(particle_count=80, seed=4)
 
 

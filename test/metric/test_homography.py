@@ -42,7 +42,8 @@ def test_without_motion_nothing_moves(overflight):
 
 
 @settings(
-    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=25,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(
     shift=st.tuples(*[st.floats(-0.08, 0.08)] * 3),

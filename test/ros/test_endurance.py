@@ -59,7 +59,7 @@ class Process:
 
     def end(self, number: int = signal.SIGINT) -> int:
         self.process.send_signal(number)
-        return self.process.wait(120.0)
+        return self.process.wait(300.0)
 
     def close(self) -> None:
         if self.process.poll() is None:
@@ -294,10 +294,13 @@ class TestProcesses:
         new = [segments_of(each.process.pid) - before for each in (killed, living)]
         killed.process.kill()
         killed.process.wait()
-        removed = {SHARED_MEMORY / name for name in remove_dead_segments(youngest=0.0)}
-        left = removed & set.union(*new)
-        assert len(left) == 1
-        assert not left.pop().exists()
+        # Only these are old enough: those of others, who may be about to lock theirs, are left.
+        long_ago = time.time() - 3600.0
+        for segment in set.union(*new):
+            os.utime(f"{segment}_el", (long_ago, long_ago))
+        remove_dead_segments()
+        # A node that starts elsewhere on this machine may have been quicker.
+        assert len([segment for segment in set.union(*new) if not segment.exists()]) == 1
         assert living.end() == 0
         assert "Traceback" not in living.words
 
@@ -305,7 +308,7 @@ class TestProcesses:
         self, start: Make, tmp_path: Path
     ) -> None:
         tracker = start("tracker", **{PROFILE_VARIABLE: str(tmp_path / "gone.xml")})
-        assert tracker.process.wait(120.0) == 2
+        assert tracker.process.wait(300.0) == 2
         assert len(tracker.words.splitlines()) == 1
         assert tracker.words.startswith("error: the Fast DDS profile")
 
@@ -335,7 +338,7 @@ class TestNetwork:
         assert "0.0.0.0" in page.read_text(encoding="utf-8")
 
 
-def wait(condition: Callable[[], bool], process: Process, patience: float = 120.0) -> None:
+def wait(condition: Callable[[], bool], process: Process, patience: float = 300.0) -> None:
     deadline = time.monotonic() + patience
     while not condition():
         assert time.monotonic() < deadline and process.process.poll() is None, process.words

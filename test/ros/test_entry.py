@@ -64,7 +64,7 @@ def test_what_does_not_stand_behind_ros_args_is_not_passed_over(
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=600,
     )
     assert run.returncode == code
     assert run.stderr.startswith("usage: tracker --ros-args")

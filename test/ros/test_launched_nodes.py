@@ -16,8 +16,6 @@ from cable_tracker.ros.process.child_process import NodeProcess
 from cable_tracker.ros.process.environment import local_environment
 
 ROOT = Path(__file__).resolve().parents[2]
-START = 60.0
-"""A process gets so long to come up on a busy machine [s]."""
 
 
 @pytest.fixture
@@ -41,7 +39,7 @@ def stack() -> Iterator[ExitStack]:
 
 def values(world: Any, node: str, *names: str) -> list[Any]:
     client = world.me.create_client(GetParameters, f"{node}/get_parameters")
-    world.spin(client.service_is_ready, START)
+    world.spin(client.service_is_ready)
     future = client.call_async(GetParameters.Request(names=names))
     world.spin(future.done)
     world.me.destroy_client(client)

@@ -55,7 +55,7 @@ class TestDescriptors:
                 assert choice in descriptor.additional_constraints
 
     def test_the_defaults_are_those_of_the_tables(self, world: Any) -> None:
-        assert values_of(world.tracker()) == {spec.name: spec.default for spec in ALL}
+        assert values_of(world.untouched_tracker()) == {spec.name: spec.default for spec in ALL}
 
     def test_descriptors_are_served_over_ros(self, world: Any) -> None:
         world.tracker()
@@ -225,7 +225,7 @@ class TestRuntime:
         assert "width_maximum too" not in capfd.readouterr().err
 
     def test_one_bad_value_of_a_set_changes_nothing(self, world: Any) -> None:
-        node = world.tracker()
+        node = world.untouched_tracker()
         before = values_of(node)
         result = set_together(node, distance_variance=5.0, input_timeout=9.0, particle_count=0)
         assert not result.successful and "particle_count" in result.reason

@@ -43,7 +43,9 @@ unclaimed = st.builds(
     evidence=st.none() | finite,
     hypotheses=st.none() | st.integers(0, 100),
 )
-with_files = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+with_files = settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
 
 ROW = EstimateRow(
     frame=7,

@@ -42,7 +42,7 @@ def write(tmp_path):
     return write_lines
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(st.lists(labels, min_size=1, max_size=5))
 def test_labels_are_read_as_they_were_written(tmp_path, written):
     write_labels(tmp_path / "s.txt", written)
@@ -106,7 +106,7 @@ def test_garbage_is_refused(tmp_path, length):
     assert "\n" not in str(caught.value)
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(st.binary(max_size=200) | st.text(alphabet="0123456789.- #:ab/\n", max_size=80))
 def test_any_file_is_read_or_refused(tmp_path, content):
     path = tmp_path / "x.txt"

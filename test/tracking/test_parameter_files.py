@@ -48,7 +48,7 @@ def any_parameters(draw) -> TrackerParameters:
         return TrackerParameters()
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(any_parameters())
 def test_what_is_written_is_read_back_exactly(written, parameters):
     path = written(format_parameter_file(parameters, "Any."))

@@ -21,7 +21,7 @@ def test_every_tenth_frame_is_kept():
     assert len(sheet) == 4
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(1, 700), st.integers(1, 5), st.integers(2, 9))
 def test_a_long_recording_is_spanned_evenly_in_bounded_memory(count, stride, limit):
     sheet = ContactSheet(stride, limit, 32)

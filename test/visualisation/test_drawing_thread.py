@@ -19,11 +19,11 @@ def test_no_more_jobs_wait_than_the_capacity():
 
     def hold():
         begun.set()
-        assert go_on.wait(60)
+        assert go_on.wait(300)
 
     with DrawingThread(capacity=2) as thread:
         thread.do(hold)
-        assert begun.wait(60)
+        assert begun.wait(300)
         thread.do(lambda: None)
         thread.do(lambda: None)
         assert thread._jobs.full()
@@ -49,12 +49,12 @@ def test_after_an_exception_waiting_jobs_are_left_out():
 
     def hold():
         begun.set()
-        assert go_on.wait(60)
+        assert go_on.wait(300)
 
     with pytest.raises(KeyboardInterrupt), DrawingThread() as thread:
         thread.do(hold)
         thread.do(lambda: done.append(1))
-        assert begun.wait(60)
+        assert begun.wait(300)
         thread._abandoned = True
         go_on.set()
         raise KeyboardInterrupt

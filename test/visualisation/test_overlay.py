@@ -271,7 +271,7 @@ def test_words_fit_into_every_size(size):
 DEVIATIONS = st.one_of(st.floats(min_value=0), st.just(np.nan))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.builds(
         CableState,

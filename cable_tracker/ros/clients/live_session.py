@@ -48,8 +48,8 @@ from cable_tracker.target.model.start import TargetStart
 from cable_tracker.tracking.idle_status import DISABLED
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
-ANSWER_TIMEOUT = 5.0
-"""How long a service may take to answer [s]; a change may have to be compiled."""
+ANSWER_TIMEOUT = 30.0
+"""How long a service may take to answer [s]; a node that is gone is seen on the graph."""
 
 LOOK_PERIOD = 0.5
 """How often it is looked whether the node is still there [s]."""

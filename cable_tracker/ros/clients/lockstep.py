@@ -25,8 +25,14 @@ from cable_tracker.sequences.messages import Message
 from cable_tracker.sequences.source import ChosenRecording, Source
 from cable_tracker.tracking.parameter_table import ParameterValue
 
-FRAME_TIMEOUT = 60.0
-END_TIMEOUT = 10.0
+FRAME_TIMEOUT = 300.0
+"""So long an answer may take, also the first, before which the replay starts [s]."""
+
+END_TIMEOUT = 120.0
+"""So long the replay may take to end after its last frame [s]."""
+
+PATIENT: Final[Mapping[str, ParameterValue]] = {"answer_timeout": 3600.0}
+"""Of what awaits answers and is watched: the one that watches it gives up, and not two at once."""
 
 READY_SOON: Final[Mapping[str, ParameterValue]] = {"diagnostics_period": 0.1}
 """Of a tracker whose diagnostics are waited for: they tell when it is ready."""
@@ -36,7 +42,7 @@ EVERY_FRAME: Final[Mapping[str, ParameterValue]] = {"image_reliability": "reliab
 
 EVERY_MEASUREMENT: Final[Mapping[str, ParameterValue]] = {
     "instrument_reliability": "reliable",
-    "instrument_wait": 30.0,
+    "instrument_wait": 60.0,
 }
 """Of a tracker whose frames wait until what was measured before them has come.
 
@@ -147,7 +153,7 @@ def track_in_lockstep(
         run.wait_for_tracker()
         replay = group.start(
             "replay",
-            {**nodes.replay, "lockstep": True},
+            {**nodes.replay, **PATIENT, "lockstep": True},
             {"state": ACKNOWLEDGED},
             may_end=True,
         )

@@ -35,6 +35,9 @@ RECORDED = (
 ACKNOWLEDGED = "recorded_state"
 """Topic on which a lockstep replay awaits the tracker's `state`, once it is recorded."""
 
+LATE_TURNS = 20
+"""So many turns of the executor are run after a time-out; each takes one message."""
+
 USABLE_STATUSES = {status.value for status in TrackingStatus}
 
 
@@ -177,6 +180,9 @@ def spin_until(
 ) -> None:
     """Run callbacks until a condition holds.
 
+    When the time is over, what waits in the queues counts still: a process that was held up itself
+    finds there what has come meanwhile.
+
     Parameters
     ----------
     executor : SingleThreadedExecutor
@@ -195,13 +201,14 @@ def spin_until(
     RosError
         It does not hold in time, or `complaint` has something to say before.
     """
-    deadline = time.monotonic() + timeout
+    deadline, late_turns = time.monotonic() + timeout, 0
     while not condition():
         executor.spin_once(timeout_sec=0.05)
         if may_take_longer():
             deadline = time.monotonic() + timeout
+        late_turns = late_turns + 1 if time.monotonic() > deadline else 0
         reason = complaint()
-        if not reason and time.monotonic() > deadline:
+        if not reason and late_turns > LATE_TURNS:
             reason = f"nothing came for {timeout:g} s"
         if reason:
             raise RosError(reason)

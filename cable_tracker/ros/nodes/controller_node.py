@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Mapping
 from typing import Any
 
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
@@ -16,7 +17,7 @@ from cable_tracker.example_controller.controller import (
     SearchSettings,
 )
 from cable_tracker.example_controller.line_of_sight import Cable, GuidanceSettings
-from cable_tracker.metric.messages import yaw_of
+from cable_tracker.metric.messages import METRES_KEYS, yaw_of
 from cable_tracker.node_parameter_tables import CONTROLLER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
@@ -39,6 +40,7 @@ class ControllerNode(GuidanceNode):
     """
 
     WELL = Mode.FOLLOWING
+    REPORT = "tracker/frame_report"
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("controller", CONTROLLER_PARAMETERS, **node_arguments)
@@ -83,8 +85,11 @@ class ControllerNode(GuidanceNode):
         cable = Cable(float(pose.position.y), yaw_of(pose.orientation))
         keep(self._cables, stamp_of(message.header), cable)
 
-    def _is_complete(self, stamp: int, is_claimed: bool) -> bool:
-        return stamp in self._poses and (stamp in self._cables or not is_claimed)
+    def _is_complete(self, stamp: int, is_placed: bool) -> bool:
+        return stamp in self._poses and (stamp in self._cables or not is_placed)
+
+    def _has_place(self, facts: Mapping[str, str]) -> bool:
+        return METRES_KEYS[0] in facts
 
     def _command(self, stamp: int, is_claimed: bool) -> Twist:
         cable = self._cables.get(stamp) if is_claimed else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -14,6 +15,7 @@ from cable_tracker.example_controller.target_follower import (
     TargetFollower,
     TargetPlace,
 )
+from cable_tracker.metric.target_facts import has_place
 from cable_tracker.node_parameter_tables import FOLLOWER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
@@ -36,6 +38,7 @@ class FollowerNode(GuidanceNode):
     """
 
     WELL = FollowMode.FOLLOWING
+    REPORT = "target_tracker/frame_report"
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("follower", FOLLOWER_PARAMETERS, **node_arguments)
@@ -60,8 +63,11 @@ class FollowerNode(GuidanceNode):
         kept = TargetPlace(float(place.x), float(place.y), float(place.z))
         keep(self._places, stamp_of(message.header), kept)
 
-    def _is_complete(self, stamp: int, is_claimed: bool) -> bool:
-        return stamp in self._places or not is_claimed
+    def _is_complete(self, stamp: int, is_placed: bool) -> bool:
+        return stamp in self._places or not is_placed
+
+    def _has_place(self, facts: Mapping[str, str]) -> bool:
+        return has_place(facts)
 
     def _command(self, stamp: int, is_claimed: bool) -> Twist:
         place = self._places.get(stamp) if is_claimed else None

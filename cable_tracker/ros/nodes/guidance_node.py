@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from typing import Any, ClassVar, TypeVar, cast
 
@@ -14,7 +14,7 @@ from sensor_msgs.msg import JointState
 
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
-from cable_tracker.sequences.messages import Message, stamp_of
+from cable_tracker.sequences.messages import Message, report_facts, stamp_of
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec
 
@@ -31,7 +31,9 @@ class GuidanceNode(ProcessNode):
     """Answers each `state` of a tracker with a `cmd_vel`, and reports its mode.
 
     Without a `state` for `state_timeout` the vehicle is stopped. In lockstep there is no such
-    watch, and no first answer before the command has a subscriber.
+    watch, and no first answer before the command has a subscriber; and the tracker's report of a
+    frame is read, which says whether a place in metres comes with its `state`: the answer does not
+    depend on what comes first.
 
     Parameters
     ----------
@@ -51,6 +53,9 @@ class GuidanceNode(ProcessNode):
     WELL: ClassVar[Enum]
     """The mode in which all is as it should be."""
 
+    REPORT: ClassVar[str]
+    """Topic of the tracker's report of each frame."""
+
     def __init__(
         self,
         name: str,
@@ -66,6 +71,10 @@ class GuidanceNode(ProcessNode):
         self._stopped = False
         self._commands = self.create_publisher(Twist, "cmd_vel", qos.RESULTS)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
+        self._withheld: OrderedDict[int, bool] = OrderedDict()
+        # Before what a subclass subscribes to: a tracker that knows of that knows of this.
+        if self._values["lockstep"]:
+            self.create_subscription(DiagnosticArray, self.REPORT, self.on_report, qos.RESULTS)
         self.create_subscription(JointState, "state", self.on_state, qos.RESULTS)
 
     @property
@@ -73,8 +82,20 @@ class GuidanceNode(ProcessNode):
         """What the node is doing, as diagnostics show it."""
         raise NotImplementedError
 
-    def _is_complete(self, stamp: int, is_claimed: bool) -> bool:
-        """Tell whether all has come that belongs to a frame of a time [ns]."""
+    def _is_complete(self, stamp: int, is_placed: bool) -> bool:
+        """Tell whether all has come that belongs to a frame of a time [ns].
+
+        Parameters
+        ----------
+        stamp : int
+            The time.
+        is_placed : bool
+            Whether a place in metres belongs to it, as far as is known.
+        """
+        raise NotImplementedError
+
+    def _has_place(self, facts: Mapping[str, str]) -> bool:
+        """Tell whether the tracker says, by its report of a frame, where things are in metres."""
         raise NotImplementedError
 
     def _command(self, stamp: int, is_claimed: bool) -> Twist:
@@ -89,6 +110,11 @@ class GuidanceNode(ProcessNode):
         now = time.monotonic()
         self._last_state = now
         self._states.append((stamp_of(message.header), bool(message.position), now))
+
+    def on_report(self, message: Message) -> None:
+        """Take note of whether a place in metres comes with the `state` of a frame."""
+        has_place = bool(message.status) and self._has_place(report_facts(message))
+        keep(self._withheld, stamp_of(message.header), not has_place)
 
     def seconds_until_due(self) -> float:
         """Return how long the executor may sleep [s]."""
@@ -106,12 +132,15 @@ class GuidanceNode(ProcessNode):
         if self._values["lockstep"] and not self._commands.get_subscription_count():
             return
         has_time = time.monotonic() - came < self._number("settle_time")
-        if has_time and not self._is_complete(stamp, is_claimed):
+        is_placed = is_claimed and not self._withheld.get(stamp, False)
+        if has_time and not self._is_complete(stamp, is_placed):
             return
         self._states.pop(0)
-        self._commands.publish(self._command(stamp, is_claimed))
+        command = self._command(stamp, is_claimed)
         self._stopped = False
+        # Before the command: in lockstep, all about a frame is told when the next one comes.
         self._tell(stamp)
+        self._commands.publish(command)
 
     def _watch(self) -> None:
         silent = time.monotonic() - self._last_state > self._number("state_timeout")

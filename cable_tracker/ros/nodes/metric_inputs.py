@@ -35,6 +35,7 @@ from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.inputs.callbacks import followed_by
+from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.messages import Message, MessageFactory, make_header, stamp_of
 
@@ -74,7 +75,7 @@ class MetricInputs:
         )
         self._newest: dict[str, int] = {}
         self._heard: Counter[str] = Counter()
-        self._sent: tuple[int, dict[str, float]] | None = None
+        self._sent = InstrumentsSent(("camera_info", *INSTRUMENTS))
 
     def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
         """Listen, `best_effort` or `reliable`; `on_news` is called after each message."""
@@ -90,7 +91,7 @@ class MetricInputs:
             self._node.create_subscription(
                 JointState,
                 output_topics.INSTRUMENTS_SENT,
-                followed_by(self.on_instruments_sent, on_news),
+                followed_by(self._sent.take, on_news),
                 profile,
             )
 
@@ -110,8 +111,8 @@ class MetricInputs:
         Where a replay says how much it has sent before the frame of that time, all of it must have
         come.
         """
-        if self._sent is not None and self._sent[0] == stamp:
-            return all(self._heard[name] >= count for name, count in self._sent[1].items())
+        if self._sent.tells_of(stamp):
+            return self._sent.has_come(self._heard)
         return self._info is not None and all(
             self._newest.get(name, -1) >= stamp for name in INSTRUMENTS
         )
@@ -136,11 +137,6 @@ class MetricInputs:
         self._instruments.configure(self._settings())
         if self._info is not None:
             self._use_calibration(self._info)
-
-    def on_instruments_sent(self, message: Message) -> None:
-        """Take how much a replay has sent before a frame."""
-        counts = dict(zip(message.name, message.position, strict=False))
-        self._sent = stamp_of(message.header), counts
 
     def on_camera_info(self, message: Message) -> None:
         """Take a calibration."""

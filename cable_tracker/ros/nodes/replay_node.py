@@ -42,8 +42,12 @@ PATIENCE = 3.0
 WARNING_PAUSE = 5.0
 """Time between two words on what is waited for [s]."""
 
+LOOK_AGAIN = 0.02
+"""Time between two looks at whether the last messages have arrived [s]."""
+
 NO_FRAME_THERE = "no frame after that time"
-FLUSH_TIMEOUT = Duration(seconds=2)
+FLUSH_TIMEOUT = 30.0
+"""So long the last messages may take [s]; a reader that has died is forgotten sooner."""
 
 
 class ReplayNode(ProcessNode):
@@ -155,6 +159,7 @@ class ReplayNode(ProcessNode):
         self._awaited: int | None = None
         self._answer_deadline = 0.0
         self._damage: RecordingError | None = None
+        self._flush_end: float | None = None
         self._awaits_restart = False
         self._next = self._read_next()
 
@@ -185,6 +190,8 @@ class ReplayNode(ProcessNode):
         """Return how long the executor may sleep [s]."""
         if self._paused or not self._connected or self._awaited is not None:
             return WAKE_UP
+        if self._flush_end is not None:
+            return LOOK_AGAIN
         return 0.0 if self._flag("lockstep") else self._due - time.monotonic()
 
     def work(self) -> None:
@@ -322,15 +329,26 @@ class ReplayNode(ProcessNode):
             self._begin()
             if self._next is not None:
                 return
-        if not self._flag("lockstep"):
-            # In lockstep the answer has come; the middleware's own acknowledgement takes longer.
-            self._image.wait_for_all_acked(FLUSH_TIMEOUT)
-        self._truth.wait_for_all_acked(FLUSH_TIMEOUT)
+        if not self._has_arrived():
+            return
         if self._damage is not None:
             raise self._damage
         if not self._sent:
             raise ParameterError(f"start: {NO_FRAME_THERE} in {self._source.path}; give less")
         self.finished = True
+
+    def _has_arrived(self) -> bool:
+        """Tell whether all readers have got the last messages, or will not get them any more.
+
+        Asked again and again and not waited for: the node must hear signals meanwhile.
+        """
+        if self._flush_end is None:
+            self._flush_end = time.monotonic() + FLUSH_TIMEOUT
+        # In lockstep the answer has come; the middleware's own acknowledgement takes longer.
+        awaited = [self._truth] if self._flag("lockstep") else [self._image, self._truth]
+        at_once = Duration(seconds=0)
+        has_arrived = all(each.wait_for_all_acked(at_once) for each in awaited)
+        return has_arrived or time.monotonic() > self._flush_end
 
     def report(self) -> str:
         """Say what was sent."""

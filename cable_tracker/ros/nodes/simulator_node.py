@@ -210,6 +210,7 @@ class VehicleNode(ProcessNode):
         readers = (
             (self._image, self._whole("image_readers")),
             (self._odometry, self._whole("odometry_readers")),
+            *((each, self._whole("truth_readers")) for each in self._last_publishers()),
         )
         if any(publisher.get_subscription_count() < count for publisher, count in readers):
             return

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import cast
 
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.node import Node
-from sensor_msgs.msg import CameraInfo, Imu
+from sensor_msgs.msg import CameraInfo, Imu, JointState
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.recorded_target import target_settings
@@ -18,9 +19,13 @@ from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.inputs.callbacks import followed_by
+from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
+from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.messages import Message, stamp_of
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
+
+RELIABLE = "reliable"
 
 
 class TargetInputs:
@@ -41,7 +46,9 @@ class TargetInputs:
         }
         self._sight = TargetSight(target_settings(self._values), count)
         self._info: Message | None = None
-        self._newest = {"imu": -1, "odometry": -1}
+        self._newest: dict[str, int] = {}
+        self._heard: Counter[str] = Counter()
+        self._sent = InstrumentsSent(("camera_info", "imu", "odometry"))
         self._results: list[TargetMetres] = []
 
     def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
@@ -53,6 +60,13 @@ class TargetInputs:
             (OdometryMessage, "odometry", self.on_odometry),
         ):
             self._node.create_subscription(kind, topic, followed_by(take, on_news), profile)
+        if reliability == RELIABLE:
+            self._node.create_subscription(
+                JointState,
+                output_topics.INSTRUMENTS_SENT,
+                followed_by(self._sent.take, on_news),
+                profile,
+            )
 
     @property
     def wait(self) -> float:
@@ -75,8 +89,16 @@ class TargetInputs:
         return self._results
 
     def has_all_of(self, stamp: int) -> bool:
-        """Tell whether calibration and motion are known at a time [ns]."""
-        return self._info is not None and max(self._newest.values()) >= stamp
+        """Tell whether calibration and motion are known at a time [ns].
+
+        Each of imu and odometry that has spoken before must have spoken of that time or later: who
+        comes first must not decide whose motion is taken. Where a replay says how much it has sent
+        before the frame of that time, all of it must have come.
+        """
+        if self._sent.tells_of(stamp):
+            return self._sent.has_come(self._heard)
+        motion = self._newest.values()
+        return self._info is not None and bool(motion) and min(motion) >= stamp
 
     def apply(self, values: Mapping[str, object]) -> None:
         """Take what is given of `TARGET_METRIC_PARAMETERS`, by name."""
@@ -86,7 +108,7 @@ class TargetInputs:
         self._values.update(own)
         self._sight.configure(target_settings(self._values))
         if self._info is not None:
-            self.on_camera_info(self._info)
+            self._use_calibration(self._info)
 
     def forget(self, number: int | None = None) -> None:
         """Begin anew with the range of one target, or of all."""
@@ -94,6 +116,10 @@ class TargetInputs:
 
     def on_camera_info(self, message: Message) -> None:
         """Take a calibration."""
+        self._heard["camera_info"] += 1
+        self._use_calibration(message)
+
+    def _use_calibration(self, message: Message) -> None:
         is_rectified = bool(self._values["image_is_rectified"])
         self._sight.take_camera_info(message, is_rectified=is_rectified)
         self._info = message
@@ -151,4 +177,5 @@ class TargetInputs:
         """Return the stamp of an instrument's message [ns], and remember it."""
         stamp = stamp_of(message.header) or int(self._node.get_clock().now().nanoseconds)
         self._newest[name] = stamp
+        self._heard[name] += 1
         return stamp

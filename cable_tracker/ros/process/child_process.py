@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
 
-START_TIMEOUT = 120.0
+START_TIMEOUT = 300.0
 """Within so long nodes have found each other; the compiling at first use is included [s]."""
 
 WARM_UP_TIMEOUT = 900.0
@@ -19,7 +19,7 @@ WARM_UP_TIMEOUT = 900.0
 ENTRY = "cable_tracker.ros.entry"
 """Module that runs the node whose name it is given."""
 
-GRACE = 10.0
+GRACE = 30.0
 """Time that a node gets to end by itself after SIGINT [s]."""
 
 

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ from cable_tracker.ros.clients.lockstep import (
     EVERY_FRAME,
     EVERY_MEASUREMENT,
     NO_WATCH,
+    PATIENT,
     READY_SOON,
 )
 from cable_tracker.ros.clients.recorder import spin_until
@@ -39,6 +41,7 @@ from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEO
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
+from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED, ReleasedCommands
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages import read_compressed_image, stamp_of
@@ -51,8 +54,8 @@ from cable_tracker.visualisation.video import VideoWriter
 
 VIDEO = "chase.webm"
 
-SETTLE_TIME = 1.0
-"""The follower waits so long for a place that may be withheld [s]."""
+SETTLE_TIME = 60.0
+"""The follower waits so long at most for a place that the tracker's report announces [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +103,9 @@ class ChaseRecorder(Node):  # type: ignore[misc]
         self.overlays: list[Any] = []
         self._readers: dict[str, int] = {}
         self._is_warm = False
+        self._commands = ReleasedCommands(self)
+        self._open: list[int] = []
+        self._recorded = 0
         pose = PoseWithCovarianceStamped
         for kind, topic, kept in (
             (pose, "ground_truth/target", self.truths),
@@ -146,6 +152,15 @@ class ChaseRecorder(Node):  # type: ignore[misc]
     def is_answered(self) -> bool:
         """Tell whether all that is told about the frames that have come has come, too."""
         return all(self._is_answered(stamp) for stamp in self.truths)
+
+    def release(self) -> None:
+        """Let the simulator go on when all about the frames so far has been recorded."""
+        known = self._recorded + len(self._open)
+        self._open += islice(self.truths, known, None)
+        still_open = [stamp for stamp in self._open if not self._is_answered(stamp)]
+        self._recorded += len(self._open) - len(still_open)
+        self._open = still_open
+        self._commands.release(self._recorded)
 
     def _is_answered(self, stamp: int) -> bool:
         if stamp not in self.states or stamp not in self.reports:
@@ -236,7 +251,7 @@ def run_chase(
             executor, recorder.is_ready, START_TIMEOUT + WARM_UP_TIMEOUT, group.what_has_died
         )
         name = "target_simulator"
-        simulator = group.start(name, parameters[name], may_end=True)
+        simulator = group.start(name, parameters[name], {COMMAND: RELEASED}, may_end=True)
 
         def spin() -> str:
             executor.spin_once(timeout_sec=0.02)
@@ -282,6 +297,7 @@ def record_to_the_end(
     while not (quiet.is_quiet and recorder.is_answered()):
         complaint = spin()
         quiet.turn(recorder.heard)
+        recorder.release()
         if is_running():
             quiet = QuietWatch()
         overlays, recorder.overlays = recorder.overlays, []
@@ -330,5 +346,7 @@ def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
             "rate": world.rate,
             "lockstep": True,
             "publish_clock": True,
+            "truth_readers": 1,
+            **PATIENT,
         },
     }

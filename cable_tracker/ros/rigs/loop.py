@@ -31,6 +31,7 @@ from cable_tracker.ros.clients.lockstep import (
     EVERY_FRAME,
     EVERY_MEASUREMENT,
     NO_WATCH,
+    PATIENT,
     READY_SOON,
 )
 from cable_tracker.ros.clients.recorder import spin_until
@@ -39,6 +40,7 @@ from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.loop_recorder import LoopRecorder, SeenFrame
+from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
 from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.dive import CABLE_RADIUS
@@ -52,8 +54,8 @@ WAY, ERRORS, VIDEO = "way.png", "cross_track.png", "loop.webm"
 SETTLE_TIMEOUT = 3.0
 """Free-running, frames that the tracker left out are not waited for any longer [s]."""
 
-SETTLE_TIME = 1.0
-"""In lockstep the controller waits so long for a `cross_track` that may be withheld [s]."""
+SETTLE_TIME = 60.0
+"""In lockstep the controller waits so long at most for what the tracker's report announces [s]."""
 
 CAMERA_WIDTH = 480
 """Of the camera's picture in the video [px]."""
@@ -155,7 +157,12 @@ def run_loop(
         group.start(request.tracker_node, _tracker_parameters(request))
         group.start("controller", _controller_parameters(request))
         run.wait_until_connected()
-        simulator = group.start("simulator", _simulator_parameters(request), may_end=True)
+        simulator = group.start(
+            "simulator",
+            _simulator_parameters(request),
+            {} if request.realtime else {COMMAND: RELEASED},
+            may_end=True,
+        )
         run.follow(simulator)
         return run.write(folder)
 
@@ -196,6 +203,8 @@ def _simulator_parameters(request: LoopRequest) -> dict[str, ParameterValue]:
         "publish_clock": True,
         "image_readers": 2 if request.with_video else 1,
         "odometry_readers": 2,
+        "truth_readers": 1,
+        **PATIENT,
         "patience": request.patience,
         "standstill": request.standstill,
     }
@@ -252,7 +261,9 @@ class _Run:
 
     def _has_settled(self, ended: float) -> bool:
         is_late = time.monotonic() - ended > SETTLE_TIMEOUT
-        return self._recorder.is_settled() or (is_late and self._request.realtime)
+        if self._request.realtime:
+            return is_late or self._recorder.is_settled()
+        return self._recorder.is_settled() and self._recorder.is_steered()
 
     def _draw(self, frame: SeenFrame) -> None:
         if self._video is None or frame.image is None:

@@ -19,6 +19,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
 from cable_tracker.metric.messages import Y, yaw_of
 from cable_tracker.ros import qos
+from cable_tracker.ros.rigs.released_commands import ReleasedCommands
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages import Message, read_image, read_state, stamp_of
 from cable_tracker.stamps import NANOSECONDS
@@ -113,7 +114,9 @@ class LoopRecorder(Node):  # type: ignore[misc]
         self._with_images = with_images
         self._is_warm = False
         self._drawn = -1
+        self._taken = 0
         self.heard = 0
+        self._commands = ReleasedCommands(self)
         for kind, topic, name in (
             *([(Image, "image", "image")] if with_images else []),
             (JointState, "state", "state"),
@@ -161,11 +164,14 @@ class LoopRecorder(Node):  # type: ignore[misc]
     def take(self) -> list[SeenFrame]:
         """Return the frames that have become complete, in order, each once.
 
-        A frame that the tracker has left out is passed over when a later one is complete.
+        A frame that the tracker has left out is passed over when a later one is complete. In
+        lockstep the simulator goes on when a frame is complete.
         """
         complete = sorted(stamp for stamp, frame in self._undrawn.items() if self._sees(frame))
         seen = [_seen(stamp, self._undrawn[stamp]) for stamp in complete if stamp > self._drawn]
         self._drawn = max([self._drawn, *complete])
+        self._taken += len(seen)
+        self._commands.release(self._taken)
         for stamp in [stamp for stamp in self._undrawn if stamp <= self._drawn]:
             self._undrawn.pop(stamp).image = None
         return seen
@@ -176,6 +182,10 @@ class LoopRecorder(Node):  # type: ignore[misc]
     def is_settled(self) -> bool:
         """Tell whether all that is to come about the frames sent so far has come."""
         return not any(frame.is_sent() for frame in self._undrawn.values())
+
+    def is_steered(self) -> bool:
+        """Tell whether there is a command for each frame that has been complete."""
+        return self._commands.heard >= self._taken
 
     def rows(self) -> list[LoopRow]:
         """Return the table of the run; its frames are those that the simulator sent."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 
-SILENCE_TIMEOUT = 90.0
-"""After so long without a frame a run is given up [s]."""
+SILENCE_TIMEOUT = 300.0
+"""After so long without a frame, or before the first, a run is given up [s]."""
 
 QUIET_TURNS = 50
 """So many turns of the executor without a message, and its queues are empty.

@@ -7,7 +7,7 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.gui.labelling.autosave import read_autosave, write_autosave
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(label_maps)
 def test_unsaved_labels_are_read_back_as_they_were(tmp_path, labels):
     path = tmp_path / "dive.txt.autosave"
@@ -47,7 +47,7 @@ pieces = st.sampled_from(
 )
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(st.lists(pieces | st.text(max_size=5), max_size=12))
 def test_whatever_a_file_holds_only_one_error_comes_of_it(tmp_path, parts):
     path = tmp_path / "dive.txt.autosave"

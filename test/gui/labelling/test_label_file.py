@@ -47,7 +47,7 @@ def read_back(path, names):
     return LabelFile(path, names).read()
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(label_maps, st.sampled_from(["", "dive", "elsewhere"]), st.sampled_from(["video", "folder"]))
 def test_labels_are_read_back_as_they_were_written(tmp_path, labels, below, kind):
     (tmp_path / below).mkdir(exist_ok=True)
@@ -159,7 +159,7 @@ flag_pieces = st.sampled_from(
 )
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(st.lists(flag_pieces | st.text(max_size=5), max_size=12))
 def test_whatever_the_flags_hold_only_one_error_comes_of_it(path, names, parts):
     path.write_text("1 0.1 40 0 # dive.avi:1\n")

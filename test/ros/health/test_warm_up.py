@@ -18,7 +18,7 @@ def test_it_runs_beside_the_caller_and_once_for_each_variant() -> None:
 
     def wait(name: str) -> None:
         runs.append(name)
-        assert go_on.wait(60.0)
+        assert go_on.wait(300.0)
 
     first = WarmUp("a", lambda: wait("a"))
     assert first.running

@@ -3,6 +3,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from sensor_msgs.msg import JointState
 
@@ -38,6 +39,42 @@ def test_without_a_claim_it_remembers(world: Any, header: Any) -> None:
     tell(node, header(1), None)
     world.spin(lambda: len(commands) == 2)
     assert node.mode is FollowMode.REMEMBERING
+
+
+def report(header: Any, **facts: str) -> DiagnosticArray:
+    """What the target tracker reports of one frame."""
+    values = [KeyValue(key=key, value=value) for key, value in facts.items()]
+    return DiagnosticArray(header=header, status=[DiagnosticStatus(values=values)])
+
+
+def claims(node: Any, header: Any) -> None:
+    node.on_state(JointState(header=header, position=[0.0] * 4))
+
+
+def test_in_lockstep_a_place_that_is_announced_is_waited_for(world: Any, header: Any) -> None:
+    commands = world.listen(Twist, "cmd_vel")
+    node = world.follower(lockstep=True, settle_time=60.0)
+    node.on_report(report(header(0), x="4.0"))
+    claims(node, header(0))
+    world.pass_time(0.2)
+    assert not commands
+    tell(node, header(1), 4.0)
+    place = PoseWithCovarianceStamped(header=header(0))
+    place.pose.pose.position.x = 4.0
+    node.on_relative_pose(place)
+    world.spin(lambda: len(commands) == 2)
+    assert commands[0].linear.x > 0.0
+
+
+def test_in_lockstep_a_place_that_is_withheld_is_not_waited_for(world: Any, header: Any) -> None:
+    commands = world.listen(Twist, "cmd_vel")
+    node = world.follower(lockstep=True, settle_time=60.0)
+    claims(node, header(0))
+    world.pass_time(0.2)
+    assert not commands
+    node.on_report(report(header(0), why_not="no camera calibration"))
+    # Long before the time to settle is over.
+    world.spin(lambda: commands, 30.0)
 
 
 def test_a_silent_tracker_stops_the_vehicle(world: Any, header: Any) -> None:

@@ -349,7 +349,11 @@ class TestTiming:
         assert node.sent == 0 and not heard
         assert "/auv/tracker is WARMING UP" in capfd.readouterr().err
         tracker.says("INITIALISING")
+        # Not until it is heard: by then the answer may be overdue.
+        world.spin(lambda: node.sent)
+        world.nodes.remove(node)
         world.spin(lambda: heard)
+        node.destroy_node()
 
     def test_the_rate_can_be_changed_but_not_the_source(self, world: Any, make_dive: Dive) -> None:
         node = world.replay(source=str(make_dive(3)), paused=True)
@@ -397,16 +401,18 @@ class TestServices:
 
     def test_pausing_stops_the_frames(self, world: Any, make_dive: Dive) -> None:
         heard = world.listen(Image, "image")
-        node = world.replay(source=str(make_dive(30)), rate=1)
+        node = world.replay(source=str(make_dive(30)), rate=1, loop=True)
         world.spin(lambda: len(heard) >= 2)
         assert world.call(SetBool, "replay/pause", data=True).message == "paused"
         world.spin(lambda: len(heard) == node.sent)
         sent = node.sent
         world.pass_time(0.15)
-        assert node.sent == sent < 30
+        assert node.sent == sent
+        assert world.call(SetBool, "replay/pause", data=False).message == "playing"
+        world.spin(lambda: node.sent > sent)
 
     def test_stepping_while_playing_is_refused(self, world: Any, make_dive: Dive) -> None:
-        world.replay(source=str(make_dive(30)), rate=0.1)
+        world.replay(source=str(make_dive(30)), rate=0.1, loop=True)
         response = world.call(Trigger, "replay/step")
         assert not response.success and response.message == "not paused"
 
@@ -437,7 +443,8 @@ class TestServices:
     def test_a_refused_restart_does_not_end_a_replay_that_runs(
         self, world: Any, make_dive: Dive
     ) -> None:
-        node = world.replay(source=str(make_dive(4)), loop=True, rate=100.0)
+        # So slowly that the call comes long before the end.
+        node = world.replay(source=str(make_dive(30)), loop=True, rate=0.01)
         node.set_parameters([Parameter("start", value=60.0)])
         assert not world.call(Trigger, "replay/restart").success
         node.work()
@@ -544,6 +551,38 @@ def test_a_lockstep_replay_ends_with_the_last_answer(world: Any, make_dive: Dive
     node = world.replay(source=str(make_dive(3)), lockstep=True, answer_timeout=3600.0)
     world.spin(lambda: len(states) == 3)
     world.spin(lambda: node.finished)
+
+
+class SlowLink:
+    """A publisher whose last messages take some looks to arrive."""
+
+    def __init__(self, publisher: Any, looks: float) -> None:
+        self._publisher = publisher
+        self.looks = looks
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._publisher, name)
+
+    def wait_for_all_acked(self, timeout: Any) -> bool:
+        assert timeout.nanoseconds == 0, "a node that waits here hears no signal"
+        self.looks -= 1
+        return self.looks <= 0
+
+
+class TestEnd:
+    def test_it_ends_when_the_last_frame_has_arrived(self, world: Any, make_dive: Dive) -> None:
+        node = world.replay(source=str(make_dive(2)), rate=100)
+        node._image = SlowLink(node._image, 3)
+        world.spin(lambda: node.finished)
+        assert node._image.looks == 0
+
+    def test_but_does_not_wait_for_ever(
+        self, world: Any, make_dive: Dive, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(replay_node, "FLUSH_TIMEOUT", 0.1)
+        node = world.replay(source=str(make_dive(2)), rate=100)
+        node._truth = SlowLink(node._truth, float("inf"))
+        world.spin(lambda: node.finished)
 
 
 class TestInstruments:

@@ -147,9 +147,9 @@ def test_drift_is_no_progress(world, start, pilot):
 
 
 def test_who_steers_must_answer_in_time(world, start, pilot):
-    start(answer_timeout=0.2)
     with pytest.raises(RosError, match="no cmd_vel came for frame 0 within"):
-        world.pass_time(1.0)
+        start(answer_timeout=0.2)
+        world.spin(lambda: False)
 
 
 def test_it_begins_when_enough_nodes_listen(world, pilot):
@@ -160,6 +160,16 @@ def test_it_begins_when_enough_nodes_listen(world, pilot):
     pilot.waits_for(1)
 
 
+def test_it_begins_when_the_truth_is_heard(world, pilot):
+    world.simulator(**SMALL, truth_readers=2)
+    world.pass_time(0.5)
+    assert not pilot.images
+    truths = world.listen(PoseWithCovarianceStamped, "ground_truth/cross_track")
+    pilot.waits_for(1)
+    world.spin(lambda: truths)
+    assert stamp_of(truths[0].header) == stamp_of(pilot.images[0].header)
+
+
 def test_in_real_time_frames_come_without_commands(world, pilot):
     world.simulator(**SMALL)
     pilot.waits_for(5)
@@ -168,8 +178,9 @@ def test_in_real_time_frames_come_without_commands(world, pilot):
 def test_in_real_time_the_vehicle_stops_without_commands(world, pilot):
     node = world.simulator(**SMALL, command_timeout=0.3, current=0.0)
     pilot.waits_for(1)
-    pilot.drives(surge=0.5, frames=8)
-    world.spin(lambda: node.world.motion().twist[0] > 0.1)
+    # On a busy machine it may stop between two commands.
+    while node.world.motion().twist[0] <= 0.1:
+        pilot.drives(surge=0.5)
     world.spin(lambda: node.world.motion().twist[0] < 0.05)
 
 

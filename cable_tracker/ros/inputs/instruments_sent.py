@@ -1,0 +1,36 @@
+"""What a replay says of how much its instruments have said before a frame."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+from cable_tracker.sequences.messages import Message, stamp_of
+
+
+class InstrumentsSent:
+    """Keeps the newest message of the topic `instruments_sent`.
+
+    Parameters
+    ----------
+    names : collection of str
+        Instruments that the node listens to; what a replay says of others does not count.
+    """
+
+    def __init__(self, names: Collection[str]) -> None:
+        self._names = frozenset(names)
+        self._stamp: int | None = None
+        self._counts: dict[str, float] = {}
+
+    def take(self, message: Message) -> None:
+        """Take how much a replay has sent before a frame."""
+        self._stamp = stamp_of(message.header)
+        told = zip(message.name, message.position, strict=False)
+        self._counts = {name: count for name, count in told if name in self._names}
+
+    def tells_of(self, stamp: int) -> bool:
+        """Tell whether the newest message is about the frame of a time [ns]."""
+        return self._stamp == stamp
+
+    def has_come(self, heard: Mapping[str, int]) -> bool:
+        """Tell whether all of it has come, by how many messages of each instrument were heard."""
+        return all(heard.get(name, 0) >= count for name, count in self._counts.items())
