@@ -51,7 +51,8 @@ from cable_tracker.stamps import NANOSECONDS
 TICKS = 2
 """Readings of odometry and imu for each frame."""
 
-FLUSH_TIMEOUT = Duration(seconds=5)
+FLUSH_TIMEOUT = Duration(seconds=30)
+"""So long the last messages may take; a reader that has died is forgotten sooner."""
 
 
 class WorldSettings(Protocol):

@@ -26,6 +26,7 @@ from cable_tracker.evaluation.targets.chase_table import (
     summarise_chase,
     write_chase,
 )
+from cable_tracker.metric.target_facts import has_place
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.lockstep import (
     EVERY_FRAME,
@@ -34,11 +35,11 @@ from cable_tracker.ros.clients.lockstep import (
     READY_SOON,
 )
 from cable_tracker.ros.clients.recorder import spin_until
-from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
+from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
-from cable_tracker.ros.rigs.silence import SilenceWatch
+from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages import read_compressed_image, stamp_of
 from cable_tracker.sequences.output_folder import output_folder
@@ -49,8 +50,6 @@ from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.video import VideoWriter
 
 VIDEO = "chase.webm"
-
-"""Nothing new for so long, and something is wrong [s]."""
 
 SETTLE_TIME = 1.0
 """The follower waits so long for a place that may be withheld [s]."""
@@ -96,6 +95,8 @@ class ChaseRecorder(Node):  # type: ignore[misc]
         self.truths: dict[int, Any] = {}
         self.states: dict[int, Any] = {}
         self.places: dict[int, Any] = {}
+        self.reports: dict[int, Any] = {}
+        self.heard = 0
         self.overlays: list[Any] = []
         self._readers: dict[str, int] = {}
         self._is_warm = False
@@ -104,10 +105,12 @@ class ChaseRecorder(Node):  # type: ignore[misc]
             (pose, "ground_truth/target", self.truths),
             (JointState, "state", self.states),
             (pose, "relative_pose", self.places),
+            (DiagnosticArray, "target_tracker/frame_report", self.reports),
         ):
-            self.create_subscription(kind, topic, _keep(kept), qos.EVERYTHING)
+            self.create_subscription(kind, topic, self._keep(kept), qos.EVERYTHING)
 
         def keep_overlay(message: Any) -> None:  # noqa: ANN401
+            self.heard += 1
             self.overlays.append(message)
 
         overlay = "target_tracker/overlay/compressed"
@@ -116,20 +119,40 @@ class ChaseRecorder(Node):  # type: ignore[misc]
             DiagnosticArray, "diagnostics", self._on_diagnostics, qos.EVERYTHING
         )
 
+    def _keep(self, kept: dict[int, Any]) -> Callable[[Any], None]:
+        # A plain function: rclpy wants to see a callback's signature.
+        def keep(message: Any) -> None:  # noqa: ANN401
+            self.heard += 1
+            kept[stamp_of(message.header)] = message
+
+        return keep
+
     def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
         for status in message.status:
             if status.name.endswith(": guidance"):
                 continue
             self._is_warm = status.message != WARMING_UP
             for pair in status.values:
-                if pair.key.startswith("subscribers of "):
+                if pair.key.startswith(("subscribers of ", "readers of ")):
                     self._readers[pair.key.rpartition("/")[2]] = int(pair.value)
 
     def is_ready(self) -> bool:
         """Tell whether the tracker is warm, and knows both the follower and us."""
         readers = self._readers
         both = all(readers.get(name, 0) >= 2 for name in ("state", "relative_pose"))
-        return self._is_warm and both
+        ours = all(readers.get(name, 0) >= 1 for name in ("frame_report", "compressed"))
+        return self._is_warm and both and ours
+
+    def is_answered(self) -> bool:
+        """Tell whether all that is told about the frames that have come has come, too."""
+        return all(self._is_answered(stamp) for stamp in self.truths)
+
+    def _is_answered(self, stamp: int) -> bool:
+        if stamp not in self.states or stamp not in self.reports:
+            return False
+        facts = {pair.key: pair.value for pair in self.reports[stamp].status[0].values}
+        is_placed = bool(self.states[stamp].position) and has_place(facts)
+        return stamp in self.places or not is_placed
 
     def rows(self) -> list[ChaseRow]:
         """Return the table of the run."""
@@ -162,14 +185,6 @@ class ChaseRecorder(Node):  # type: ignore[misc]
             range_sigma=sigma,
             off=off,
         )
-
-
-def _keep(kept: dict[int, Any]) -> Callable[[Any], None]:
-    # A plain function: rclpy wants to see a callback's signature.
-    def keep(message: Any) -> None:  # noqa: ANN401
-        kept[stamp_of(message.header)] = message
-
-    return keep
 
 
 def _vector(point: Any) -> tuple[float, float, float]:  # noqa: ANN401
@@ -227,7 +242,7 @@ def run_chase(
             executor.spin_once(timeout_sec=0.02)
             return group.what_has_died()
 
-        _follow(recorder, simulator, spin, video, advance)
+        record_to_the_end(recorder, lambda: simulator.running, spin, video, advance)
         rows = recorder.rows()
         if not rows:
             raise RosError("the simulator has sent no frames; run it again on an idle machine")
@@ -236,17 +251,39 @@ def run_chase(
     return summary
 
 
-def _follow(
+def record_to_the_end(
     recorder: ChaseRecorder,
-    simulator: NodeProcess,
+    is_running: Callable[[], bool],
     spin: Callable[[], str],
     video: VideoWriter,
     advance: Callable[[int], None],
 ) -> None:
-    """Listen until the simulator has ended and every frame is answered."""
-    silence, seen = SilenceWatch(), 0
-    while simulator.running or len(recorder.states) < len(recorder.truths):
+    """Listen until the simulator has ended, all of its frames have come, and each is answered.
+
+    Parameters
+    ----------
+    recorder : ChaseRecorder
+        Listens.
+    is_running : callable
+        Tells whether the simulator is.
+    spin : callable
+        Runs a callback of the recorder; returns what has gone wrong, or nothing.
+    video : VideoWriter
+        Takes the overlays.
+    advance : callable
+        Called with the number of frames that have come since the last call.
+
+    Raises
+    ------
+    RosError
+        Something has gone wrong, or nothing comes.
+    """
+    silence, quiet, seen = SilenceWatch(), QuietWatch(), 0
+    while not (quiet.is_quiet and recorder.is_answered()):
         complaint = spin()
+        quiet.turn(recorder.heard)
+        if is_running():
+            quiet = QuietWatch()
         overlays, recorder.overlays = recorder.overlays, []
         for message in overlays:
             picture = decode_bgr(read_compressed_image(message))

@@ -39,7 +39,7 @@ from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.loop_recorder import LoopRecorder, SeenFrame
-from cable_tracker.ros.rigs.silence import SilenceWatch
+from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
 from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.dive import CABLE_RADIUS
 from cable_tracker.simulation.live_world import MOUNTING, LiveSettings, cable_course
@@ -48,8 +48,6 @@ from cable_tracker.visualisation.overlay import draw_overlay
 from cable_tracker.visualisation.video import VideoWriter
 
 WAY, ERRORS, VIDEO = "way.png", "cross_track.png", "loop.webm"
-
-"""Nothing new for so long, and something is wrong [s]."""
 
 SETTLE_TIMEOUT = 3.0
 """Free-running, frames that the tracker left out are not waited for any longer [s]."""
@@ -235,10 +233,11 @@ class _Run:
 
     def follow(self, simulator: NodeProcess) -> None:
         """Draw frame after frame until the simulator has ended, and all of them have come."""
-        silence = SilenceWatch()
+        silence, quiet = SilenceWatch(), QuietWatch()
         ended: float | None = None
-        while ended is None or not self._has_settled(ended):
+        while ended is None or not (quiet.is_quiet and self._has_settled(ended)):
             self._executor.spin_once(timeout_sec=0.02)
+            quiet.turn(self._recorder.heard)
             frames = self._recorder.take()
             for frame in frames:
                 self._draw(frame)
@@ -246,15 +245,14 @@ class _Run:
             if frames:
                 silence.hear()
             if ended is None and not simulator.running:
-                ended = time.monotonic()
+                ended, quiet = time.monotonic(), QuietWatch()
             complaint = self._group.what_has_died() or silence.complaint()
             if complaint:
                 raise RosError(complaint)
 
     def _has_settled(self, ended: float) -> bool:
         is_late = time.monotonic() - ended > SETTLE_TIMEOUT
-        is_done = self._recorder.is_settled() and time.monotonic() - ended > 0.5
-        return is_done or (is_late and self._request.realtime)
+        return self._recorder.is_settled() or (is_late and self._request.realtime)
 
     def _draw(self, frame: SeenFrame) -> None:
         if self._video is None or frame.image is None:

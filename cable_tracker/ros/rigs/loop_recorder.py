@@ -113,6 +113,7 @@ class LoopRecorder(Node):  # type: ignore[misc]
         self._with_images = with_images
         self._is_warm = False
         self._drawn = -1
+        self.heard = 0
         for kind, topic, name in (
             *([(Image, "image", "image")] if with_images else []),
             (JointState, "state", "state"),
@@ -130,6 +131,7 @@ class LoopRecorder(Node):  # type: ignore[misc]
         # A plain function: rclpy wants to see a callback's signature.
         def keep(message: Any) -> None:  # noqa: ANN401
             stamp = stamp_of(message.header)
+            self.heard += 1
             if stamp not in self._frames:
                 self._frames[stamp] = self._undrawn[stamp] = _Frame()
             setattr(self._frames[stamp], name, message)

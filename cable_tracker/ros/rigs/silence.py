@@ -1,4 +1,4 @@
-"""How long a rig waits for its nodes."""
+"""How long a rig waits for its nodes, and how it knows that nothing more comes."""
 
 from __future__ import annotations
 
@@ -6,6 +6,13 @@ import time
 
 SILENCE_TIMEOUT = 90.0
 """After so long without a frame a run is given up [s]."""
+
+QUIET_TURNS = 50
+"""So many turns of the executor without a message, and its queues are empty.
+
+A turn runs one callback. What else is ready, diagnostics or a service, takes turns with the
+messages of the run, so that a few turns would do.
+"""
 
 
 class SilenceWatch:
@@ -23,3 +30,31 @@ class SilenceWatch:
         if time.monotonic() - self._heard <= SILENCE_TIMEOUT:
             return ""
         return f"nothing came for {SILENCE_TIMEOUT:g} s; is the machine too busy? run it again"
+
+
+class QuietWatch:
+    """Counts the executor's turns since the last message of a run.
+
+    That a process has ended says that its messages have arrived, not that they have been taken:
+    they wait in the executor's queues. Turns tell, on a busy machine, too; time does not.
+    """
+
+    def __init__(self) -> None:
+        self._heard = 0
+        self._turns = 0
+
+    def turn(self, heard: int) -> None:
+        """Take note of a turn.
+
+        Parameters
+        ----------
+        heard : int
+            How many messages of the run have been taken by now.
+        """
+        self._turns = self._turns + 1 if heard == self._heard else 0
+        self._heard = heard
+
+    @property
+    def is_quiet(self) -> bool:
+        """Whether nothing is left in the queues."""
+        return self._turns >= QUIET_TURNS

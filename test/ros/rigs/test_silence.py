@@ -1,6 +1,11 @@
 import time
 
-from cable_tracker.ros.rigs.silence import SILENCE_TIMEOUT, SilenceWatch
+from cable_tracker.ros.rigs.silence import (
+    QUIET_TURNS,
+    SILENCE_TIMEOUT,
+    QuietWatch,
+    SilenceWatch,
+)
 
 
 def test_it_complains_when_nothing_has_come_for_too_long(monkeypatch):
@@ -13,3 +18,16 @@ def test_it_complains_when_nothing_has_come_for_too_long(monkeypatch):
     assert "nothing came for 90 s" in silence.complaint()
     silence.hear()
     assert not silence.complaint()
+
+
+def test_it_is_quiet_when_many_turns_in_a_row_have_brought_nothing():
+    quiet = QuietWatch()
+    for _ in range(QUIET_TURNS - 1):
+        quiet.turn(0)
+    assert not quiet.is_quiet
+    quiet.turn(1)
+    for _ in range(QUIET_TURNS - 1):
+        quiet.turn(1)
+    assert not quiet.is_quiet
+    quiet.turn(1)
+    assert quiet.is_quiet
