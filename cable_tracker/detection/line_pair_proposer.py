@@ -15,9 +15,15 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image, IndexArray
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.measure.scanned_gradients import ScanLines
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.compilation import (
+    compiled,
+    compiled_fast_loop,
+    compiled_inside,
+    compiled_loop,
+)
 from cable_tracker.detection.line_pairs import plausible_pairs
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 
@@ -36,7 +42,7 @@ DIRECTIONS = np.stack((np.cos(np.arange(ANGLE_BINS) * BIN), np.sin(np.arange(ANG
 ANGLE_MARGIN = 2
 """The angle goes round: so many bins of the other end let peaks at the seam be seen whole."""
 
-PEAK_WINDOW = np.ones((5, 3), np.uint8)
+PEAK_WINDOW = np.ones((2 * ANGLE_MARGIN + 1, 3), np.uint8)
 """A peak is the highest among these bins of angle and offset about it."""
 
 OFFSET_BIN = 3.0
@@ -113,19 +119,24 @@ def accumulated_votes(image: WorkingImage) -> Image:
     votes = np.zeros((ANGLE_BINS + 2 * ANGLE_MARGIN, 2 * middle + 1), np.float32)
     rows, columns = image.scanned.rows, image.scanned.columns
     accumulator = _Accumulator(votes, 1.0 / offset_bin, middle)
-    _vote(rows.gradients, rows.places, False, accumulator)
-    _vote(columns.gradients, columns.places, True, accumulator)
+    _vote_of_both(rows, columns, accumulator)
     votes[:ANGLE_MARGIN] = votes[ANGLE_BINS : ANGLE_BINS + ANGLE_MARGIN]
     votes[-ANGLE_MARGIN:] = votes[ANGLE_MARGIN : 2 * ANGLE_MARGIN]
     return votes
 
 
 @compiled
-def _vote(gradients: Image, places: FloatArray, turned: bool, accumulator: _Accumulator) -> None:
+def _vote_of_both(rows: ScanLines, columns: ScanLines, accumulator: _Accumulator) -> None:
+    _vote(rows, False, accumulator)
+    _vote(columns, True, accumulator)
+
+
+@compiled_loop
+def _vote(lines: ScanLines, turned: bool, accumulator: _Accumulator) -> None:
     """Let the ridges of the gradient along scan lines vote; `turned` scan lines are columns."""
-    length = gradients.shape[1]
+    places, length = lines.places, lines.gradients.shape[1]
     for line in range(len(places)):
-        values = gradients[line]
+        values = lines.gradients[line]
         before = np.float32(0.0)
         here = values[0, 0] * values[0, 0] + values[0, 1] * values[0, 1]
         for place in range(1, length):
@@ -179,46 +190,75 @@ def strongest_lines(
     most : int
         Number of lines at most.
     """
-    clear = clearness_of(cv2.GaussianBlur(votes, (3, 3), 0))
-    rows, columns = _peaks(clear, most)
-    heights = clear[rows, columns]
-    left, right = np.maximum(columns - 1, 0), np.minimum(columns + 1, clear.shape[1] - 1)
-    before = clear[(rows - 1, rows), (columns, left)]
-    after = clear[(rows + 1, rows), (columns, right)]
-    turns, shifts = _vertices(before, heights, after)
-    return (
-        (rows - ANGLE_MARGIN + turns) * BIN,
-        (columns - middle + shifts) * offset_bin,
-        heights.astype(np.float64),
-    )
+    smooth = np.asarray(cv2.GaussianBlur(np.asarray(votes, np.float32), (3, 3), 0))
+    clear = clearness_of(smooth)
+    peaks = _peaks(clear, np.asarray(cv2.dilate(clear, PEAK_WINDOW)))
+    rows, columns, heights = peaks[:, np.argsort(-peaks[2], kind="stable")[:most]]
+    return (rows - ANGLE_MARGIN) * BIN, (columns - middle) * offset_bin, heights
 
 
-def clearness_of(smooth: Image) -> Image:
+@compiled
+def clearness_of(votes: Image) -> Image:
     """Return how far votes stand above the others at their angle, in spreads; at least 0."""
-    count = np.float32(smooth.shape[1])
-    means = np.einsum("ij->i", smooth) / count
-    excess = smooth - means[:, None]
-    variances = np.einsum("ij,ij->i", excess, excess) / count
-    of_all = variances.mean() + means.var()
-    spreads = np.sqrt(variances) + SHARED_SPREAD * np.sqrt(of_all) + NO_SPREAD
-    excess /= spreads[:, None]
-    clear: Image = np.maximum(excess, np.float32(0.0), out=excess)
+    rows, columns = votes.shape
+    clear = np.empty((rows, columns), np.float32)
+    spreads, sums, squares = np.empty(rows), 0.0, 0.0
+    for row in range(rows):
+        mean, variance = _moments(votes[row])
+        spreads[row] = math.sqrt(variance)
+        sums += mean
+        squares += variance + mean * mean
+    # The mean of the variances and the variance of the means.
+    of_all = max(squares / rows - (sums / rows) ** 2, 0.0)
+    for row in range(rows):
+        mean, _ = _moments(votes[row])
+        spread = spreads[row] + SHARED_SPREAD * math.sqrt(of_all) + NO_SPREAD
+        for column in range(columns):
+            clear[row, column] = max((votes[row, column] - mean) / spread, 0.0)
     return clear
 
 
-def _peaks(clear: Image, most: int) -> tuple[IndexArray, IndexArray]:
-    """Return rows and columns (P,) of cells that are the highest near them, highest first."""
-    inside = clear[ANGLE_MARGIN:-ANGLE_MARGIN]
-    highest = cv2.dilate(clear, PEAK_WINDOW)[ANGLE_MARGIN:-ANGLE_MARGIN]
-    places = np.flatnonzero(inside >= np.maximum(highest, LEAST_HEIGHT))
-    first = places[np.argsort(-inside.ravel()[places], kind="stable")[:most]]
-    rows, columns = np.divmod(first, clear.shape[1])
-    return rows + ANGLE_MARGIN, columns
+@compiled_fast_loop
+def _moments(values: Image) -> tuple[float, float]:
+    """Return mean and variance of values (N,)."""
+    total, squares = np.float32(0.0), np.float32(0.0)
+    for index in range(len(values)):
+        total += values[index]
+    mean = total / np.float32(len(values))
+    for index in range(len(values)):
+        deviation = values[index] - mean
+        squares += deviation * deviation
+    return float(mean), float(squares) / len(values)
 
 
-def _vertices(before: Image, here: Image, after: Image) -> FloatArray:
-    """Return where parabolas through three values are highest, from -0.5 to 0.5."""
-    bends = 2.0 * here - before - after
-    vertices = 0.5 * (after - before) / np.where(bends > 0.0, bends, np.inf)
-    clipped: FloatArray = np.clip(vertices, -0.5, 0.5).astype(np.float64)
-    return clipped
+@compiled
+def _peaks(clear: Image, highest: Image) -> FloatArray:
+    """Return row, column and height of the cells that are the highest near them, shape (3, P).
+
+    Row and column are those of the vertices of parabolas through a cell and its neighbours.
+    """
+    rows, columns = clear.shape
+    places, count = np.empty(rows * columns, np.int64), 0
+    for row in range(ANGLE_MARGIN, rows - ANGLE_MARGIN):
+        for column in range(columns):
+            if clear[row, column] >= max(highest[row, column], LEAST_HEIGHT):
+                places[count] = row * columns + column
+                count += 1
+    peaks = np.empty((3, count))
+    for index in range(count):
+        row, column = places[index] // columns, places[index] % columns
+        here = clear[row, column]
+        left, right = clear[row, max(column - 1, 0)], clear[row, min(column + 1, columns - 1)]
+        peaks[0, index] = row + _vertex(clear[row - 1, column], here, clear[row + 1, column])
+        peaks[1, index] = column + _vertex(left, here, right)
+        peaks[2, index] = here
+    return peaks
+
+
+@compiled_inside
+def _vertex(before: float, here: float, after: float) -> float:
+    """Return where the parabola through three values is highest, from -0.5 to 0.5."""
+    bend = 2.0 * here - before - after
+    if bend <= 0.0:
+        return 0.0
+    return min(max(0.5 * (after - before) / bend, -0.5), 0.5)

@@ -24,6 +24,7 @@ def probability_of(log_odds: float) -> float:
     return 1.0 / (1.0 + math.exp(min(max(-log_odds, -LARGEST_LOG_ODDS), LARGEST_LOG_ODDS)))
 
 
+@compiled_inside
 def log_odds_of(probability: float) -> float:
     """Return the log-odds of a probability above 0 and below 1."""
     return math.log(probability) - math.log1p(-probability)

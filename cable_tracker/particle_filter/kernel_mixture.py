@@ -13,10 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.compilation import compiled_fast_loop, compiled_loop
+from cable_tracker.compilation import compiled_fast_loop
 from cable_tracker.particle_filter.student_t import peak_density, relative_density
 
 DIMENSIONS = 4
+
+BLOCK = 32
+"""So many kernels are summed together where one of them is looked for."""
 
 
 class KernelMixture(NamedTuple):
@@ -105,12 +108,24 @@ def weighted_sums(mixture: KernelMixture) -> tuple[float, float]:
     return float(first), float(second) / len(kernels)
 
 
-@compiled_loop
+@compiled_fast_loop
 def choose_kernel(mixture: KernelMixture, factor: float, position: float) -> int:
     """Return which kernel a position in their densities times `factor` falls on; -1 for none."""
-    cumulative = 0.0
-    for index in range(len(mixture.values)):
-        cumulative += factor * mixture.peak * mixture.target[index] * mixture.values[index]
-        if cumulative > position:
-            return index
+    left: float | np.float32 = position / (factor * mixture.peak)
+    for start in range(0, len(mixture.values), BLOCK):
+        target, values = (
+            mixture.target[start : start + BLOCK],
+            mixture.values[start : start + BLOCK],
+        )
+        # Sums are taken many at a time; one by one only where the position falls.
+        total = np.float32(0.0)
+        for index in range(len(values)):
+            total += target[index] * values[index]
+        if left < total:
+            for index in range(len(values)):
+                left -= target[index] * values[index]
+                if left < 0.0:
+                    return start + index
+            return start + len(values) - 1
+        left -= total
     return -1

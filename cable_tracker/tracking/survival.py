@@ -9,11 +9,14 @@ target: about where it was last seen, the less so the longer that is ago.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.compilation import compiled_inside
+
+Number = TypeVar("Number", float, FloatArray)
 
 SEARCH_SHARE = 1.0 / 3.0
 """Share of the births without knowledge of the last place right after the loss."""
@@ -43,14 +46,15 @@ class SurvivalRates(NamedTuple):
     margin: float
 
 
-def survival_probability(inside: FloatArray, rates: SurvivalRates, dt: float) -> FloatArray:
+@compiled_inside
+def survival_probability(inside: Number, rates: SurvivalRates, dt: float) -> Number:
     """Return the probabilities of still being in view `dt` seconds later.
 
     `inside` are the distances to the edge of the image [px], negative beyond it; any shape.
     """
-    margins = np.clip(inside / rates.margin, -LARGEST_EXPONENT, LARGEST_EXPONENT)
+    margins = np.minimum(np.maximum(inside / rates.margin, -LARGEST_EXPONENT), LARGEST_EXPONENT)
     at_edge = 1.0 / (1.0 + np.exp(margins))
-    survival: FloatArray = np.exp(-(rates.vanishing + rates.leaving * at_edge) * dt)
+    survival: Number = np.exp(-(rates.vanishing + rates.leaving * at_edge) * dt)
     return survival
 
 

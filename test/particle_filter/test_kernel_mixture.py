@@ -68,3 +68,17 @@ def test_a_kernel_is_chosen_by_its_share_of_the_sum(rng):
     chosen = [choose_kernel(mixture, 0.7, share * total) for share in (0.1, 0.3, 0.69, 0.71)]
     assert chosen == [0, 1, 1, 2]
     assert choose_kernel(mixture, 0.7, 1.1 * total) == -1
+
+
+@given(count=st.integers(1, 100), seed=st.integers(0, 100), share=st.floats(0.001, 0.999))
+def test_a_kernel_is_chosen_where_the_sum_of_those_before_it_passes_the_position(
+    count: int, seed: int, share: float
+) -> None:
+    rng = np.random.default_rng(seed)
+    mixture = kernel_mixture(rng.normal(size=(count, 4)), SCALES, 4.0, np.full(count, 1.0 / count))
+    evaluate_kernels(mixture, np.zeros(4))
+    sums = np.cumsum(0.7 * mixture.peak * mixture.target.astype(float) * mixture.values)
+    chosen = choose_kernel(mixture, 0.7, share * sums[-1])
+    before = sums[chosen - 1] if chosen else 0.0
+    assert before <= share * sums[-1] * (1.0 + 1e-5)
+    assert share * sums[-1] <= sums[chosen] * (1.0 + 1e-5)

@@ -8,8 +8,10 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.clusters import SMALLEST_MASS, Clusters
-from cable_tracker.cable.model.geometry import insets, unwrap_states
+from cable_tracker.cable.model.geometry import reach_at, unwrap_state
+from cable_tracker.cable.model.state import ANGLE, DISTANCE
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import ResamplingScheme
 from cable_tracker.tracking.survival import SurvivalRates, survival_probability
@@ -57,14 +59,17 @@ def draw_ancestors(
         The source of randomness.
     """
     # The particles of no cluster have the label -1, so that theirs is the last factor.
-    masses = np.append(clusters.masses, clusters.rest)
-    wanted = np.maximum(masses, SMALLEST_CLUSTER_SHARE)
-    some = masses > SMALLEST_MASS
-    factors = np.divide(wanted, masses, out=np.zeros(len(masses)), where=some)[clusters.labels]
+    masses = [*clusters.masses.tolist(), clusters.rest]
+    factors = np.array([_factor_for(mass) for mass in masses])[clusters.labels]
     frequencies = particles.weights * factors
     indices = resample(frequencies / frequencies.sum(), count, rng)
     weights = 1.0 / factors[indices]
     return Ancestors(particles.states[indices], weights / weights.sum())
+
+
+def _factor_for(mass: float) -> float:
+    """Return how much more ancestors than by its weight a cluster has."""
+    return max(mass, SMALLEST_CLUSTER_SHARE) / mass if mass > SMALLEST_MASS else 0.0
 
 
 def survival_rates(parameters: TrackerParameters, image_width: int) -> SurvivalRates:
@@ -98,8 +103,30 @@ def surviving_ancestors(
     dt : float
         Time to the next frame [s].
     """
-    states = unwrap_states(ancestors.states, reference_angle)
-    surviving = ancestors.weights * survival_probability(insets(states, image_size), rates, dt)
-    surviving = np.maximum(surviving, LEAST_SURVIVING)
-    survival = float(surviving.sum())
-    return Ancestors(states, surviving / survival), survival
+    states, weights = ancestors.states.copy(), ancestors.weights.copy()
+    size = float(image_size[0]), float(image_size[1])
+    survival = _survive(states, weights, reference_angle, size, rates, dt)
+    return Ancestors(states, weights), survival
+
+
+@compiled
+def _survive(
+    states: FloatArray,
+    weights: FloatArray,
+    reference_angle: float,
+    image_size: tuple[float, float],
+    rates: SurvivalRates,
+    dt: float,
+) -> float:
+    """Write ancestors in a chart, and weigh them by their survival; return that of any of them."""
+    survival = 0.0
+    for row in range(len(weights)):
+        state = states[row]
+        unwrap_state(state, reference_angle, state)
+        inside = reach_at(state[ANGLE], image_size[0], image_size[1]) - abs(state[DISTANCE])
+        surviving = weights[row] * survival_probability(inside, rates, dt)
+        weights[row] = max(surviving, LEAST_SURVIVING)
+        survival += weights[row]
+    for row in range(len(weights)):
+        weights[row] /= survival
+    return survival

@@ -20,6 +20,13 @@ from cable_tracker.cable.hypotheses.clusters import (
     leading_covariance,
 )
 from cable_tracker.cable.hypotheses.evidence_correction import corrected_weights
+from cable_tracker.cable.hypotheses.presence import (
+    PriorPresence,
+    Standing,
+    inherited_log_odds,
+    thin_factor,
+    updated_log_odds,
+)
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs, draw_sample
 from cable_tracker.cable.hypotheses.sample import Sample, log_weights
@@ -27,7 +34,7 @@ from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
 from cable_tracker.cable.measure.likelihood_ratio import BorderClearness, border_clearness
 from cable_tracker.cable.measure.polarity_prior import bright_share
 from cable_tracker.cable.model.geometry import unwrap_state
-from cable_tracker.cable.model.state import STATE_SIZE
+from cable_tracker.cable.model.state import STATE_SIZE, WIDTH
 from cable_tracker.compilation import compiled, compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import (
     effective_sample_size,
@@ -61,22 +68,6 @@ class Hypotheses(NamedTuple):
     visible_length: float
 
 
-class Standings(NamedTuple):
-    """How the clusters stand out of the frame; see `Standing`.
-
-    Attributes
-    ----------
-    margins, standard_scores : FloatArray
-        Over the particles of each cluster, their widths not judged, shape (K,).
-    clear : BorderClearness
-        Of the mean of each cluster.
-    """
-
-    margins: FloatArray
-    standard_scores: FloatArray
-    clear: BorderClearness
-
-
 class Conclusion(NamedTuple):
     """What the particles of a frame say; no cluster if all of them are impossible.
 
@@ -86,8 +77,8 @@ class Conclusion(NamedTuple):
         The particles, angles in (-pi/2, pi/2], shapes (N, 8) and (N,).
     hypotheses : Hypotheses
         The clusters.
-    standings : Standings
-        How they stand out.
+    log_odds : FloatArray
+        That they are cables, shape (K,).
     p_bright : float
         Share of the weight that speaks for a cable brighter than the bottom.
     """
@@ -95,22 +86,26 @@ class Conclusion(NamedTuple):
     states: FloatArray
     log_weights: FloatArray
     hypotheses: Hypotheses
-    standings: Standings
+    log_odds: FloatArray
     p_bright: float
 
 
 @compiled
 def draw_and_conclude(
-    sample: Sample, inputs: ProposalInputs, counts: SampleCounts, config: ProposalConfig
+    sample: Sample,
+    inputs: ProposalInputs,
+    counts: SampleCounts,
+    config: ProposalConfig,
+    prior: PriorPresence,
 ) -> Conclusion:
     """Draw the particles of all rounds, weigh them, and conclude."""
     end = draw_sample(sample, inputs, counts, config)
-    return conclude(sample, end, inputs, config)
+    return conclude(sample, end, inputs, config, prior)
 
 
 @compiled_part
 def conclude(
-    sample: Sample, end: int, inputs: ProposalInputs, config: ProposalConfig
+    sample: Sample, end: int, inputs: ProposalInputs, config: ProposalConfig, prior: PriorPresence
 ) -> Conclusion:
     """Conclude from the first `end` rows of a sample."""
     states = _wrapped_states(sample, end)
@@ -151,8 +146,8 @@ def conclude(
     )
     margins, standard_scores = _above(background, clusters, weights, sample)
     clear = border_clearness(clusters.means, inputs.scan, inputs.model)
-    standings = Standings(margins, standard_scores, clear)
-    return Conclusion(states, corrected, hypotheses, standings, p_bright)
+    log_odds = _log_odds(clusters.means, margins, standard_scores, clear, config, prior)
+    return Conclusion(states, corrected, hypotheses, log_odds, p_bright)
 
 
 @compiled_part
@@ -180,8 +175,7 @@ def _nothing(states: FloatArray, log_posterior: FloatArray) -> Conclusion:
     clusters = Clusters(labels, none, np.empty((0, STATE_SIZE)), labels[:0], 1.0)
     covariance = np.zeros((STATE_SIZE, STATE_SIZE))
     hypotheses = Hypotheses(clusters, covariance, 0.0, 0.0, 0.0)
-    standings = Standings(none, none, BorderClearness(none, none))
-    return Conclusion(states, log_posterior, hypotheses, standings, 0.0)
+    return Conclusion(states, log_posterior, hypotheses, none, 0.0)
 
 
 @compiled_loop
@@ -218,3 +212,28 @@ def _above(
             margins[label] += share * (ratio - best)
             scores[label] += share * (ratio - mean) / deviation
     return margins, scores
+
+
+@compiled_part
+def _log_odds(
+    means: FloatArray,
+    margins: FloatArray,
+    scores: FloatArray,
+    clear: BorderClearness,
+    config: ProposalConfig,
+    prior: PriorPresence,
+) -> FloatArray:
+    """Return the log-odds (K,) that clusters are cables."""
+    log_odds = np.empty(len(means))
+    for index in range(len(means)):
+        # Any bottom has thin lines: what speaks for them counts less.
+        factor = thin_factor(means[index, WIDTH], config.rules.thin_width)
+        standing = Standing(
+            factor * margins[index],
+            factor * scores[index],
+            clear.clearness[index],
+            clear.shown[index],
+        )
+        inherited = inherited_log_odds(prior, means[index], config.near)
+        log_odds[index] = updated_log_odds(inherited, standing, prior)
+    return log_odds

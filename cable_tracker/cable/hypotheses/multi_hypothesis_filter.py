@@ -52,14 +52,7 @@ from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses, dr
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.polarity import updated_p_bright
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
-from cable_tracker.cable.hypotheses.presence import (
-    Standing,
-    gain_over,
-    inherited_log_odds,
-    leader_goes_on,
-    thin_factor,
-    updated_log_odds,
-)
+from cable_tracker.cable.hypotheses.presence import PriorPresence, gain_over, goes_on
 from cable_tracker.cable.hypotheses.proposal_config import (
     beside_a_known_cable,
     proposal_config,
@@ -216,47 +209,26 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         )
         is_known = belief.known_time >= self._parameters.known_after
         config = self._known_config if is_known else self._config
-        found = draw_and_conclude(self._sample, inputs, counts, config)
+        prior = self._prior_presence(belief, expected, existence, dt)
+        found = draw_and_conclude(self._sample, inputs, counts, config, prior)
         before = replace(belief, memory=memory, width_prior=width_prior)
         if not len(found.hypotheses.clusters.masses):
             return self._spread(before, births)
-        log_odds = self._log_odds(belief, expected, existence, found, dt)
-        concluded = self._concluded(belief, before, found, log_odds, dt)
-        return self._followed(belief, concluded, expected, dt)
+        concluded = self._concluded(belief, before, found, dt)
+        return self._followed(belief, concluded, expected[0], dt)
 
-    def _log_odds(
-        self,
-        belief: Belief,
-        expected: FloatArray,
-        existence: PredictedExistence,
-        found: Conclusion,
-        dt: float,
-    ) -> FloatArray:
-        """Return the log-odds (K,) that the clusters are cables."""
-        parameters, width = self._parameters, float(self._image_size[0])
-        means = found.hypotheses.clusters.means
-        inherited = inherited_log_odds(expected, belief.log_odds, means, width)
-        survival = existence.survived / max(belief.presence, LEAST_PROBABILITY)
-        appearance = -math.expm1(-parameters.appearance_rate * dt)
-        gain = gain_over(parameters.presence_gain, dt)
-        return np.array(
-            [
-                updated_log_odds(odds, standing, survival, appearance, gain)
-                for odds, standing in zip(inherited.tolist(), self._standings(found), strict=True)
-            ]
+    def _prior_presence(
+        self, belief: Belief, expected: FloatArray, existence: PredictedExistence, dt: float
+    ) -> PriorPresence:
+        """Return what is known of the hypotheses, expected at (J, 8), before the frame is seen."""
+        parameters = self._parameters
+        return PriorPresence(
+            expected=expected,
+            log_odds=belief.log_odds,
+            survival=existence.survived / max(belief.presence, LEAST_PROBABILITY),
+            appearance=-math.expm1(-parameters.appearance_rate * dt),
+            gain=gain_over(parameters.presence_gain, dt),
         )
-
-    def _standings(self, found: Conclusion) -> list[Standing]:
-        """Return how the clusters stand out; thin ones less: any bottom has thin lines."""
-        margins, scores, (clearness, shown) = found.standings
-        columns = np.column_stack((margins, scores, clearness, shown))
-        widths = found.hypotheses.clusters.means[:, StateColumn.WIDTH].tolist()
-        standings = []
-        for width, row in zip(widths, columns.tolist(), strict=True):
-            margin, score, clear, length = row
-            factor = thin_factor(width, self._config.rules.thin_width)
-            standings.append(Standing(margin * factor, score * factor, clear, length))
-        return standings
 
     def _searching_anew(self, belief: Belief) -> Belief:
         """Return the belief without the hypotheses: the leading one can never be claimed."""
@@ -323,11 +295,10 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         belief: Belief,
         before: Belief,
         found: Conclusion,
-        log_odds: FloatArray,
         dt: float,
     ) -> Belief:
         """Put the belief together, and remember the cable if it is there."""
-        hypotheses, presence = found.hypotheses, probability_of(float(log_odds[0]))
+        hypotheses, presence = found.hypotheses, probability_of(float(found.log_odds[0]))
         refused = (
             presence >= self._parameters.presence_to_track
             and hypotheses.border_evidence < self._parameters.evidence_to_lose
@@ -347,14 +318,14 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             ),
             memory=memory,
             width_prior=width_prior,
-            log_odds=log_odds,
+            log_odds=found.log_odds,
             refused_time=belief.refused_time + dt if refused else 0.0,
         )
 
     def _followed(self, before: Belief, belief: Belief, expected: FloatArray, dt: float) -> Belief:
         """Return the belief with the time for which the leader has been held for a cable."""
-        means, width = belief.hypotheses.clusters.means, float(self._image_size[0])
-        is_held = belief.presence >= KNOWN_PRESENCE and leader_goes_on(expected, means, width)
+        leader = belief.hypotheses.clusters.means[0]
+        is_held = belief.presence >= KNOWN_PRESENCE and goes_on(leader, expected, self._config.near)
         return replace(belief, known_time=before.known_time + dt if is_held else 0.0)
 
     def _spread(self, before: Belief, births: BirthDensity) -> Belief:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +18,7 @@ from cable_tracker.cable.model.state import (
     STATE_SIZE,
     WIDTH,
 )
+from cable_tracker.cholesky import cholesky_factor
 from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.student_t import peak_density, relative_density
 from cable_tracker.particle_filter.weights import exponentials
@@ -100,23 +100,9 @@ def find_peaks(
             for column in range(POSE_SIZE):
                 covariance[row, column] *= widening
             covariance[row, row] += config.smallest_sigmas[row] ** 2
-        _cholesky(covariance, peaks.factors[peak])
+        cholesky_factor(covariance, peaks.factors[peak])
     peaks.counts[used] += left
     return used + number
-
-
-@compiled_loop
-def _cholesky(matrix: FloatArray, factor: FloatArray) -> None:
-    """Fill in the lower factor (4, 4) of the leading block of a matrix."""
-    for row in range(POSE_SIZE):
-        for column in range(row + 1):
-            total = matrix[row, column]
-            for index in range(column):
-                total -= factor[row, index] * factor[column, index]
-            if row == column:
-                factor[row, row] = math.sqrt(total)
-            else:
-                factor[row, column] = total / factor[column, column]
 
 
 @compiled_loop

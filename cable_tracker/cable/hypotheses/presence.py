@@ -19,10 +19,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import unwrap_states
-from cable_tracker.cable.model.state import POSE_SIZE, StateColumn, pose_units
+from cable_tracker.cable.model.geometry import turn_sign, wrapped_angle
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
-from cable_tracker.compilation import compiled_inside
+from cable_tracker.compilation import compiled_inside, compiled_loop
 from cable_tracker.particle_filter.existence import log_odds_of, probability_of
 
 
@@ -70,13 +70,11 @@ class ScoreModel(NamedTuple):
     hidden_share: float = 0.5
     largest_log_odds: float = 6.0
 
-    @property
-    def least_log_odds(self) -> float:
-        """A frame does not say more than this against a cable, which may be hidden in it [nats]."""
-        return math.log(self.hidden_share) - 0.2
-
 
 MODEL = ScoreModel()
+
+LEAST_LOG_ODDS = math.log(MODEL.hidden_share) - 0.2
+"""A frame does not say more than this against a cable, which may be hidden in it [nats]."""
 
 NEW_LOG_ODDS = math.log(0.02 / 0.98)
 """Log-odds of a new hypothesis, before its first frame."""
@@ -111,6 +109,29 @@ class Standing(NamedTuple):
     shown: float
 
 
+class PriorPresence(NamedTuple):
+    """What is known of J hypotheses of the frame before, when the next frame comes.
+
+    Attributes
+    ----------
+    expected : FloatArray
+        Where they are expected, the one that leads first, shape (J, 8).
+    log_odds : FloatArray
+        That they were cables, shape (J,).
+    survival, appearance : float
+        Probability that a cable that was there still is, and that one has come.
+    gain : float
+        Share of the frame's evidence that counts for a hypothesis that goes on.
+    """
+
+    expected: FloatArray
+    log_odds: FloatArray
+    survival: float
+    appearance: float
+    gain: float
+
+
+@compiled_inside
 def frame_log_odds(standing: Standing) -> float:
     """Return what a frame says for a cable against none [nats]."""
     margin = standing.margin
@@ -121,21 +142,23 @@ def frame_log_odds(standing: Standing) -> float:
     # A short strip, in a corner, never stands as high as one through the whole picture.
     clearer = max(standing.clearness - MODEL.clearness, 0.0)
     odds += MODEL.clearness_slope * _enough(standing.shown) * clearer
-    return min(max(odds, MODEL.least_log_odds), MODEL.largest_log_odds)
+    return min(max(odds, LEAST_LOG_ODDS), MODEL.largest_log_odds)
 
 
+@compiled_inside
 def _enough(shown: float) -> float:
     share = (shown - MODEL.least_shown) / (MODEL.enough_shown - MODEL.least_shown)
     return min(max(share, 0.0), 1.0)
 
 
+@compiled_inside
 def _log_ratio_of_score(score: float) -> float:
     # Below its mode the law falls so steeply that it would speak for a cable.
     score = min(max(score, MODEL.empty_mode), MODEL.highest_score)
     place = (score - MODEL.empty_mode) / MODEL.empty_scale
     empty = -place - math.exp(min(-place, 50.0)) - math.log(MODEL.empty_scale)
     deviation = (score - MODEL.cable_mean) / MODEL.cable_deviation
-    cable = -0.5 * deviation**2 - math.log(MODEL.cable_deviation * math.sqrt(2 * math.pi))
+    cable = -0.5 * deviation * deviation - math.log(MODEL.cable_deviation * math.sqrt(2 * math.pi))
     visible = (1.0 - MODEL.hidden_share) * math.exp(min(cable - empty, 50.0))
     return math.log(visible + MODEL.hidden_share)
 
@@ -146,44 +169,48 @@ def thin_factor(width: float, thin_width: float) -> float:
     return min(max(math.sqrt(max(width, 0.0) / thin_width), THINNEST_FACTOR), 1.0)
 
 
-def inherited_log_odds(
-    expected: FloatArray, log_odds: FloatArray, means: FloatArray, image_width: float
-) -> FloatArray:
-    """Return the log-odds (K,) that hypotheses inherit; NaN for new ones.
+@compiled_loop
+def inherited_log_odds(prior: PriorPresence, mean: FloatArray, near: FloatArray) -> float:
+    """Return the log-odds that a hypothesis inherits; NaN for a new one.
 
     Parameters
     ----------
-    expected, log_odds : FloatArray
-        Where those of the frame before are expected, shape (J, 8), and their log-odds, shape (J,).
-    means : FloatArray
-        The hypotheses, shape (K, 8).
-    image_width : float
-        Width of the frame [px].
+    prior : PriorPresence
+        The hypotheses of the frame before.
+    mean : FloatArray
+        The hypothesis, shape (8,).
+    near : FloatArray
+        `NEAR` for frames of this size, shape (4,) [px, rad].
     """
-    distances = _distances(expected, means, image_width)
-    inherited = log_odds[distances.argmin(axis=0)]
-    return np.where(distances.min(axis=0) < 1.0, inherited, np.nan)
+    inherited, least = math.nan, 1.0
+    for index in range(len(prior.log_odds)):
+        distance = _distance(mean, prior.expected[index], near)
+        if distance < least:
+            inherited, least = prior.log_odds[index], distance
+    return inherited
 
 
-def leader_goes_on(expected: FloatArray, means: FloatArray, image_width: float) -> bool:
-    """Tell whether the first of the hypotheses (K, 8) is the first of those that are expected."""
-    return bool(_distances(expected[:1], means[:1], image_width)[0, 0] < 1.0)
+def goes_on(mean: FloatArray, expected: FloatArray, near: FloatArray) -> bool:
+    """Tell whether a hypothesis, shape (8,), is one that is expected; `near` as above."""
+    return bool(_distance(mean, expected, near) < 1.0)
 
 
-def _distances(expected: FloatArray, means: FloatArray, image_width: float) -> FloatArray:
-    """Return how far apart hypotheses are, shape (J, K), in units of `NEAR`."""
-    near = NEAR * pose_units(image_width)
-    before, now = len(expected), len(means)
-    angles = np.repeat(expected[:, StateColumn.ANGLE], now)
-    chart = unwrap_states(np.tile(means, (before, 1)), angles)[:, :POSE_SIZE]
-    apart = np.abs(chart.reshape(before, now, POSE_SIZE) - expected[:, None, :POSE_SIZE])
-    distances: FloatArray = (apart / near).max(axis=2)
-    return distances
+@compiled_inside
+def _distance(state: FloatArray, expected: FloatArray, near: FloatArray) -> float:
+    """Return the largest difference of d, alpha, w, beta, in the chart about what is expected."""
+    shifted = state[ANGLE] - expected[ANGLE]
+    wrapped = wrapped_angle(shifted)
+    sign = turn_sign(shifted, wrapped)
+    beside = max(
+        abs(sign * state[DISTANCE] - expected[DISTANCE]) / near[DISTANCE],
+        abs(state[WIDTH] - expected[WIDTH]) / near[WIDTH],
+    )
+    turned = max(abs(wrapped) / near[ANGLE], abs(sign * state[SKEW] - expected[SKEW]) / near[SKEW])
+    return float(max(beside, turned))
 
 
-def updated_log_odds(
-    inherited: float, standing: Standing, survival: float, appearance: float, gain: float
-) -> float:
+@compiled_loop
+def updated_log_odds(inherited: float, standing: Standing, prior: PriorPresence) -> float:
     """Return the log-odds of a hypothesis after a frame.
 
     Parameters
@@ -192,17 +219,15 @@ def updated_log_odds(
         Before it; NaN for a new hypothesis.
     standing : Standing
         How it stands out of the frame.
-    survival, appearance : float
-        Probability that a cable that was there still is, and that one has come.
-    gain : float
-        Share of the frame's evidence that counts for a hypothesis that goes on.
+    prior : PriorPresence
+        How likely cables stay and come, and how much of a frame counts.
     """
     odds = frame_log_odds(standing)
     if math.isnan(inherited):
         return min(max(NEW_LOG_ODDS + odds, LOWEST), HIGHEST)
     before = probability_of(inherited)
-    predicted = min(max(before * survival + (1.0 - before) * appearance, 1e-9), 1.0 - 1e-9)
-    after = log_odds_of(predicted) + gain * odds
+    predicted = before * prior.survival + (1.0 - before) * prior.appearance
+    after = log_odds_of(min(max(predicted, 1e-9), 1.0 - 1e-9)) + prior.gain * odds
     return min(max(after, LOWEST), HIGHEST)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.clusters import RADII
 from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
+from cable_tracker.cable.hypotheses.presence import NEAR
 from cable_tracker.cable.hypotheses.rounds import annealing_power, widening_in
 from cable_tracker.cable.model.limits import StateLimits, state_limits
 from cable_tracker.cable.model.state import pose_units
@@ -44,6 +45,8 @@ class ProposalConfig(NamedTuple):
         `MOST_REFINED`, `LEAST_REFINED`.
     rules : CorrectionRules
         How much of the evidence counts.
+    near : FloatArray
+        `NEAR` for frames of this size, shape (4,) [px, rad].
     """
 
     image_size: tuple[float, float]
@@ -57,6 +60,7 @@ class ProposalConfig(NamedTuple):
     most_refined: int
     least_refined: float
     rules: CorrectionRules
+    near: FloatArray
 
 
 def proposal_config(
@@ -81,6 +85,7 @@ def proposal_config(
             parameters.evidence_repeated,
             parameters.thin_width * width / REFERENCE_WIDTH,
         ),
+        near=NEAR * units,
     )
 
 

@@ -16,6 +16,8 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.scanned_gradients import GAUSSIAN_MAD
+from cable_tracker.cholesky import cholesky_factor, solve_factored
+from cable_tracker.compilation import compiled, compiled_fast_part, compiled_loop
 
 CELLS = (20, 15)
 """The light is fitted to the mean grey levels of so many cells across and down."""
@@ -60,39 +62,118 @@ def evenly_lit(picture: Image, share: float) -> Image:
     if share == 0.0:
         return picture
     height, width = picture.shape
-    light, explained = _light(picture)
+    levels = np.asarray(picture, np.float32)
+    light, explained = _light(levels)
     share *= min(max((explained - DOUBTED) / (TRUSTED - DOUBTED), 0.0), 1.0)
     if share == 0.0:
         return picture
     mean = float(light.mean())
     gain = ((1.0 + DARKEST) * mean / (light + DARKEST * mean)) ** share
     gains = cv2.resize(gain.astype(np.float32), (width, height), interpolation=cv2.INTER_LINEAR)
-    return np.asarray(cv2.multiply(np.asarray(picture, np.float32), gains))
+    return np.asarray(cv2.multiply(levels, gains, dst=gains))
 
 
 def _light(picture: Image) -> tuple[FloatArray, float]:
-    """Return the light that was fitted to a picture, in each cell, and what it explains.
+    """Return the light that was fitted to a float32 picture, in each cell, and what it explains.
 
     Shape (15, 20), and a share of the variance of the logarithms of the cells, at most 1.
     """
-    means = cv2.resize(np.asarray(picture, np.float32), CELLS, interpolation=cv2.INTER_AREA)
+    means = cv2.resize(picture, CELLS, interpolation=cv2.INTER_AREA)
     levels = np.log(np.maximum(means.astype(np.float64).ravel(), 0.0) + ROUNDING)
-    terms = _polynomial()
-    fitted: FloatArray = np.full(len(levels), np.median(levels))
+    fitted, unexplained = _robust_fit(levels, _polynomial())
+    return np.exp(fitted).reshape(CELLS[1], CELLS[0]), 1.0 - unexplained
+
+
+@compiled
+def _robust_fit(levels: FloatArray, terms: FloatArray) -> tuple[FloatArray, float]:
+    """Return a robust fit of terms (6, C) to the levels of cells (C,).
+
+    Returns
+    -------
+    fitted : FloatArray
+        Shape (C,).
+    unexplained : float
+        Variance of the residuals over that of the levels.
+    """
+    fitted, sizes = np.empty(len(levels)), np.empty(len(levels))
+    for cell in range(len(levels)):
+        sizes[cell] = levels[cell]
+    middle = _median(sizes)
+    for cell in range(len(levels)):
+        fitted[cell] = middle
     for _ in range(FITS):
-        residuals = levels - fitted
-        deviation = max(GAUSSIAN_MAD * float(np.median(np.abs(residuals))), SMALLEST_DEVIATION)
-        weights = 1.0 / (1.0 + (residuals / (TUNING * deviation)) ** 2) ** 2
-        weighted = terms * weights[:, None]
-        fitted = terms @ np.linalg.solve(weighted.T @ terms, weighted.T @ levels)
-    light: FloatArray = np.exp(fitted).reshape(CELLS[1], CELLS[0])
-    unexplained = float(np.var(levels - fitted)) / max(float(np.var(levels)), SMALLEST_DEVIATION**2)
-    return light, 1.0 - unexplained
+        for cell in range(len(levels)):
+            sizes[cell] = abs(levels[cell] - fitted[cell])
+        deviation = max(GAUSSIAN_MAD * _median(sizes), SMALLEST_DEVIATION)
+        _fit(levels, terms, TUNING * deviation, fitted)
+    for cell in range(len(levels)):
+        sizes[cell] = levels[cell] - fitted[cell]
+    return fitted, _variance(sizes) / max(_variance(levels), SMALLEST_DEVIATION**2)
+
+
+@compiled_loop
+def _variance(values: FloatArray) -> float:
+    # Within a kernel NumPy's own takes long to compile.
+    total, squares = 0.0, 0.0
+    for value in values:
+        total += value
+    for value in values:
+        squares += (value - total / len(values)) ** 2
+    return squares / len(values)
+
+
+@compiled_loop
+def _median(values: FloatArray) -> float:
+    """Return the median, the upper one of two; the values (N,) are put into another order."""
+    low, high, middle = 0, len(values) - 1, len(values) // 2
+    while low < high:
+        pivot, left, right = values[middle], low, high
+        while left <= right:
+            while values[left] < pivot:
+                left += 1
+            while values[right] > pivot:
+                right -= 1
+            if left <= right:
+                values[left], values[right] = values[right], values[left]
+                left, right = left + 1, right - 1
+        if right < middle:
+            low = left
+        if left > middle:
+            high = right
+    return float(values[middle])
+
+
+@compiled_fast_part
+def _fit(levels: FloatArray, terms: FloatArray, tuning: float, fitted: FloatArray) -> None:
+    """Replace a fit by one of least squares, in which cells weigh less the less the first fits."""
+    size, count = terms.shape
+    normal, factor = np.empty((size, size)), np.empty((size, size))
+    coefficients, weights = np.empty(size), np.empty(count)
+    for cell in range(count):
+        doubt = (levels[cell] - fitted[cell]) / tuning
+        share = 1.0 + doubt * doubt
+        weights[cell] = 1.0 / (share * share)
+    for row in range(size):
+        for column in range(row + 1):
+            total = 0.0
+            for cell in range(count):
+                total += weights[cell] * terms[row, cell] * terms[column, cell]
+            normal[row, column] = total
+        total = 0.0
+        for cell in range(count):
+            total += weights[cell] * terms[row, cell] * levels[cell]
+        coefficients[row] = total
+    cholesky_factor(normal, factor)
+    solve_factored(factor, coefficients)
+    for cell in range(count):
+        fitted[cell] = 0.0
+        for row in range(size):
+            fitted[cell] += coefficients[row] * terms[row, cell]
 
 
 @cache
 def _polynomial() -> FloatArray:
-    """Return the terms of the polynomial in each cell, shape (300, 6)."""
+    """Return the terms of the polynomial in each cell, shape (6, 300)."""
     across, down = CELLS
     x = (np.arange(across) + 0.5) / across * 2.0 - 1.0
     y = (np.arange(down) + 0.5) / down * 2.0 - 1.0
@@ -102,4 +183,4 @@ def _polynomial() -> FloatArray:
         for first in range(DEGREE + 1)
         for second in range(DEGREE + 1 - first)
     ]
-    return np.stack(terms, axis=1)
+    return np.array(terms)

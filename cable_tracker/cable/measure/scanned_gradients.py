@@ -162,9 +162,9 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
     rows, columns = line_indices(height, spacing), line_indices(width, spacing)
     # Columns are scanned upwards: the rows of this one are the columns of that, from below.
     turned = np.asarray(cv2.rotate(picture, cv2.ROTATE_90_CLOCKWISE))
-    # Copies of one kind of array: for bytes, and for frames that cannot be written to, Numba would
-    # compile anew.
-    pixels, turned = (np.array(each, np.float32, order="C") for each in (picture, turned))
+    # One kind of array: for bytes, and for frames that cannot be written to, Numba would compile
+    # anew.
+    pixels, turned = (np.require(each, np.float32, ("C", "W", "A")) for each in (picture, turned))
     (gradients, smooth), (turned_gradients, turned_smooth) = _scan_both(
         pixels, turned, rows, columns, kernels.gaussian, kernels.derivative, kernels.region
     )
@@ -175,12 +175,16 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
         each[:, lag::SCALE_STEP] - each[:, :-lag:SCALE_STEP] for each in (smooth, turned_smooth)
     ]
     contrast_scale = robust_scale(contrasts, SMALLEST_CONTRAST)
-    steepness, brightness = np.float32(1.0 / scale), np.float32(1.0 / contrast_scale)
+    for values, unit in (
+        (gradients, scale),
+        (turned_gradients, scale),
+        (smooth, contrast_scale),
+        (turned_smooth, contrast_scale),
+    ):
+        np.multiply(values, np.float32(1.0 / unit), out=values)
     return ScannedFrame(
-        ScanLines(gradients * steepness, smooth * brightness, (height - 1) / 2 - rows),
-        ScanLines(
-            turned_gradients * steepness, turned_smooth * brightness, columns - (width - 1) / 2
-        ),
+        ScanLines(gradients, smooth, (height - 1) / 2 - rows),
+        ScanLines(turned_gradients, turned_smooth, columns - (width - 1) / 2),
         scale,
         contrast_scale,
     )

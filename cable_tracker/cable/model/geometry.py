@@ -289,9 +289,3 @@ def inset(state: FloatArray, image_size: tuple[int, int]) -> float:
     width, height = image_size
     reach = reach_at(float(state[ANGLE]), float(width), float(height))
     return reach - abs(float(state[DISTANCE]))
-
-
-def insets(states: FloatArray, image_size: tuple[int, int]) -> FloatArray:
-    """Return how far centrelines, shape (N, 4) or more, are from leaving the image [px]: (N,)."""
-    away: FloatArray = image_reach(states[:, ANGLE], image_size) - np.abs(states[:, DISTANCE])
-    return away

@@ -9,20 +9,32 @@ from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.presence import (
     HIGHEST,
+    LEAST_LOG_ODDS,
     LOWEST,
     MODEL,
+    NEAR,
     NEW_LOG_ODDS,
+    PriorPresence,
     Standing,
     frame_log_odds,
     gain_over,
+    goes_on,
     inherited_log_odds,
-    leader_goes_on,
     thin_factor,
     updated_log_odds,
 )
 from cable_tracker.particle_filter.existence import log_odds_of, probability_of
 
 NEW = math.nan
+
+
+NOTHING = np.empty((0, 8))
+
+
+def prior(
+    survival: float, appearance: float = 0.0, expected: np.ndarray = NOTHING
+) -> PriorPresence:
+    return PriorPresence(expected, np.arange(1.0, len(expected) + 1), survival, appearance, 0.3)
 
 
 FAINT = Standing(margin=12.0, standard_score=12.0, clearness=0.5, shown=1.0)
@@ -44,7 +56,7 @@ def test_to_stand_out_more_never_speaks_less_for_a_cable(standing, name, more):
     assert (
         odds <= frame_log_odds(standing._replace(**{name: getattr(standing, name) + more})) + 1e-9
     )
-    assert MODEL.least_log_odds <= odds <= MODEL.largest_log_odds
+    assert LEAST_LOG_ODDS <= odds <= MODEL.largest_log_odds
 
 
 def test_the_best_of_a_bare_bottom_speaks_against_a_cable_and_a_clear_cable_for_it():
@@ -87,15 +99,15 @@ def test_a_clear_strip_in_a_corner_is_a_cable_and_a_clear_edge_of_a_stone_is_not
 def test_log_odds_stay_where_they_can_turn(before, level, score, survival, appearance):
     standing = FAINT._replace(margin=level, standard_score=score)
     for inherited in (before, NEW):
-        after = updated_log_odds(inherited, standing, survival, appearance, 0.3)
+        after = updated_log_odds(inherited, standing, prior(survival, appearance))
         assert LOWEST <= after <= HIGHEST
 
 
 def test_a_hypothesis_that_goes_on_gains_a_share_and_a_new_one_all():
     odds = frame_log_odds(FAINT)
-    assert updated_log_odds(NEW, FAINT, 1.0, 0.0, 0.3) == pytest.approx(NEW_LOG_ODDS + odds)
-    assert updated_log_odds(0.5, FAINT, 1.0, 0.0, 0.3) == pytest.approx(0.5 + 0.3 * odds)
-    vanishing, staying = (updated_log_odds(2.0, FAINT, s, 0.0, 0.3) for s in (0.1, 1.0))
+    assert updated_log_odds(NEW, FAINT, prior(1.0)) == pytest.approx(NEW_LOG_ODDS + odds)
+    assert updated_log_odds(0.5, FAINT, prior(1.0)) == pytest.approx(0.5 + 0.3 * odds)
+    vanishing, staying = (updated_log_odds(2.0, FAINT, prior(s)) for s in (0.1, 1.0))
     assert vanishing < staying
 
 
@@ -110,18 +122,21 @@ def test_a_hypothesis_inherits_from_the_nearest_that_is_near_enough():
     means = np.zeros((3, 8))
     # The last is the first, written the other way round.
     means[:, :4] = [[15.0, 0.1, 30.0, 0.0], [80.0, 0.1, 30.0, 0.0], [-10.0, 0.1 - np.pi, 30.0, 0.0]]
-    found = inherited_log_odds(expected, np.array([1.0, 2.0]), means, 320.0)
+    found = [inherited_log_odds(prior(1.0, 0.0, expected), mean, NEAR) for mean in means]
     assert found[0] == 2.0
     assert math.isnan(found[1])
     assert found[2] == 1.0
 
 
 def test_a_leader_goes_on_near_where_it_is_expected():
-    expected, means = np.zeros((2, 8)), np.zeros((2, 8))
-    expected[:, :4] = [[0.0, 0.0, 30.0, 0.0], [60.0, 0.0, 30.0, 0.0]]
-    means[:, :4] = [[10.0, 0.1, 30.0, 0.0], [60.0, 0.0, 30.0, 0.0]]
-    assert leader_goes_on(expected, means, 320.0)
-    assert not leader_goes_on(expected, means[::-1], 320.0)
+    expected, beside, elsewhere = np.zeros((3, 8))
+    expected[:4], beside[:4], elsewhere[:4] = (
+        [0.0, 0.0, 30.0, 0.0],
+        [10.0, 0.1, 30.0, 0.0],
+        [60.0, 0.0, 30.0, 0.0],
+    )
+    assert goes_on(beside, expected, NEAR)
+    assert not goes_on(elsewhere, expected, NEAR)
 
 
 def test_thin_strips_count_less_but_something():

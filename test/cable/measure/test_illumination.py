@@ -5,7 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.illumination import evenly_lit
+from cable_tracker.cable.measure.illumination import (
+    FITS,
+    SMALLEST_DEVIATION,
+    TUNING,
+    _median,
+    _polynomial,
+    _robust_fit,
+    evenly_lit,
+)
 
 HEIGHT, WIDTH = 120, 160
 
@@ -90,3 +98,30 @@ def test_light_is_raised_within_bounds_and_stays_finite(
 def test_pictures_of_one_level_stay_of_one_level(levels: float) -> None:
     lit = evenly_lit(np.full((HEIGHT, WIDTH), levels, np.float32), 1.0)
     assert np.allclose(lit, levels, rtol=1e-5)
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=40))
+def test_a_median_has_as_many_on_either_side(values: list[float]) -> None:
+    assert _median(np.array(values)) == sorted(values)[len(values) // 2]
+
+
+def reference_fit(levels: np.ndarray, terms: np.ndarray) -> np.ndarray:
+    """Fit by least squares again and again, each time with weights of the fit before."""
+    fitted = np.full(len(levels), np.sort(levels)[len(levels) // 2])
+    for _ in range(FITS):
+        sizes = np.abs(levels - fitted)
+        deviation = max(1.4826 * np.sort(sizes)[len(sizes) // 2], SMALLEST_DEVIATION)
+        roots = 1.0 / (1.0 + (sizes / (TUNING * deviation)) ** 2)
+        found = np.linalg.lstsq((terms * roots).T, levels * roots, rcond=None)[0]
+        fitted = found @ terms
+    return fitted
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.05, 0.5])
+def test_light_is_fitted_as_a_general_solver_fits_it(noise: float) -> None:
+    rng, terms = np.random.default_rng(1), _polynomial()
+    levels = rng.normal(size=6) @ terms + noise * rng.standard_normal(terms.shape[1])
+    levels[::17] += 2.0
+    fitted, unexplained = _robust_fit(levels, terms)
+    assert fitted == pytest.approx(reference_fit(levels, terms), abs=1e-6)
+    assert unexplained == pytest.approx(np.var(levels - fitted) / np.var(levels), abs=1e-9)
