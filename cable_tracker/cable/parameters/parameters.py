@@ -254,7 +254,7 @@ class TrackerParameters(ParameterSet):
         " explains the frame than the heaviest known one.",
     )
     evidence_limit_known: float = number(
-        6.0,
+        4.0,
         "nats",
         0.0,
         1e6,

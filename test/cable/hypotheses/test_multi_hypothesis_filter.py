@@ -198,7 +198,7 @@ def faint_beside_clear(draw_strip, noise_picture) -> list:
     return [working(np.clip(each + 0.2 * noise, 0, 255).astype(np.uint8)) for each, noise in shown]
 
 
-@pytest.mark.parametrize(("limit", "is_left"), [(6.0, False), (40.0, True)])
+@pytest.mark.parametrize(("limit", "is_left"), [(4.0, False), (40.0, True)])
 def test_a_known_cable_is_not_left_for_a_clearer_strip(draw_strip, noise_picture, limit, is_left):
     images = faint_beside_clear(draw_strip, noise_picture)
     detections = np.array([STRIP.to_array()[:4], OTHER.to_array()[:4]])
