@@ -202,19 +202,19 @@ def clearness_of(votes: Image) -> Image:
     """Return how far votes stand above the others at their angle, in spreads; at least 0."""
     rows, columns = votes.shape
     clear = np.empty((rows, columns), np.float32)
-    spreads, sums, squares = np.empty(rows), 0.0, 0.0
+    means, spreads, sums, squares = np.empty(rows), np.empty(rows), 0.0, 0.0
     for row in range(rows):
         mean, variance = _moments(votes[row])
+        means[row] = mean
         spreads[row] = math.sqrt(variance)
         sums += mean
         squares += variance + mean * mean
     # The mean of the variances and the variance of the means.
     of_all = max(squares / rows - (sums / rows) ** 2, 0.0)
     for row in range(rows):
-        mean, _ = _moments(votes[row])
         spread = spreads[row] + SHARED_SPREAD * math.sqrt(of_all) + NO_SPREAD
         for column in range(columns):
-            clear[row, column] = max((votes[row, column] - mean) / spread, 0.0)
+            clear[row, column] = max((votes[row, column] - means[row]) / spread, 0.0)
     return clear
 
 

@@ -44,7 +44,7 @@ from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED, ReleasedCommands
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
 from cable_tracker.sequences.encodings import decode_bgr
-from cable_tracker.sequences.messages import read_compressed_image, stamp_of
+from cable_tracker.sequences.messages import read_compressed_image, report_facts, stamp_of
 from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
 from cable_tracker.stamps import NANOSECONDS
@@ -165,7 +165,7 @@ class ChaseRecorder(Node):  # type: ignore[misc]
     def _is_answered(self, stamp: int) -> bool:
         if stamp not in self.states or stamp not in self.reports:
             return False
-        facts = {pair.key: pair.value for pair in self.reports[stamp].status[0].values}
+        facts = report_facts(self.reports[stamp])
         is_placed = bool(self.states[stamp].position) and has_place(facts)
         return stamp in self.places or not is_placed
 
