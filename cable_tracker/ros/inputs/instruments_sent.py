@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from cable_tracker.ros import qos
+from cable_tracker.ros.inputs.callbacks import followed_by
+from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.messages import Message, stamp_of
+
+RELIABLE = "reliable"
 
 
 class InstrumentsSent:
@@ -20,6 +28,16 @@ class InstrumentsSent:
         self._names = frozenset(names)
         self._stamp: int | None = None
         self._counts: dict[str, float] = {}
+
+    def subscribe(self, node: Node, reliability: str, on_news: Callable[[], None]) -> None:
+        """Listen if the instruments are read reliably; `on_news` is called after each message."""
+        if reliability == RELIABLE:
+            node.create_subscription(
+                JointState,
+                output_topics.INSTRUMENTS_SENT,
+                followed_by(self.take, on_news),
+                qos.instrument_input(reliability),
+            )
 
     def take(self, message: Message) -> None:
         """Take how much a replay has sent before a frame."""

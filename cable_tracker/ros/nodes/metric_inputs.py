@@ -14,7 +14,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from sensor_msgs.msg import CameraInfo, Imu, JointState, Range
+from sensor_msgs.msg import CameraInfo, Imu, Range
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -36,13 +36,11 @@ from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
-from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.messages import Message, MessageFactory, make_header, stamp_of
 
 INSTRUMENTS = ("altitude", "imu", "odometry")
 """Those whose measurements have a time."""
 
-RELIABLE = "reliable"
 
 WARNING_PAUSE = 10.0
 """Odometry that is doubted again sooner is not warned of again [s]."""
@@ -87,13 +85,7 @@ class MetricInputs:
             (OdometryMessage, "odometry", self.on_odometry),
         ):
             self._node.create_subscription(kind, topic, followed_by(take, on_news), profile)
-        if reliability == RELIABLE:
-            self._node.create_subscription(
-                JointState,
-                output_topics.INSTRUMENTS_SENT,
-                followed_by(self._sent.take, on_news),
-                profile,
-            )
+        self._sent.subscribe(self._node, reliability, on_news)
 
     @property
     def publishers(self) -> tuple[Publisher, ...]:

@@ -8,7 +8,7 @@ from typing import cast
 
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.node import Node
-from sensor_msgs.msg import CameraInfo, Imu, JointState
+from sensor_msgs.msg import CameraInfo, Imu
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.recorded_target import target_settings
@@ -20,12 +20,9 @@ from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
-from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.messages import Message, stamp_of
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
-
-RELIABLE = "reliable"
 
 
 class TargetInputs:
@@ -60,13 +57,7 @@ class TargetInputs:
             (OdometryMessage, "odometry", self.on_odometry),
         ):
             self._node.create_subscription(kind, topic, followed_by(take, on_news), profile)
-        if reliability == RELIABLE:
-            self._node.create_subscription(
-                JointState,
-                output_topics.INSTRUMENTS_SENT,
-                followed_by(self._sent.take, on_news),
-                profile,
-            )
+        self._sent.subscribe(self._node, reliability, on_news)
 
     @property
     def wait(self) -> float:
