@@ -124,9 +124,14 @@ def border_normal(
 
 
 @compiled_inside
-def contrast_depths(state: FloatArray, scan: FrameScan) -> tuple[float, float, float]:
+def working_width(state: FloatArray, reduction: float) -> float:
+    """Return the width of a cable across its borders [working px]; state (8,)."""
+    return float(abs(state[WIDTH] * math.cos(state[SKEW])) * reduction)
+
+
+@compiled_inside
+def contrast_depths(width: float, scale: float) -> tuple[float, float, float]:
     """Return how far outside, behind the border and in the middle is looked at [working px]."""
-    width, scale = abs(state[WIDTH] * math.cos(state[SKEW])) * scan.reduction, scan.scale
     return (
         OUTSIDE * scale,
         min(max(BEHIND * width, NEAREST * scale), FARTHEST_BEHIND * scale),
@@ -301,7 +306,7 @@ def _record_points(
     count = 0
     for border in range(2 * len(states)):
         state, side = states[border // 2], 2.0 * (border % 2) - 1.0
-        depths = contrast_depths(state, scan)
+        depths = contrast_depths(working_width(state, scan.reduction), scan.scale)
         steep, along, across, offset = border_normal(state, side, scan.reduction)
         lines = scan.rows if steep else scan.columns
         crossing = border_line(along, across, offset, -side, depths, scan.scale)

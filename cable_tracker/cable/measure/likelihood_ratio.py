@@ -4,6 +4,8 @@ Where each border crosses the scan lines, the response across it and its slope a
 table of log-likelihood ratios, border against background. A border that is overgrown at a point
 costs a bounded amount there. Neighbouring points are not independent, so the sum is tempered.
 
+That a cable is smoother than the bottom beside it counts, too, see `texture`.
+
 How strong the borders of a cable are is a hidden variable of four classes, summed over: the two
 borders of a cable are about as strong as each other, and nothing is said of how strong that is.
 """
@@ -25,6 +27,7 @@ from cable_tracker.cable.measure.border_points import (
     crossing_position,
     frame_scan,
     measure_point,
+    working_width,
 )
 from cable_tracker.cable.measure.polarity_prior import (
     PolarityPrior,
@@ -40,6 +43,7 @@ from cable_tracker.cable.measure.response_bins import (
 )
 from cable_tracker.cable.measure.response_table import LARGEST_RATIO, ResponseTable, load_table
 from cable_tracker.cable.measure.scanned_gradients import ScanLines
+from cable_tracker.cable.measure.texture import smoothness_behind, texture_log_ratio
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled, compiled_inside, compiled_part
@@ -94,12 +98,15 @@ class RatioModel(NamedTuple):
         Power of one point's ratio.
     missing : FloatArray
         Log-likelihood ratio of a point that a border lacks, by class of strength, shape (4,).
+    texture_limit : float
+        Most that texture says [nats].
     """
 
     edges: Image
     contrasts: Image
     tempering: float
     missing: FloatArray
+    texture_limit: float
 
 
 class BorderLikelihoodRatio:
@@ -123,7 +130,7 @@ class BorderLikelihoodRatio:
         self._tempering = parameters.tempering
         self._model = RatioModel(
             chosen.edges_of_both, chosen.contrasts_of_both, 0.0,
-            parameters.missing_cost * chosen.absent,
+            parameters.missing_cost * chosen.absent, parameters.texture_limit,
         )  # fmt: skip
 
     def log_likelihoods(self, states: FloatArray, observation: WorkingImage) -> FloatArray:
@@ -167,9 +174,11 @@ def measure_into(
     log_ratios, weaker, visible = evidence
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
+    smoother = np.zeros(2)
     for cable in range(start, stop):
         state = states[cable]
-        depths = contrast_depths(state, scan)
+        width = working_width(state, scan.reduction)
+        depths = contrast_depths(width, scan.scale)
         visible[cable], longest = np.inf, scan.expected
         for border in range(2):
             side = 2.0 * border - 1.0
@@ -177,6 +186,10 @@ def measure_into(
             lines = scan.rows if steep else scan.columns
             crossing = border_line(along, across, offset, -side, depths, scan.scale)
             length = _sum_border(lines, crossing, model, sums[border])
+            if model.texture_limit > 0.0:
+                smoother[border] = smoothness_behind(
+                    lines, crossing, -side / along, width, scan.scale
+                )
             # A border that runs through the picture has as many points as the picture is high.
             # Points beyond the edge cannot be seen, but a cable without is not believed for free.
             lacking = max(scan.expected - length, 0.0)
@@ -186,10 +199,10 @@ def measure_into(
                 sums[border, CLASSES + strength] += cost
             visible[cable] = min(visible[cable], length)
             longest = max(longest, length)
+        texture = texture_log_ratio(smoother[0], smoother[1], model.texture_limit)
         for polarity in range(2):
-            log_ratios[cable, polarity], weakest = _over_strengths(
-                sums, polarity * CLASSES, model.tempering, shares
-            )
+            ratio, weakest = _over_strengths(sums, polarity * CLASSES, model.tempering, shares)
+            log_ratios[cable, polarity] = ratio + texture
             weaker[cable, polarity] = weakest / (model.tempering * longest)
 
 

@@ -41,6 +41,13 @@ SMALLEST_CONTRAST = 0.3
 SCALE_STEP = 8
 """Robust scales are taken over every eighth point of the scan lines: they say the same as all."""
 
+DARK = 6.0
+"""Added to grey levels before gradients are divided by them [grey levels]: below, all is noise."""
+
+MOST_TEXTURE = 1.5
+"""A gradient over the grey level counts no more for texture than so many times the ordinary one at
+the mean grey level: edges are no texture, and a flat picture has none."""
+
 REACH = 3.0
 """Filters end at so many sigma."""
 
@@ -110,11 +117,15 @@ class ScanLines(NamedTuple):
         Grey level without the fine texture [scales of the contrast], float32, shape (L, n).
     places : FloatArray
         v of each line [px], shape (L,).
+    texture : Image
+        Sums along the line of gradients over grey levels, float32, shape (L, n + 1): the
+        difference of two is the sum over the pixels between.
     """
 
     gradients: Image
     smooth: Image
     places: FloatArray
+    texture: Image
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,7 +180,8 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
         pixels, turned, rows, columns, kernels.gaussian, kernels.derivative, kernels.region
     )
     steps = [each[:, ::SCALE_STEP, : ACROSS + 1] for each in (gradients, turned_gradients)]
-    scale = robust_scale(steps, NOISE_FLOOR)
+    ordinary = robust_scale(steps, 0.0)
+    scale = max(ordinary, NOISE_FLOOR)
     lag = kernels.contrast_lag
     contrasts = [
         each[:, lag::SCALE_STEP] - each[:, :-lag:SCALE_STEP] for each in (smooth, turned_smooth)
@@ -182,12 +194,45 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
         (turned_smooth, contrast_scale),
     ):
         np.multiply(values, np.float32(1.0 / unit), out=values)
+    dark = DARK / contrast_scale
+    most = MOST_TEXTURE * ordinary / scale / (max(float(smooth.mean()), 0.0) + dark)
+    texture, turned_texture = (
+        summed_texture(each, levels, dark, most)
+        for each, levels in ((gradients, smooth), (turned_gradients, turned_smooth))
+    )
     return ScannedFrame(
-        ScanLines(gradients, smooth, (height - 1) / 2 - rows),
-        ScanLines(turned_gradients, turned_smooth, columns - (width - 1) / 2),
+        ScanLines(gradients, smooth, (height - 1) / 2 - rows, texture),
+        ScanLines(turned_gradients, turned_smooth, columns - (width - 1) / 2, turned_texture),
         scale,
         contrast_scale,
     )
+
+
+@compiled
+def summed_texture(gradients: Image, smooth: Image, dark: float, most: float) -> Image:
+    """Return the sums of gradients over grey levels along scan lines, float32, shape (L, n + 1).
+
+    Parameters
+    ----------
+    gradients, smooth : Image
+        See `ScanLines`.
+    dark : float
+        Added to the grey levels [scales of the contrast].
+    most : float
+        A gradient over the grey level counts no more.
+    """
+    lines, length = smooth.shape
+    sums = np.empty((lines, length + 1), np.float32)
+    for line in range(lines):
+        total = np.float32(0.0)
+        sums[line, 0] = total
+        for x in range(length):
+            along, across = gradients[line, x, ALONG], gradients[line, x, ACROSS]
+            level = np.float32(max(smooth[line, x], np.float32(0.0)) + dark)
+            relative = np.sqrt(along * along + across * across) / level
+            total += min(relative, np.float32(most))
+            sums[line, x + 1] = total
+    return sums
 
 
 def robust_scale(families: Sequence[Image], smallest: float) -> float:

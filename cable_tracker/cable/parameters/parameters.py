@@ -208,6 +208,14 @@ class TrackerParameters(ParameterSet):
         "Likelihood ratio: cost of a point outside the image, as a share of that of a point in it"
         " where no border shows.",
     )
+    texture_limit: float = number(
+        16.0,
+        "nats",
+        0.0,
+        1e3,
+        "Likelihood ratio: most that texture says for a cable, which is smoother than the bottom on"
+        " both sides. 0: it is not looked at.",
+    )
     polarity_memory: float = number(
         0.98, "per frame", 0.0, 1.0, "How long the cable is remembered as bright or dark."
     )
