@@ -142,7 +142,11 @@ def hough_peaks(points: EdgePoints, image_size: tuple[int, int]) -> tuple[FloatA
 
 @compiled
 def _vote(
-    positions: FloatArray, directions: FloatArray, weights: FloatArray, offset_bin: float, reach: int
+    positions: FloatArray,
+    directions: FloatArray,
+    weights: FloatArray,
+    offset_bin: float,
+    reach: int,
 ) -> FloatArray:
     """Return the votes of points (P, 2) for normal angles and offsets, (bins, 2 reach + 1)."""
     votes = np.zeros((ANGLE_BINS, 2 * reach + 1))
