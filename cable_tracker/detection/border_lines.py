@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.model.geometry import segment_inside
+from cable_tracker.cable.model.geometry import Number
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop
 from cable_tracker.detection.edges import EdgePoints
@@ -35,6 +35,10 @@ STRETCH = 4.0
 SAME_OFFSET = 4.0
 SAME_ANGLE = float(np.deg2rad(4.0))
 """Lines as close as this are one [px at the reference width, rad]."""
+
+
+LEAST_SLOPE = 1e-12
+"""A line that comes nearer to a side of the picture by less, over a pixel, never meets it [px]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,9 +67,10 @@ class BorderLines:
         return BorderLines(self.angles[chosen], self.offsets[chosen], self.supports[chosen])
 
 
-def turn_between(angles: FloatArray, reference: FloatArray) -> FloatArray:
-    """Return the turn from reference to angles, in [-pi, pi)."""
-    turn: FloatArray = np.mod(angles - reference + np.pi, 2 * np.pi) - np.pi
+@compiled_inside
+def turn_between(angle: Number, reference: Number) -> Number:
+    """Return the turn from a reference to an angle, in [-pi, pi)."""
+    turn: Number = np.mod(angle - reference + np.pi, 2 * np.pi) - np.pi
     return turn
 
 
@@ -162,7 +167,7 @@ def _fit(moments: FloatArray, angle: float, fitted: FloatArray, shifted: FloatAr
     x, y = moments[1] / total, moments[2] / total
     xx, xy, yy = moments[3] / total - x * x, moments[4] / total - x * y, moments[5] / total - y * y
     found = 0.5 * math.atan2(2.0 * xy, xx - yy) + math.pi / 2
-    if math.cos(found - angle) < 0.0:
+    if abs(turn_between(found, angle)) > math.pi / 2:
         found += math.pi
     fitted[0], shifted[0] = found, x * math.cos(found) + y * math.sin(found)
 
@@ -179,12 +184,7 @@ def _supports(
     stretch = max(STRETCH * scale, 1.0)
     reach = int(np.hypot(*image_size) / 2 / stretch) + 1
     covered = _covered(angles, offsets, edges, FIT_TOLERANCES[-1] * scale, stretch, reach)
-    lengths = np.array(
-        [
-            visible_length(angle, offset, image_size)
-            for angle, offset in zip(angles, offsets, strict=True)
-        ]
-    )
+    lengths = visible_lengths(angles, offsets, image_size)
     lengths = np.maximum(lengths, min(image_size) / 2)
     shares: FloatArray = covered / CONTRAST_CAP * stretch / lengths
     return np.minimum(shares, 1.0)
@@ -214,22 +214,36 @@ def _covered(  # noqa: PLR0917
     return sums
 
 
-def visible_length(angle: float, offset: float, image_size: tuple[int, int]) -> float:
-    """Return the length of a line inside the picture [px]; 0 if it does not cross it."""
-    ends = segment_inside(angle, offset, image_size)
-    if ends is None:
-        return 0.0
-    return float(np.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]))
+def visible_lengths(
+    angles: FloatArray, offsets: FloatArray, image_size: tuple[int, int]
+) -> FloatArray:
+    """Return the lengths of lines (N,) inside the picture [px], (N,); 0 for one that misses it."""
+    cos, sin = np.cos(angles), np.sin(angles)
+    starts, slopes = np.stack((offsets * cos, offsets * sin)), np.stack((-sin, cos))
+    slopes = np.where(np.abs(slopes) < LEAST_SLOPE, LEAST_SLOPE, slopes)
+    limits = (np.array(image_size)[:, None] - 1) / 2
+    ends = np.stack(((-limits - starts) / slopes, (limits - starts) / slopes))
+    lengths: FloatArray = ends.max(axis=0).min(axis=0) - ends.min(axis=0).max(axis=0)
+    return np.maximum(lengths, 0.0)
 
 
 def _merged(lines: BorderLines, scale: float) -> BorderLines:
     """Keep the best supported of lines that are the same, best first."""
     lines = lines.taken(np.argsort(-lines.supports, kind="stable"))
-    turns = turn_between(lines.angles[:, None], lines.angles[None, :])
-    shifts = lines.offsets[:, None] - lines.offsets[None, :]
-    same = (np.abs(turns) < SAME_ANGLE) & (np.abs(shifts) < SAME_OFFSET * scale)
-    kept: list[int] = []
-    for index in range(len(lines)):
-        if not same[index, kept].any():
-            kept.append(index)
-    return lines.taken(np.array(kept, dtype=np.int64))
+    return lines.taken(_first_of_same(lines.angles, lines.offsets, SAME_OFFSET * scale))
+
+
+@compiled
+def _first_of_same(angles: FloatArray, offsets: FloatArray, same_offset: float) -> IndexArray:
+    """Return which of some lines (N,) are not the same as one before them that is kept."""
+    kept, count = np.empty(len(angles), np.int64), 0
+    for line in range(len(angles)):
+        is_new = True
+        for before in kept[:count]:
+            turn = abs(turn_between(angles[line], angles[before]))
+            if turn < SAME_ANGLE and abs(offsets[line] - offsets[before]) < same_offset:
+                is_new = False
+        if is_new:
+            kept[count] = line
+            count += 1
+    return kept[:count]
