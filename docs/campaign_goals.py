@@ -67,9 +67,7 @@ def main() -> None:
     print(f"{first:.1f} s until the first begins, {last:.1f} s after the last")
     print(f"{seconds / share:.3f} times their sum over the workers, each as long as alone")
     print(f"{each * len(tasks) / seconds:.2f} times as fast as one process")
-    print(
-        f"processor time: {processor:.1f} s, {processor / processor_own:.3f} times that of the tasks"
-    )
+    print(f"{processor:.1f} s of processor time, {processor / processor_own:.3f} times the tasks'")
     print(f"a task takes {processor_own / len(spans) / processor_each:.3f} times that of one alone")
 
 
