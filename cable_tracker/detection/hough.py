@@ -136,7 +136,7 @@ def hough_peaks(points: EdgePoints, image_size: tuple[int, int]) -> tuple[FloatA
     rows, columns = np.nonzero(peaks)
     order = np.argsort(-smooth[margin:-margin][rows, columns], kind="stable")[:MOST_LINES]
     angles = rows[order].astype(np.float64) * (2 * np.pi / ANGLE_BINS)
-    offsets: FloatArray = (columns[order] - reach) * offset_bin
+    offsets = (columns[order] - reach).astype(np.float64) * offset_bin
     return angles, offsets
 
 
