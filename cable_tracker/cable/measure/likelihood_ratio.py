@@ -286,12 +286,29 @@ def _add_ratios(count: int, model: RatioModel, crossings: Crossings, sums: Image
         response = crossings.responses[index]
         cells[0, index] = edge_cell(response, crossings.slopes[index])
         cells[1, index] = contrast_cell(response, crossings.contrasts[index])
+    # As variables, they stay in registers; an array might be one of the tables.
+    a, b, c, d = sums[0], sums[1], sums[2], sums[3]
+    e, f, g, h = sums[4], sums[5], sums[6], sums[7]
     for index in range(count):
         edges = model.edges[np.uint64(cells[0, index])]
         contrasts = model.contrasts[np.uint64(cells[1, index])]
-        # Not said to be eight, they are added all at once; else one by one.
-        for strength in range(len(edges)):
-            sums[strength] += min(edges[strength] + contrasts[strength], LARGEST_RATIO)
+        a += _ratio(edges, contrasts, 0)
+        b += _ratio(edges, contrasts, 1)
+        c += _ratio(edges, contrasts, 2)
+        d += _ratio(edges, contrasts, 3)
+        e += _ratio(edges, contrasts, 4)
+        f += _ratio(edges, contrasts, 5)
+        g += _ratio(edges, contrasts, 6)
+        h += _ratio(edges, contrasts, 7)
+    sums[0], sums[1], sums[2], sums[3] = a, b, c, d
+    sums[4], sums[5], sums[6], sums[7] = e, f, g, h
+
+
+@compiled_inside
+def _ratio(edges: Image, contrasts: Image, strength: int) -> np.float32:
+    """Return the ratio of a point for a class, by its rows of both tables."""
+    ratio: np.float32 = min(edges[strength] + contrasts[strength], LARGEST_RATIO)
+    return ratio
 
 
 @compiled
