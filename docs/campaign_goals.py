@@ -5,17 +5,20 @@
 One dive is simulated and copied. Some copies are surveyed one after the other in this process, all
 of them by the workers of a cluster on this machine, as `cable-tracker survey` does; routes are not
 merged. Two processes at once slow each other down, through memory, caches and what else the machine
-does. That is no cost of the campaign, so it is told apart: each task notes when it began and ended.
+does. That is no cost of the campaign, so it is told apart: each task notes when it began and ended,
+and how much of the processor it took.
 """
 
 from __future__ import annotations
 
 import argparse
+import resource
 import shutil
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from cable_tracker import __version__
 from cable_tracker.campaigns.crew import ClusterSettings
@@ -45,24 +48,27 @@ def main() -> None:
     tasks = _tasks(chosen.folder / "dives", chosen.recordings, chosen.length)
     root = chosen.folder / "surveyed"
     shutil.rmtree(root, ignore_errors=True)
-    each = _seconds_alone(tasks[: chosen.alone], root / "alone")
-    begin, begun = time.perf_counter(), time.time()
+    each, processor_each = _seconds_alone(tasks[: chosen.alone], root / "alone")
+    begin, begun, processor = time.perf_counter(), time.time(), _processor_time()
     settings = ClusterSettings(workers=chosen.workers)
     (root / "all").mkdir(parents=True)
     outcomes = run_campaign(tasks, root / "all", settings)
-    seconds = time.perf_counter() - begin
+    seconds, processor = time.perf_counter() - begin, _processor_time() - processor
     failed = sum(outcome.state is TaskState.FAILED for outcome in outcomes)
     share = each * len(tasks) / chosen.workers
     print(f"{each:.3f} s for a recording of {chosen.length:g} m, alone ({chosen.alone} of them)")
     print(f"{len(tasks)} recordings, {chosen.workers} workers: {seconds:.1f} s, {failed} failed")
     spans = [_span(root / "all" / task.name) for task in tasks if not _failed(root, task)]
-    first = min(begin for begin, _ in spans) - begun
-    last = begun + seconds - max(end for _, end in spans)
-    own = sum(end - begin for begin, end in spans) / chosen.workers
+    first = min(span.begin for span in spans) - begun
+    last = begun + seconds - max(span.end for span in spans)
+    own = sum(span.end - span.begin for span in spans) / chosen.workers
+    processor_own = sum(span.processor for span in spans)
     print(f"{seconds / own:.3f} times the sum of their own times over the workers")
     print(f"{first:.1f} s until the first begins, {last:.1f} s after the last")
     print(f"{seconds / share:.3f} times their sum over the workers, each as long as alone")
     print(f"{each * len(tasks) / seconds:.2f} times as fast as one process")
+    print(f"{processor:.1f} s of processor time, {processor / processor_own:.3f} times the tasks'")
+    print(f"a task takes {processor_own / len(spans) / processor_each:.3f} times that of one alone")
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,18 +88,33 @@ class TimedTask:
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:
         """Survey, and note the times [s]."""
-        begin = time.time()
+        begin, processor = time.time(), time.process_time()
         self.task.run(folder, advance)
-        (folder / TIMES).write_text(f"{begin} {time.time()}", encoding="utf-8")
+        times = f"{begin} {time.time()} {time.process_time() - processor}"
+        (folder / TIMES).write_text(times, encoding="utf-8")
+
+
+class Span(NamedTuple):
+    """When a task began and ended, and the processor time of its process between [s]."""
+
+    begin: float
+    end: float
+    processor: float
 
 
 def _failed(root: Path, task: TimedTask) -> bool:
     return not (root / "all" / task.name / TIMES).exists()
 
 
-def _span(folder: Path) -> tuple[float, float]:
-    begin, end = (folder / TIMES).read_text(encoding="utf-8").split()
-    return float(begin), float(end)
+def _span(folder: Path) -> Span:
+    return Span(*map(float, (folder / TIMES).read_text(encoding="utf-8").split()))
+
+
+def _processor_time() -> float:
+    """Return what this process and those that it has started and that have ended took [s]."""
+    kinds = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    used = [resource.getrusage(kind) for kind in kinds]
+    return sum(each.ru_utime + each.ru_stime for each in used)
 
 
 def _tasks(folder: Path, count: int, length: float) -> list[TimedTask]:
@@ -108,14 +129,15 @@ def _tasks(folder: Path, count: int, length: float) -> list[TimedTask]:
     return [TimedTask(SurveyTask(folder / name, settings, name)) for name in names]
 
 
-def _seconds_alone(tasks: Sequence[TimedTask], root: Path) -> float:
-    """Return how long a task takes in this process [s], once machine code is loaded."""
+def _seconds_alone(tasks: Sequence[TimedTask], root: Path) -> tuple[float, float]:
+    """Return time and processor time of a task in this process [s], once machine code is loaded."""
     root.mkdir(parents=True)
     do(tasks[0], root, __version__, lambda count: None)
-    begin = time.perf_counter()
+    begin, processor = time.perf_counter(), time.process_time()
     for task in tasks:
         do(task, root, __version__, lambda count: None)
-    return (time.perf_counter() - begin) / len(tasks)
+    seconds, processor = time.perf_counter() - begin, time.process_time() - processor
+    return seconds / len(tasks), processor / len(tasks)
 
 
 if __name__ == "__main__":

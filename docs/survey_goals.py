@@ -122,8 +122,9 @@ def measure(path: Path, settings: Simulated) -> Measured:
     """Survey one dive and compare it with its truth."""
     survey = SurveySettings(pictures=False)
     begin = time.process_time()
-    dive = track_forwards(path, survey.forward)
-    surveyed, course = analyse(dive, survey)
+    with survey.forward.open(path) as recording:
+        dive = track_forwards(recording, survey.forward)
+        surveyed, course = analyse(dive, survey)
     seconds = time.process_time() - begin
     if course is None or not surveyed.routes:
         raise SystemExit(f"{path}: no route; {surveyed.notes}")

@@ -6,20 +6,22 @@ strip have opposite normals.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.model.geometry import segment_inside
+from cable_tracker.cable.model.geometry import Number
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.compilation import compiled, compiled_inside, compiled_loop
 from cable_tracker.detection.edges import EdgePoints
 
 FIT_TOLERANCES = (4.0, 2.5, 2.0)
 """How far a point may lie from its line, at one fit after the other [px at the reference width]."""
 
-DIRECTION_TOLERANCE = float(np.deg2rad(20.0))
-"""How far the gradient at a point may be turned from the normal of its line."""
+LEAST_COSINE = math.cos(math.radians(20.0))
+"""So far may the gradient at a point be turned from the normal of its line."""
 
 MINIMUM_POINTS = 6
 """A line through fewer points is none."""
@@ -33,6 +35,10 @@ STRETCH = 4.0
 SAME_OFFSET = 4.0
 SAME_ANGLE = float(np.deg2rad(4.0))
 """Lines as close as this are one [px at the reference width, rad]."""
+
+
+LEAST_SLOPE = 1e-12
+"""A line that comes nearer to a side of the picture by less, over a pixel, never meets it [px]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,9 +67,10 @@ class BorderLines:
         return BorderLines(self.angles[chosen], self.offsets[chosen], self.supports[chosen])
 
 
-def turn_between(angles: FloatArray, reference: FloatArray) -> FloatArray:
-    """Return the turn from reference to angles, in [-pi, pi)."""
-    turn: FloatArray = np.mod(angles - reference + np.pi, 2 * np.pi) - np.pi
+@compiled_inside
+def turn_between(angle: Number, reference: Number) -> Number:
+    """Return the turn from a reference to an angle, in [-pi, pi)."""
+    turn: Number = np.mod(angle - reference + np.pi, 2 * np.pi) - np.pi
     return turn
 
 
@@ -87,94 +94,156 @@ def fit_lines(
         At most N lines, best supported first.
     """
     scale = image_size[0] / REFERENCE_WIDTH
+    edges = _edges_of(points)
     for tolerance in FIT_TOLERANCES:
-        members = _members(angles, offsets, points, tolerance * scale)
-        enough = np.count_nonzero(members, axis=1) >= MINIMUM_POINTS
-        angles, offsets = _total_least_squares(angles[enough], members[enough], points)
-    members = _members(angles, offsets, points, FIT_TOLERANCES[-1] * scale)
-    supports = _supports(angles, offsets, members, points, image_size)
+        angles, offsets = _drawn(angles, offsets, edges, tolerance * scale)
+    supports = _supports(angles, offsets, edges, image_size)
     return _merged(BorderLines(angles, offsets, supports), scale)
 
 
-def _members(
-    angles: FloatArray, offsets: FloatArray, points: EdgePoints, tolerance: float
-) -> FloatArray:
-    """Return the weight of each point in each line, shape (N, P); 0 if it does not belong there."""
-    normals = np.stack((np.cos(angles), np.sin(angles)), axis=0)
-    residuals = points.positions @ normals - offsets
-    gradients = np.stack((np.cos(points.directions), np.sin(points.directions)), axis=1)
-    aligned = gradients @ normals >= np.cos(DIRECTION_TOLERANCE)
-    belongs = aligned & (np.abs(residuals) <= tolerance)
-    weights: FloatArray = np.where(belongs, np.minimum(points.contrasts, CONTRAST_CAP)[:, None], 0)
-    return weights.T
-
-
-def _total_least_squares(
-    angles: FloatArray, members: FloatArray, points: EdgePoints
-) -> tuple[FloatArray, FloatArray]:
-    """Return angles and offsets (N,) of the lines through weighted points (N, P)."""
-    x, y = points.positions[:, 0], points.positions[:, 1]
-    products = np.stack((np.ones_like(x), x, y, x * x, x * y, y * y), axis=1)
-    moments = members @ products
-    total, mean_x, mean_y, xx, xy, yy = np.moveaxis(moments, 1, 0)
-    mean_x, mean_y = mean_x / total, mean_y / total
-    xx, xy, yy = (
-        xx / total - mean_x**2,
-        xy / total - mean_x * mean_y,
-        yy / total - mean_y**2,
+def _edges_of(points: EdgePoints) -> FloatArray:
+    """Return x, y, direction as a unit vector, and weight of each point, shape (P, 5)."""
+    return np.column_stack(
+        (
+            points.positions,
+            np.cos(points.directions),
+            np.sin(points.directions),
+            np.minimum(points.contrasts, CONTRAST_CAP),
+        )
     )
-    fitted = 0.5 * np.arctan2(2 * xy, xx - yy) + np.pi / 2
-    turned = np.abs(turn_between(fitted, angles)) > np.pi / 2
-    fitted = np.where(turned, fitted + np.pi, fitted)
-    return fitted, mean_x * np.cos(fitted) + mean_y * np.sin(fitted)
+
+
+@compiled_inside
+def _weight(  # noqa: PLR0917
+    edges: FloatArray, k: int, cos: float, sin: float, offset: float, tolerance: float
+) -> float:
+    """Return the weight of one of the edges (P, 5) in a line; 0 if it does not belong there."""
+    if abs(edges[k, 0] * cos + edges[k, 1] * sin - offset) > tolerance:
+        return 0.0
+    return edges[k, 4] if edges[k, 2] * cos + edges[k, 3] * sin >= LEAST_COSINE else 0.0
+
+
+@compiled
+def _drawn(
+    angles: FloatArray, offsets: FloatArray, edges: FloatArray, tolerance: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return lines by total least squares through the edges (P, 5) about lines (N,), at most N."""
+    fitted, shifted = np.empty(len(angles)), np.empty(len(angles))
+    moments = np.empty(6)
+    count = 0
+    for line in range(len(angles)):
+        if _add_moments(angles[line], offsets[line], edges, tolerance, moments) >= MINIMUM_POINTS:
+            _fit(moments, angles[line], fitted[count:], shifted[count:])
+            count += 1
+    return fitted[:count], shifted[:count]
+
+
+@compiled_loop
+def _add_moments(
+    angle: float, offset: float, edges: FloatArray, tolerance: float, moments: FloatArray
+) -> int:
+    """Write the moments of a line's edges: of 1, x, y, xx, xy, yy; return how many edges it has."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    moments[:] = 0.0
+    count = 0
+    for k in range(len(edges)):
+        weight = _weight(edges, k, cos, sin, offset, tolerance)
+        if weight > 0.0:
+            x, y = edges[k, 0], edges[k, 1]
+            count += 1
+            moments[0] += weight
+            moments[1] += weight * x
+            moments[2] += weight * y
+            moments[3] += weight * x * x
+            moments[4] += weight * x * y
+            moments[5] += weight * y * y
+    return count
+
+
+@compiled_loop
+def _fit(moments: FloatArray, angle: float, fitted: FloatArray, shifted: FloatArray) -> None:
+    """Write angle and offset of the line with these moments, whose normal is within 90 degrees."""
+    total = moments[0]
+    x, y = moments[1] / total, moments[2] / total
+    xx, xy, yy = moments[3] / total - x * x, moments[4] / total - x * y, moments[5] / total - y * y
+    found = 0.5 * math.atan2(2.0 * xy, xx - yy) + math.pi / 2
+    if abs(turn_between(found, angle)) > math.pi / 2:
+        found += math.pi
+    fitted[0], shifted[0] = found, x * math.cos(found) + y * math.sin(found)
 
 
 def _supports(
-    angles: FloatArray,
-    offsets: FloatArray,
-    members: FloatArray,
-    points: EdgePoints,
-    image_size: tuple[int, int],
+    angles: FloatArray, offsets: FloatArray, edges: FloatArray, image_size: tuple[int, int]
 ) -> FloatArray:
     """Return the share of each line's visible length that points cover, weighted by contrast.
 
     A line that only cuts a corner must not win because it is short: it is taken to be at least half
     as long as the smaller side of the picture.
     """
-    stretch = max(STRETCH * image_size[0] / REFERENCE_WIDTH, 1.0)
+    scale = image_size[0] / REFERENCE_WIDTH
+    stretch = max(STRETCH * scale, 1.0)
     reach = int(np.hypot(*image_size) / 2 / stretch) + 1
-    along = points.positions @ np.stack((-np.sin(angles), np.cos(angles)), axis=0)
-    stretches = np.clip(np.floor(along / stretch).astype(np.int64) + reach, 0, 2 * reach)
-    best = np.zeros((len(angles), 2 * reach + 1))
-    lines, indices = np.nonzero(members)
-    np.maximum.at(best, (lines, stretches[indices, lines]), members[lines, indices])
-    lengths = np.array(
-        [
-            visible_length(angle, offset, image_size)
-            for angle, offset in zip(angles, offsets, strict=True)
-        ]
-    )
+    covered = _covered(angles, offsets, edges, FIT_TOLERANCES[-1] * scale, stretch, reach)
+    lengths = visible_lengths(angles, offsets, image_size)
     lengths = np.maximum(lengths, min(image_size) / 2)
-    shares: FloatArray = best.sum(axis=1) / CONTRAST_CAP * stretch / lengths
+    shares: FloatArray = covered / CONTRAST_CAP * stretch / lengths
     return np.minimum(shares, 1.0)
 
 
-def visible_length(angle: float, offset: float, image_size: tuple[int, int]) -> float:
-    """Return the length of a line inside the picture [px]; 0 if it does not cross it."""
-    ends = segment_inside(angle, offset, image_size)
-    if ends is None:
-        return 0.0
-    return float(np.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]))
+@compiled
+def _covered(  # noqa: PLR0917
+    angles: FloatArray,
+    offsets: FloatArray,
+    edges: FloatArray,
+    tolerance: float,
+    stretch: float,
+    reach: int,
+) -> FloatArray:
+    """Return for lines (N,) the sum over their stretches of the highest weight there, (N,)."""
+    sums, best = np.empty(len(angles)), np.empty(2 * reach + 1)
+    for line in range(len(angles)):
+        cos, sin = math.cos(angles[line]), math.sin(angles[line])
+        best[:] = 0.0
+        for k in range(len(edges)):
+            weight = _weight(edges, k, cos, sin, offsets[line], tolerance)
+            if weight > 0.0:
+                along = math.floor((edges[k, 1] * cos - edges[k, 0] * sin) / stretch)
+                place = min(max(int(along) + reach, 0), 2 * reach)
+                best[place] = max(best[place], weight)
+        sums[line] = best.sum()
+    return sums
+
+
+def visible_lengths(
+    angles: FloatArray, offsets: FloatArray, image_size: tuple[int, int]
+) -> FloatArray:
+    """Return the lengths of lines (N,) inside the picture [px], (N,); 0 for one that misses it."""
+    cos, sin = np.cos(angles), np.sin(angles)
+    starts, slopes = np.stack((offsets * cos, offsets * sin)), np.stack((-sin, cos))
+    slopes = np.where(np.abs(slopes) < LEAST_SLOPE, LEAST_SLOPE, slopes)
+    limits = (np.array(image_size)[:, None] - 1) / 2
+    ends = np.stack(((-limits - starts) / slopes, (limits - starts) / slopes))
+    lengths: FloatArray = ends.max(axis=0).min(axis=0) - ends.min(axis=0).max(axis=0)
+    return np.maximum(lengths, 0.0)
 
 
 def _merged(lines: BorderLines, scale: float) -> BorderLines:
     """Keep the best supported of lines that are the same, best first."""
     lines = lines.taken(np.argsort(-lines.supports, kind="stable"))
-    turns = turn_between(lines.angles[:, None], lines.angles[None, :])
-    shifts = lines.offsets[:, None] - lines.offsets[None, :]
-    same = (np.abs(turns) < SAME_ANGLE) & (np.abs(shifts) < SAME_OFFSET * scale)
-    kept: list[int] = []
-    for index in range(len(lines)):
-        if not same[index, kept].any():
-            kept.append(index)
-    return lines.taken(np.array(kept, dtype=np.int64))
+    return lines.taken(_first_of_same(lines.angles, lines.offsets, SAME_OFFSET * scale))
+
+
+@compiled
+def _first_of_same(angles: FloatArray, offsets: FloatArray, same_offset: float) -> IndexArray:
+    """Return which of some lines (N,) are not the same as one before them that is kept."""
+    kept, count = np.empty(len(angles), np.int64), 0
+    for line in range(len(angles)):
+        is_new = True
+        for before in kept[:count]:
+            turn = abs(turn_between(angles[line], angles[before]))
+            if turn < SAME_ANGLE and abs(offsets[line] - offsets[before]) < same_offset:
+                is_new = False
+        if is_new:
+            kept[count] = line
+            count += 1
+    return kept[:count]

@@ -21,6 +21,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.compilation import compiled
 from cable_tracker.detection.border_lines import BorderLines, fit_lines
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import EdgePoints, Gradient, gradient_of
@@ -123,7 +124,9 @@ def hough_peaks(points: EdgePoints, image_size: tuple[int, int]) -> tuple[FloatA
         Width and height of the picture [px].
     """
     offset_bin = max(OFFSET_BIN * image_size[0] / REFERENCE_WIDTH, 1.0)
-    votes = _vote(points, image_size, offset_bin)
+    reach = int(np.hypot(*image_size) / 2 / offset_bin) + 1
+    weights = np.minimum(points.contrasts, VOTE_CAP)
+    votes = _vote(points.positions, points.directions, weights, offset_bin, reach)
     # The angle goes round: a margin of the other end lets peaks at the seam be seen whole.
     margin = 2
     padded = np.pad(votes, ((margin, margin), (0, 0)), mode="wrap").astype(np.float32)
@@ -133,19 +136,27 @@ def hough_peaks(points: EdgePoints, image_size: tuple[int, int]) -> tuple[FloatA
     rows, columns = np.nonzero(peaks)
     order = np.argsort(-smooth[margin:-margin][rows, columns], kind="stable")[:MOST_LINES]
     angles = rows[order].astype(np.float64) * (2 * np.pi / ANGLE_BINS)
-    offsets = (columns[order] - votes.shape[1] // 2) * offset_bin
+    offsets = (columns[order] - reach).astype(np.float64) * offset_bin
     return angles, offsets
 
 
-def _vote(points: EdgePoints, image_size: tuple[int, int], offset_bin: float) -> FloatArray:
-    reach = int(np.hypot(*image_size) / 2 / offset_bin) + 1
-    columns = 2 * reach + 1
-    nearest = np.rint(points.directions * (ANGLE_BINS / (2 * np.pi))).astype(np.int64)
-    bins = (nearest[:, None] + np.arange(-VOTE_SPREAD, VOTE_SPREAD + 1)) % ANGLE_BINS
-    angles = bins * (2 * np.pi / ANGLE_BINS)
-    x, y = points.positions[:, :1], points.positions[:, 1:]
-    offsets = np.rint((x * np.cos(angles) + y * np.sin(angles)) / offset_bin).astype(np.int64)
-    cells = bins * columns + np.clip(offsets + reach, 0, columns - 1)
-    weights = np.repeat(np.minimum(points.contrasts, VOTE_CAP), bins.shape[1])
-    votes = np.bincount(cells.ravel(), weights, minlength=ANGLE_BINS * columns)
-    return votes.astype(np.float64).reshape(ANGLE_BINS, columns)
+@compiled
+def _vote(
+    positions: FloatArray,
+    directions: FloatArray,
+    weights: FloatArray,
+    offset_bin: float,
+    reach: int,
+) -> FloatArray:
+    """Return the votes of points (P, 2) for normal angles and offsets, (bins, 2 reach + 1)."""
+    votes = np.zeros((ANGLE_BINS, 2 * reach + 1))
+    turns = np.arange(ANGLE_BINS) * (2 * np.pi / ANGLE_BINS)
+    cosines, sines = np.cos(turns), np.sin(turns)
+    for k in range(len(positions)):
+        nearest = int(np.rint(directions[k] * (ANGLE_BINS / (2 * np.pi))))
+        for spread in range(-VOTE_SPREAD, VOTE_SPREAD + 1):
+            row = (nearest + spread) % ANGLE_BINS
+            offset = positions[k, 0] * cosines[row] + positions[k, 1] * sines[row]
+            column = int(np.rint(offset / offset_bin)) + reach
+            votes[row, min(max(column, 0), 2 * reach)] += weights[k]
+    return votes

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -157,9 +158,10 @@ class CameraModel:
         else:
             directions = self._straightened(pixels)
         rays = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
-        offsets = np.abs(self._pixels(rays) - pixels).max(axis=-1)
-        # Written so that NaN counts as not found.
-        rays[~(offsets <= LARGEST_RESIDUAL)] = np.nan
+        if any(self.coefficients):
+            offsets = np.abs(self._pixels(rays) - pixels).max(axis=-1)
+            # Written so that NaN counts as not found.
+            rays[~(offsets <= LARGEST_RESIDUAL)] = np.nan
         return np.asarray(rays.reshape(*points.shape[:-1], 3))
 
     def project(self, directions: FloatArray) -> FloatArray:
@@ -242,6 +244,7 @@ def _fisheye_directions(plane: FloatArray, coefficients: Sequence[float]) -> Flo
     return np.column_stack((aside * np.sin(angle)[:, None], np.cos(angle)))
 
 
+@lru_cache(maxsize=8)
 def camera_for(
     calibration: Calibration | None, image_size: tuple[int, int]
 ) -> CameraModel | Withheld:

@@ -12,10 +12,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.geometry import project_borders, segment_inside, wrap_angle
 from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
+from cable_tracker.compilation import compiled
 from cable_tracker.errors import MetricError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.metric.altitude import Altitude
@@ -251,13 +252,11 @@ class CrossTrackMeter:
         angles = np.column_stack((points[:, StateColumn.ANGLE], borders.angles))
         offsets = np.column_stack((points[:, StateColumn.DISTANCE], borders.offsets))
         rays = camera.rays(_points_on(angles, offsets, along))
-        rays = np.einsum("nij,nlkj->nlki", sights.rotations, rays)
-        # Only what surely goes down may become metres.
-        with np.errstate(invalid="ignore"):
-            usable = rays[..., 2] < -math.sin(LEAST_DEPRESSION)
-        enough = (usable.sum(axis=-1) >= 2).all(axis=-1)
-        normals = _plane_normals(rays, usable)
-        return _SeaBedLines(self._cut(sights, normals), enough)
+        moments, usable = _moments(rays, sights.rotations, math.sin(LEAST_DEPRESSION))
+        # Rays of a straight cable lie in a plane, whose normal is that of their least moment; the
+        # distortion of the lens bends only the line that the filter has fitted.
+        normals = np.linalg.eigh(moments)[1][..., 0]
+        return _SeaBedLines(self._cut(sights, normals), usable.min(axis=1) >= 2)
 
     def _cut(self, sights: _Sights, normals: FloatArray) -> FloatArray:
         """Cut planes through the camera, (N, 3, 3): centreline, left, right, with the sea bed."""
@@ -291,12 +290,41 @@ def _points_on(angles: FloatArray, offsets: FloatArray, along: FloatArray) -> Fl
     return np.stack((rho * cos - along * sin, rho * sin + along * cos), axis=-1)
 
 
-def _plane_normals(rays: FloatArray, usable: BoolArray) -> FloatArray:
-    """Fit planes through the origin to rays (..., K, 3); unit normals, shape (..., 3).
+@compiled
+def _moments(
+    rays: FloatArray, rotations: FloatArray, least_drop: float
+) -> tuple[FloatArray, IndexArray]:
+    """Return second moments of the rays of lines that surely go down, and how many rays they are.
 
-    With a straight cable the rays lie in one plane; the distortion of the lens bends only the
-    line that the filter has fitted.
+    Parameters
+    ----------
+    rays : FloatArray
+        Unit vectors of the optical frame, shape (N, L, K, 3); those with NaN do not count.
+    rotations : FloatArray
+        From the optical to the level frame, shape (N, 3, 3).
+    least_drop : float
+        How far a ray goes down at least [its length].
+
+    Returns
+    -------
+    (FloatArray, IndexArray)
+        Of rays in the level frame, shape (N, L, 3, 3), and (N, L).
     """
-    chosen = np.where(usable[..., None], rays, 0.0)
-    _, vectors = np.linalg.eigh(np.einsum("...ki,...kj->...ij", chosen, chosen))
-    return np.asarray(vectors[..., 0])
+    cameras, lines = rays.shape[:2]
+    moments, usable = np.zeros((cameras, lines, 3, 3)), np.zeros((cameras, lines), np.int64)
+    level = np.empty(3)
+    for n in range(cameras):
+        for line in range(lines):
+            for k in range(rays.shape[2]):
+                for i in range(3):
+                    level[i] = (
+                        rotations[n, i, 0] * rays[n, line, k, 0]
+                        + rotations[n, i, 1] * rays[n, line, k, 1]
+                        + rotations[n, i, 2] * rays[n, line, k, 2]
+                    )
+                if level[2] < -least_drop:
+                    usable[n, line] += 1
+                    for i in range(3):
+                        for j in range(3):
+                            moments[n, line, i, j] += level[i] * level[j]
+    return moments, usable

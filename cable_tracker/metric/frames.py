@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -52,9 +53,8 @@ class Mounting:
 
     @property
     def rotation(self) -> FloatArray:
-        """From the camera optical frame to base_link, shape (3, 3)."""
-        body = rotations_of(np.array([[self.roll, self.pitch, self.yaw]]))[0]
-        return np.asarray(body @ OPTICAL_IN_BODY)
+        """From the camera optical frame to base_link, shape (3, 3), not to be changed."""
+        return _rotation_of_camera(self.roll, self.pitch, self.yaw)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +76,14 @@ class Attitude:
     def is_finite(self) -> bool:
         """Tell whether every number is finite, and sigma not negative."""
         return bool(np.isfinite((self.roll, self.pitch, self.sigma)).all()) and self.sigma >= 0.0
+
+
+@lru_cache(maxsize=16)
+def _rotation_of_camera(roll: float, pitch: float, yaw: float) -> FloatArray:
+    """Return the rotation from the optical frame of a camera whose body is turned so [rad]."""
+    rotation: FloatArray = rotations_of(np.array([[roll, pitch, yaw]]))[0] @ OPTICAL_IN_BODY
+    rotation.flags.writeable = False
+    return rotation
 
 
 def rotations_of(angles: FloatArray) -> FloatArray:

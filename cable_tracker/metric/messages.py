@@ -111,14 +111,16 @@ def read_twist(
     It must be in base_link. `least_sigmas` [m/s, rad/s] stand for variances that are not given.
     """
     linear, angular = message.twist.twist.linear, message.twist.twist.angular
-    twist = [float(getattr(part, axis)) for part in (linear, angular) for axis in "xyz"]
-    covariance = np.asarray(message.twist.covariance, dtype=np.float64).reshape(6, 6).copy()
-    least = np.repeat(np.square(least_sigmas), 3)
-    known = np.diag(covariance) >= least
-    # A variance that is raised alone would contradict the correlations beside it.
-    covariance[~known] = covariance[:, ~known] = 0.0
-    covariance[~known, ~known] = least[~known]
-    return np.array(twist), covariance
+    twist = np.array([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z], np.float64)
+    covariance = np.array(message.twist.covariance, np.float64).reshape(6, 6)
+    for k, variance in enumerate(covariance.diagonal().tolist()):
+        least = least_sigmas[k // 3] ** 2
+        # Written so that NaN counts as not given.
+        if not variance >= least:
+            # A variance that is raised alone would contradict the correlations beside it.
+            covariance[k] = covariance[:, k] = 0.0
+            covariance[k, k] = least
+    return twist, covariance
 
 
 METRES_KEYS = ("offset", "heading", "sigma_offset", "sigma_heading")

@@ -84,8 +84,8 @@ class Odometry:
         why = self._why_unknown(start, end, seconds)
         if why:
             return NoMotion(why)
-        within = [stamp for stamp, _ in self._twists.between(start + 1, end)]
-        knots = [self._knot(stamp) for stamp in (start, *within, end)]
+        within = self._twists.between(start + 1, end)
+        knots = [self._knot(start), *within, self._knot(end)]
         if not all(np.isfinite(values).all() for _, values in knots):
             return NoMotion("odometry is not finite")
         return _integrated(knots, seconds)

@@ -104,7 +104,7 @@ class InstrumentFeed:
         self._jumps = False
 
     def copy(self) -> InstrumentFeed:
-        """Return another one that goes on from here; it opens the bag when it is first asked.
+        """Return another one that goes on from here; it reads on when it is first asked.
 
         With pauses it may pass over other messages than this one.
         """
@@ -352,6 +352,6 @@ def recorded_vehicle(
         file = read_vehicle_file(vehicle_file or own)
     if not isinstance(recording, BagSource):
         return RecordedVehicle(describe_vehicle(None, "", file), None)
-    source = InstrumentSource(recording.path, recording.topic, choice)
+    source = InstrumentSource(recording.path, recording.topic, choice, recording.storage)
     vehicle = describe_vehicle(source, recording.camera_frame, file)
     return RecordedVehicle(vehicle, source)

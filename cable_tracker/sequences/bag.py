@@ -6,6 +6,7 @@ import struct
 from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from pathlib import Path
+from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
@@ -202,6 +203,13 @@ class BagSource(FrameSource):
         Read the ground truth that was recorded beside the images, which takes a way through the
         whole bag.
 
+    Attributes
+    ----------
+    topic : str
+        The image topic.
+    storage : BagStorage
+        The bag, opened, to read what else it holds.
+
     Raises
     ------
     RecordingError
@@ -218,9 +226,9 @@ class BagSource(FrameSource):
     ) -> None:
         super().__init__(path, skip_bad_frames=skip_bad_frames)
         self._is_ros1 = is_ros1(path)
-        self._storage = _open(path)
-        self.topic = _choose_topic(path, self._storage.topics, topic)
-        chosen = self._storage.topics[self.topic]
+        self.storage = _open(path)
+        self.topic = _choose_topic(path, self.storage.topics, topic)
+        chosen = self.storage.topics[self.topic]
         self.frame_count = chosen.count
         self.compressed = chosen.msgtype == _COMPRESSED
         self._is_video = chosen.msgtype in VIDEO_TYPES
@@ -229,10 +237,19 @@ class BagSource(FrameSource):
             self.frame_count = None
         if not chosen.count:
             raise RecordingError(f"{path}: topic {self.topic} holds no images; record it again")
-        if self._storage.note:
-            self.note = f"{self._storage.note} ({chosen.count} frames)"
+        if self.storage.note:
+            self.note = f"{self.storage.note} ({chosen.count} frames)"
         self._truth = self._read_truth() if with_truth else {}
         self.has_truth = bool(self._truth)
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        super().__exit__(kind, error, traceback)
+        self.storage.close()
 
     @property
     def camera_frame(self) -> str:
@@ -246,10 +263,10 @@ class BagSource(FrameSource):
 
     def _read_truth(self) -> dict[int, CableState]:
         """Read the ground truth by stamp; what is damaged is said when the frames are read."""
-        topic = _truth_topic(self._storage.topics, self.topic)
+        topic = _truth_topic(self.storage.topics, self.topic)
         if topic is None:
             return {}
-        truth, is_whole = _truths(self.path, self._storage, topic)
+        truth, is_whole = _truths(self.path, self.storage, topic)
         if not is_whole:
             self.note = self.note or f"the ground truth on {topic} is damaged: {len(truth)} read"
         return truth
@@ -275,7 +292,7 @@ class BagSource(FrameSource):
     ) -> Generator[Frame | UnreadableFrame]:
         count = 0
         try:
-            with closing(self._storage.messages([self.topic])) as messages:
+            with closing(self.storage.messages([self.topic])) as messages:
                 for message in messages:
                     if wanted(count, message):
                         yield self._frame(count, message)
@@ -310,7 +327,7 @@ class BagSource(FrameSource):
 
     def _pictures(self) -> Iterator[DecodedPicture]:
         decoder = StreamDecoder()
-        with closing(self._storage.messages([self.topic])) as messages:
+        with closing(self.storage.messages([self.topic])) as messages:
             for message in messages:
                 try:
                     packet = read_packet(self._deserialise(message), message.time)

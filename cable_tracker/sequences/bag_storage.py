@@ -7,10 +7,12 @@ a file is walked through from its beginning by the recovery readers of this fold
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Generator, Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from threading import Lock
 from typing import Protocol
+from weakref import WeakSet, finalize
 
 from rosbags.rosbag1 import Reader as Reader1
 from rosbags.rosbag2 import Reader as Reader2
@@ -24,7 +26,6 @@ from cable_tracker.sequences.bag_limits import (
     limit_rosbags,
 )
 from cable_tracker.sequences.natural_order import natural_key
-from cable_tracker.sequences.remembered_yaml import remember_metadata
 from cable_tracker.sequences.stored_message import StoredMessage
 
 _ROS1_SUFFIX = ".bag"
@@ -70,6 +71,10 @@ class BagStorage(Protocol):
         """
         ...
 
+    def close(self) -> None:
+        """End all readings, and close the files; another reading opens them again."""
+        ...
+
 
 _WALKERS: dict[str, Callable[[Path], Iterator[StoredMessage]]] = {
     ".mcap": mcap_recovery.read_messages,
@@ -106,13 +111,20 @@ def _walk(path: Path) -> Iterator[StoredMessage]:
 
 
 class RosbagsStorage:
-    """A bag that rosbags can open."""
+    """A bag that rosbags can open.
+
+    It is opened once for all that is read of it: at each opening rosbags parses the metadata, which
+    takes a tenth of a second, and unpacks a bag that was compressed as a file.
+    """
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self.note = ""
         self._check_limits()
-        with self._open() as reader:
+        self._lock = Lock()
+        self._readings: WeakSet[Generator[StoredMessage]] = WeakSet()
+        self._shared: Reader2 | None = None
+        with self._opened() as reader:
             self._check_chunks(reader)
             self.topics = {
                 name: Topic(
@@ -121,10 +133,31 @@ class RosbagsStorage:
                 for name, info in reader.topics.items()
             }
 
-    def _open(self) -> Reader1 | Reader2:
+    @contextmanager
+    def _opened(self) -> Iterator[Reader1 | Reader2]:
+        """Give the reader to read with; of a ROS 1 bag one for each reading.
+
+        It keeps the chunk that it has unpacked last, which two readings would take from each other.
+        """
         limit_rosbags()
-        remember_metadata()
-        return Reader1(self._path) if is_ros1(self._path) else Reader2(self._path)
+        if is_ros1(self._path):
+            with Reader1(self._path) as reader:
+                yield reader
+            return
+        if self._shared is None:
+            shared = Reader2(self._path)
+            shared.open()
+            self._leave_messages_packed(shared)
+            self._shared, self._close_shared = shared, finalize(self, shared.close)
+        yield self._shared
+
+    def close(self) -> None:
+        """End all readings, and close the files; another reading opens them again."""
+        for reading in tuple(self._readings):
+            reading.close()
+        if self._shared is not None:
+            self._shared = None
+            self._close_shared()
 
     def _check_limits(self) -> None:
         if self._path.is_dir():
@@ -141,15 +174,14 @@ class RosbagsStorage:
             check_overlap(getattr(storage, "chunks", ()))
 
     @staticmethod
-    def _leave_messages_packed(reader: Reader1 | Reader2) -> None:
+    def _leave_messages_packed(reader: Reader2) -> None:
         """Let a bag of compressed messages hand them out as they are; the reader unpacks them."""
-        if not isinstance(reader, Reader1) and reader.compression_mode == "message":
+        if reader.compression_mode == "message":
             storage = reader.storage
             storage.metadata = storage.metadata._replace(compression_mode=None)
 
     def _from_rosbags(self, topics: Collection[str], start: int) -> Generator[StoredMessage]:
-        with self._open() as reader:
-            self._leave_messages_packed(reader)
+        with self._opened() as reader:
             connections = [c for c in reader.connections if c.topic in topics]
             if not connections:
                 return
@@ -164,11 +196,17 @@ class RosbagsStorage:
         RecordingError
             At the damage, after all messages that could be read.
         """
+        reading = self._read(topics, start)
+        self._readings.add(reading)
+        return reading
+
+    def _read(self, topics: Collection[str], start: int) -> Generator[StoredMessage]:
         latest: int | None = None
         with closing(self._from_rosbags(topics, start)) as stored:
             while True:
                 try:
-                    message = next(stored, None)
+                    with self._lock:  # Another thread may read at another place of the file.
+                        message = next(stored, None)
                 # rosbags raises what its parsers happen to raise, some twenty types by now.
                 except Exception as error:  # noqa: BLE001
                     damage = RecordingError(one_line(error))
@@ -250,6 +288,9 @@ class SalvagedStorage:
             raise (self._damage or error) from error
         if self._damage:
             raise self._damage
+
+    def close(self) -> None:
+        """Do nothing: a reading closes its files at its end."""
 
 
 def _crashed_files(path: Path) -> list[Path]:

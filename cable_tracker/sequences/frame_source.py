@@ -47,7 +47,7 @@ def damage(path: Path, count: int, reason: str) -> RecordingError:
 class FrameSource(ABC):
     """Frames of a recording, in order; what every `Source` that reads one has in common.
 
-    Nothing stays open between two readings. The attributes are those of `Source`.
+    The attributes are those of `Source`.
     """
 
     def __init__(self, path: Path, *, skip_bad_frames: bool = False) -> None:

@@ -229,6 +229,8 @@ class InstrumentSource:
         Whose calibration is meant.
     choice : InstrumentChoice
         What the user wants.
+    storage : BagStorage or None
+        The bag, if it is open already.
 
     Attributes
     ----------
@@ -242,11 +244,15 @@ class InstrumentSource:
     """
 
     def __init__(
-        self, path: Path, image_topic: str, choice: InstrumentChoice | None = None
+        self,
+        path: Path,
+        image_topic: str,
+        choice: InstrumentChoice | None = None,
+        storage: BagStorage | None = None,
     ) -> None:
         self.path = path
         self._is_ros1 = is_ros1(path)
-        self._storage: BagStorage = open_storage(path)
+        self._storage = storage or open_storage(path)
         try:
             self.found = find_instruments(self._storage, image_topic, choice or InstrumentChoice())
         except RecordingError as error:

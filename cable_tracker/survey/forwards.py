@@ -112,6 +112,12 @@ class ForwardSettings:
     vehicle: Path | None = None
     most_rate: float = MOST_RATE
 
+    def open(self, path: Path) -> Source:
+        """Open a recording; see `open_source`."""
+        return open_source(
+            path, topic=self.topic, rate=self.rate, skip_bad_frames=True, with_truth=False
+        )
+
     def __post_init__(self) -> None:
         if not 0.0 <= self.most_rate <= FASTEST_RATE:
             raise ParameterError(f"most-rate is {self.most_rate:g}: give 0 to {FASTEST_RATE:g} /s")
@@ -139,6 +145,8 @@ class ForwardDive:
         The camera over the cable, when metres were known last; None if they never were.
     given_name : str
         Instead of the recording's own name; empty: none.
+    recording : Source or None
+        Open, so that pictures can be looked at again; None: there are none.
     """
 
     path: Path
@@ -146,6 +154,7 @@ class ForwardDive:
     notes: list[str] = field(default_factory=list)
     flight: Overflight | None = None
     given_name: str = ""
+    recording: Source | None = None
     table: FrameTable = field(init=False)
     poses: Samples = field(init=False)
     fixes: Samples = field(init=False)
@@ -161,12 +170,12 @@ class ForwardDive:
 
 
 def track_forwards(
-    path: Path,
+    recording: Source,
     settings: ForwardSettings,
     advance: Callable[[int], None] = lambda count: None,
     disk: Disk | None = None,
 ) -> ForwardDive:
-    """Track a recording from its beginning to its end, or to where it breaks off.
+    """Track an open recording from its beginning to its end, or to where it breaks off.
 
     Frames that cannot be used are passed over. `advance` is told of every frame. What is noted
     goes to `disk`; None: among the temporary files.
@@ -178,28 +187,25 @@ def track_forwards(
     ParameterError
         The vehicle file is not acceptable.
     """
-    dive = ForwardDive(path, disk or Disk())
-    with open_source(
-        path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True, with_truth=False
-    ) as recording:
-        vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
-        dive.notes += [*([recording.note] if recording.note else []), *vehicle.notes]
-        run = _Run(dive, settings, vehicle)
-        try:
-            _run_all(recording, run, advance)
-        except RecordingError as error:
-            if not len(dive.table):
-                raise
-            dive.notes.append(str(error))
-        dive.notes += vehicle.remarks()
-        if run.passed_over:
-            total = run.passed_over + len(dive.table)
-            dive.notes.append(
-                f"{len(dive.table)} of {total} pictures were tracked, {settings.most_rate:g} a"
-                " second: odometry tells what lies between"
-            )
+    dive = ForwardDive(recording.path, disk or Disk(), recording=recording)
+    vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
+    dive.notes += [*([recording.note] if recording.note else []), *vehicle.notes]
+    run = _Run(dive, settings, vehicle)
+    try:
+        _run_all(recording, run, advance)
+    except RecordingError as error:
+        if not len(dive.table):
+            raise
+        dive.notes.append(str(error))
+    dive.notes += vehicle.remarks()
+    if run.passed_over:
+        total = run.passed_over + len(dive.table)
+        dive.notes.append(
+            f"{len(dive.table)} of {total} pictures were tracked, {settings.most_rate:g} a"
+            " second: odometry tells what lies between"
+        )
     if not len(dive.table):
-        raise RecordingError(f"{path}: holds no frames; record it again")
+        raise RecordingError(f"{recording.path}: holds no frames; record it again")
     return dive
 
 

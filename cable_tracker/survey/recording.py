@@ -16,8 +16,9 @@ from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.errors import FrameError, RecordingError, write_failure
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instruments import Instrument
-from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.source import Source
 from cable_tracker.survey.events import Event, EventKind, Limits, find_events
 from cable_tracker.survey.forwards import (
     ForwardDive,
@@ -109,9 +110,7 @@ def find_datum(paths: Sequence[Path], settings: ForwardSettings) -> tuple[float,
     """Return the first place on the earth that any of the recordings states [deg]; None: none."""
     for path in paths:
         try:
-            with open_source(
-                path, topic=settings.topic, rate=settings.rate, with_truth=False
-            ) as recording:
+            with settings.open(path) as recording:
                 vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
         except RecordingError:
             continue
@@ -148,16 +147,17 @@ def survey_recording(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise write_failure(folder, error) from error
-    dive = track_forwards(path, settings.forward, advance, Disk(folder))
-    dive.given_name = name
-    surveyed, course = analyse(dive, settings)
-    try:
-        write_frames(folder / FRAMES, surveyed.name, dive, course)
-        _write_summary(folder, surveyed)
-        if settings.pictures:
-            _write_pictures(path, settings.forward, folder / PICTURES, surveyed)
-    except OSError as error:
-        raise write_failure(folder, error) from error
+    with settings.forward.open(path) as recording:
+        dive = track_forwards(recording, settings.forward, advance, Disk(folder))
+        dive.given_name = name
+        surveyed, course = analyse(dive, settings)
+        try:
+            write_frames(folder / FRAMES, surveyed.name, dive, course)
+            _write_summary(folder, surveyed)
+            if settings.pictures:
+                _write_pictures(recording, folder / PICTURES, surveyed)
+        except OSError as error:
+            raise write_failure(folder, error) from error
     return surveyed
 
 
@@ -172,7 +172,7 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
     course, routes, on_earth = None, [], False
     if counted.placed_partly and counted.in_metres:
         course = _course(dive, poses, places)
-        if look_again(dive, course, settings.forward):
+        if look_again(dive, course):
             course = _course(dive, poses, places)
         looks = course.looks
         earth = _on_earth(dive, poses, settings.datum, notes)
@@ -311,9 +311,7 @@ def _events_in_time(dive: ForwardDive) -> list[Event]:
     return events
 
 
-def _write_pictures(
-    path: Path, settings: ForwardSettings, folder: Path, surveyed: SurveyedDive
-) -> None:
+def _write_pictures(recording: Source, folder: Path, surveyed: SurveyedDive) -> None:
     """Keep a small picture of the frame of each event."""
     wanted = {
         event.frame for placed in surveyed.routes for event in placed.events if event.frame >= 0
@@ -321,27 +319,28 @@ def _write_pictures(
     if not wanted:
         return
     folder.mkdir(exist_ok=True)
-    with open_source(
-        path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True, with_truth=False
-    ) as recording:
-        last = max(wanted)
-        try:
-            for frame in recording.frames(min(wanted)):
-                if frame.index in wanted:
-                    try:
-                        picture = decode_bgr(frame.image)
-                    except FrameError:
-                        continue
-                    height = max(1, round(picture.shape[0] * THUMBNAIL / picture.shape[1]))
-                    small = cv2.resize(picture, (THUMBNAIL, height), interpolation=cv2.INTER_AREA)
-                    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
-                    data = cv2.imencode(".jpg", small, quality)[1].tobytes()
-                    (folder / f"{frame.index}.jpg").write_bytes(data)
-                if frame.index >= last:
-                    return
-        except RecordingError:
-            # Where it breaks off stands in the notes already.
-            return
+    last = max(wanted)
+    try:
+        for frame in recording.frames(min(wanted)):
+            if frame.index in wanted:
+                _write_thumbnail(folder / f"{frame.index}.jpg", frame)
+            if frame.index >= last:
+                return
+    except RecordingError:
+        # Where it breaks off stands in the notes already.
+        return
+
+
+def _write_thumbnail(path: Path, frame: Frame) -> None:
+    """Write a small picture of a frame; nothing if it cannot be decoded."""
+    try:
+        picture = decode_bgr(frame.image)
+    except FrameError:
+        return
+    height = max(1, round(picture.shape[0] * THUMBNAIL / picture.shape[1]))
+    small = cv2.resize(picture, (THUMBNAIL, height), interpolation=cv2.INTER_AREA)
+    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
+    path.write_bytes(cv2.imencode(".jpg", small, quality)[1].tobytes())
 
 
 def _write_summary(folder: Path, surveyed: SurveyedDive) -> None:

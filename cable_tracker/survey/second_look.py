@@ -21,8 +21,7 @@ from cable_tracker.metric.frames import Attitude, rotations_of
 from cable_tracker.metric.homography import Overflight, move_states
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.source import open_source
-from cable_tracker.survey.forwards import ForwardDive, ForwardSettings, FrameRow, put_profile
+from cable_tracker.survey.forwards import ForwardDive, FrameRow, put_profile
 from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING, Rows
 from cable_tracker.survey.route import LEAST_WEIGHT, Course
 from cable_tracker.survey.smoothing import SURE_ENOUGH
@@ -44,7 +43,7 @@ SHARE_OF_DIAMETER = 0.25
 """How sure its place is."""
 
 
-def look_again(dive: ForwardDive, course: Course, settings: ForwardSettings) -> int:
+def look_again(dive: ForwardDive, course: Course) -> int:
     """Look for the cable in pictures without a claim that counts; return in how many it was found.
 
     The rows of the dive's table are written: the cable's columns where it is found, else only how
@@ -53,30 +52,27 @@ def look_again(dive: ForwardDive, course: Course, settings: ForwardSettings) -> 
     rows = dive.table.rows
     wanted = _without_claim(dive, course)
     usual = _usual(dive, course)
-    if not len(wanted) or usual is None or dive.flight is None:
+    if not len(wanted) or usual is None or dive.flight is None or dive.recording is None:
         return 0
     stamps = dive.disk.filled(len(wanted), lambda part: rows["stamp"][wanted[part]], np.int64)
     stamps.sort()
     last, found, number = int(rows["frame"][wanted[-1]]), 0, 0
-    with open_source(
-        dive.path, topic=settings.topic, rate=settings.rate, skip_bad_frames=True, with_truth=False
-    ) as recording:
-        try:
-            for frame in recording.chosen_frames(lambda stamp: _is_among(stamps, stamp)):
-                while number < len(wanted) and rows["frame"][wanted[number]] < frame.index:
-                    number += 1
-                if number < len(wanted) and rows["frame"][wanted[number]] == frame.index:
-                    row = int(wanted[number])
-                    look = int(course.looks.of(np.array([row]))[0])
-                    place = row, look
-                    found += _look(rows, course, dive.flight, place, frame.image, usual)
-                    if row % dive.disk.block == 0:
-                        dive.disk.let_go()
-                if frame.index >= last:
-                    break
-        except RecordingError:
-            # Where it breaks off stands in the notes already.
-            pass
+    try:
+        for frame in dive.recording.chosen_frames(lambda stamp: _is_among(stamps, stamp)):
+            while number < len(wanted) and rows["frame"][wanted[number]] < frame.index:
+                number += 1
+            if number < len(wanted) and rows["frame"][wanted[number]] == frame.index:
+                row = int(wanted[number])
+                look = int(course.looks.of(np.array([row]))[0])
+                place = row, look
+                found += _look(rows, course, dive.flight, place, frame.image, usual)
+                if row % dive.disk.block == 0:
+                    dive.disk.let_go()
+            if frame.index >= last:
+                break
+    except RecordingError:
+        # Where it breaks off stands in the notes already.
+        pass
     return found
 
 

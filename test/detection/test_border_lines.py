@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.detection.border_lines import fit_lines, turn_between, visible_length
+from cable_tracker.detection.border_lines import fit_lines, turn_between, visible_lengths
 
 SIZE = (320, 240)
 
@@ -73,7 +73,8 @@ def test_a_short_line_in_a_corner_is_not_well_supported(edge_line):
     ("angle", "offset", "length"), [(0.0, 0.0, 239.0), (np.pi / 2, 10.0, 319.0), (0.0, 200.0, 0.0)]
 )
 def test_the_visible_length(angle, offset, length):
-    assert visible_length(angle, offset, SIZE) == pytest.approx(length)
+    lengths = visible_lengths(np.array([angle]), np.array([offset]), SIZE)
+    assert lengths[0] == pytest.approx(length)
 
 
 @pytest.mark.parametrize(

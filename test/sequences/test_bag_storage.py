@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from rosbags.rosbag2 import Reader as Reader2
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bag_storage import open_storage, storage_files
@@ -129,3 +130,27 @@ def test_only_the_wanted_topics_are_read(make_bag):
     messages = list(open_storage(make_bag()).messages(["/chatter"]))
     assert len(messages) == 5
     assert {message.topic for message in messages} == {"/chatter"}
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_a_bag_is_opened_once_for_all_readings(make_bag, storage, monkeypatch):
+    opened = []
+    open_reader = Reader2.open
+    monkeypatch.setattr(
+        Reader2, "open", lambda reader: (opened.append(reader), open_reader(reader))
+    )
+    bag = open_storage(make_bag(frames=6, storage=storage))
+    together = list(zip(bag.messages(["/camera/image"]), bag.messages(["/chatter"]), strict=False))
+    assert len(together) == len(list(bag.messages(["/chatter"]))) == 6
+    assert len(opened) == 1
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_closing_ends_a_reading_and_the_next_opens_the_bag_again(make_bag, storage):
+    bag = open_storage(make_bag(storage=storage))
+    begun = bag.messages(["/chatter"])
+    first = next(begun)
+    bag.close()
+    assert next(begun, None) is None
+    again = next(bag.messages(["/chatter"]))
+    assert (again.time, again.data) == (first.time, first.data)

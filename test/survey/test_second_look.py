@@ -1,7 +1,6 @@
 """Pictures without a claim are read again where the dive has told where the cable is."""
 
 import math
-from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -12,8 +11,7 @@ from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.homography import Overflight
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.survey import second_look
-from cable_tracker.survey.forwards import ForwardSettings, on_ground
+from cable_tracker.survey.forwards import on_ground
 from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING
 from cable_tracker.survey.route import Course
 from cable_tracker.survey.second_look import look_again, place_in_image
@@ -41,7 +39,7 @@ def picture(rng, aside: float, heading: float, seen_from: float) -> np.ndarray:
 
 
 @pytest.fixture
-def dive(monkeypatch):
+def dive():
     """A dive whose pictures show the cable before the tracker has found it again."""
     made = make_dive(PLAN)
     made.flight = FLIGHT
@@ -61,11 +59,7 @@ def dive(monkeypatch):
                     image = raw_from_array(picture(rng, aside, heading, seen_from), "mono8")
                     yield Frame(int(row["frame"]), int(row["stamp"]), image)
 
-    @contextmanager
-    def opened(path, **options):
-        yield Pictures()
-
-    monkeypatch.setattr(second_look, "open_source", opened)
+    made.recording = Pictures()
     return made
 
 
@@ -78,7 +72,7 @@ def course_of(dive) -> Course:
 def test_a_cable_that_the_tracker_missed_is_found_and_claimed(dive):
     rows = dive.table.rows
     way = 0.05 * np.arange(len(rows)) + LOOK
-    found = look_again(dive, course_of(dive), ForwardSettings())
+    found = look_again(dive, course_of(dive))
     dug_out = (way > DUG_OUT + 0.5) & (way < 22.0)
     assert (rows["again"] == SEEN).sum() == found
     assert (rows["again"][dug_out] == SEEN).mean() > 0.9
@@ -90,7 +84,7 @@ def test_a_cable_that_the_tracker_missed_is_found_and_claimed(dive):
 def test_where_it_is_buried_nothing_is_claimed(dive):
     rows = dive.table.rows
     way = 0.05 * np.arange(len(rows)) + LOOK
-    look_again(dive, course_of(dive), ForwardSettings())
+    look_again(dive, course_of(dive))
     buried = (way > 16.0) & (way < DUG_OUT - 1.0)
     assert (rows["again"][buried] == HIDDEN).all()
     assert np.isnan(rows["aside"][buried]).all()
@@ -102,7 +96,7 @@ def test_claims_that_count_stay_as_they_are(dive):
     claimed = rows["status"] == TRACKING
     before = rows[claimed].copy()
     course = course_of(dive)
-    look_again(dive, course, ForwardSettings())
+    look_again(dive, course)
     assert (rows["again"][claimed] == NOT_AGAIN).mean() > 0.95
     same = rows["again"][claimed] == NOT_AGAIN
     assert (rows["aside"][claimed][same] == before["aside"][same]).all()
@@ -111,7 +105,7 @@ def test_claims_that_count_stay_as_they_are(dive):
 def test_a_dive_without_metres_is_not_read_again(dive):
     course = course_of(dive)
     dive.flight = None
-    assert look_again(dive, course, ForwardSettings()) == 0
+    assert look_again(dive, course) == 0
 
 
 @pytest.mark.parametrize("attitude", [(0.0, 0.0), (0.05, -0.1), (-0.2, 0.1)])

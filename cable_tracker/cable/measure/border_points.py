@@ -1,7 +1,9 @@
 """What is measured where a border crosses the scan lines of a frame.
 
-A steep border is measured where it crosses rows, a flat one where it crosses columns. One kernel
-looks at a point, `measure_point`; it serves the likelihood ratio and learning alike.
+A steep border is measured where it crosses rows, a flat one where it crosses columns. Crossings are
+measured many at a time, step by step, so that the processor works out several at once: where they
+are, `find_crossings`, how the picture changes there, `measure_responses`, and how bright it is on
+both sides, `measure_contrasts`. These serve the likelihood ratio, the thesis and learning alike.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from cable_tracker.cable.measure.scanned_gradients import ACROSS, ALONG, SLOPE, 
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import border_offset
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
-from cable_tracker.compilation import compiled, compiled_inside
+from cable_tracker.compilation import compiled, compiled_inside, compiled_part
 
 BEHIND = 0.25
 """The inside is looked at so deep behind the border, as a share of the cable's width ..."""
@@ -33,6 +35,10 @@ MINIMUM_POINTS = 3.0
 
 SMALLEST_RESPONSE = np.float32(1.0)
 """Added to a response before its slope is divided by it [robust scales]: noise has no ridge."""
+
+
+BLOCK, GROUP = 64, 16
+"""So many crossings are measured together at most, and so many at once."""
 
 
 class FrameScan(NamedTuple):
@@ -98,12 +104,44 @@ class BorderLine(NamedTuple):
     deep: float
 
 
-class BetweenPixels(NamedTuple):
-    """A place on a scan line: the pixels on both sides, and its share of the way to the right."""
+class Crossings(NamedTuple):
+    """Room for the crossings of a border with up to `BLOCK` neighbouring scan lines.
 
-    left: np.uint64
-    right: np.uint64
-    share: np.float32
+    Attributes
+    ----------
+    positions : FloatArray
+        Where they are, counted from the left end of their line [working px], shape (BLOCK,).
+    pixels : Image
+        Which pixels of the line are looked at, uint32, shape (3, BLOCK); also cells of tables.
+    levels : Image
+        What is read there, float32, shape (3, BLOCK).
+    shares : Image
+        How far they are on the way to the next pixel, float32, shape (BLOCK,).
+    responses, slopes, contrasts : Image
+        See `PointMeasures`, float32, shape (BLOCK,).
+    """
+
+    positions: FloatArray
+    pixels: Image
+    levels: Image
+    shares: Image
+    responses: Image
+    slopes: Image
+    contrasts: Image
+
+
+@compiled_part
+def room_for_crossings() -> Crossings:
+    """Return room for crossings."""
+    return Crossings(
+        np.zeros(BLOCK),
+        np.zeros((3, BLOCK), np.uint32),
+        np.zeros((3, BLOCK), np.float32),
+        np.zeros(BLOCK, np.float32),
+        np.zeros(BLOCK, np.float32),
+        np.zeros(BLOCK, np.float32),
+        np.zeros(BLOCK, np.float32),
+    )
 
 
 @compiled_inside
@@ -124,7 +162,7 @@ def border_normal(
 
 
 @compiled_inside
-def working_width(state: FloatArray, reduction: float) -> float:
+def width_across(state: FloatArray, reduction: float) -> float:
     """Return the width of a cable across its borders [working px]; state (8,)."""
     return float(abs(state[WIDTH] * math.cos(state[SKEW])) * reduction)
 
@@ -178,88 +216,114 @@ def border_line(
 
 
 @compiled_inside
-def crossing_position(
-    lines: ScanLines, line: np.uint64, start: float, step: float, last: float
-) -> float:
-    """Return where a border crosses a line, counted from its left end up to `last` [working px].
+def find_crossings(
+    lines: ScanLines, start: int, border: BorderLine, crossings: Crossings
+) -> tuple[int, int]:
+    """Fill in where a border crosses up to `BLOCK` lines from `start` on, inside the picture.
 
-    Negative where it does not; `start` and `step` are those of `BorderLine`.
+    Returns
+    -------
+    (int, int)
+        The first line that it crosses, and how many one after the other.
     """
-    middle = last / 2
-    place = start + step * lines.places[line]
-    # Written so that a place that is no number is outside.
-    return place + middle if abs(place) <= middle else -1.0
+    positions, middle = crossings.positions, _last_pixel(lines) / 2
+    places = lines.places[start : start + BLOCK]
+    for index in range(len(places)):
+        place = border.start + border.step * places[index]
+        # Written so that a place that is no number is outside.
+        positions[index] = place + middle if abs(place) <= middle else -1.0
+    first, stop = 0, len(places)
+    while first < stop and positions[first] < 0.0:
+        first += 1
+    while stop > first and positions[stop - 1] < 0.0:
+        stop -= 1
+    count = stop - first
+    for index in range(count):
+        positions[index] = positions[first + index]
+    for index in range(count, whole_groups(count)):
+        positions[index] = 0.0
+    return start + first, count
 
 
 @compiled_inside
-def measure_point(
-    lines: ScanLines, line: np.uint64, position: float, last: float, border: BorderLine
-) -> tuple[np.float32, np.float32, np.float32]:
-    """Return response, size of the slope and contrast at a place of a line, see `PointMeasures`.
+def whole_groups(count: int) -> int:
+    """Return for how many crossings to work: in whole groups, the processor does them all at once.
 
-    `position` is counted from the left end of the line, up to `last`.
+    What is worked out for those beyond `count` means nothing.
     """
-    smooth = lines.smooth
-    place = between_pixels(position, smooth.shape[1])
-    response = response_at(lines.gradients, line, place, border.along, border.across)
-    slope = border.slope_factor * _interpolated(lines.gradients, line, place, SLOPE)
-    without = _level_at(smooth, line, position + border.outside, last)
-    contrast = agreed_contrast(
-        _level_at(smooth, line, position + border.behind, last) - without,
-        _level_at(smooth, line, position + border.deep, last) - without,
-    )
-    return response, abs(slope) / (abs(response) + SMALLEST_RESPONSE), contrast
+    return (count + GROUP - 1) // GROUP * GROUP
 
 
 @compiled_inside
-def response_at(
-    gradients: Image,
-    line: np.uint64,
-    place: BetweenPixels,
-    along: np.float32,
-    across: np.float32,
-) -> np.float32:
-    """Return the response alone, for a normal given along and across the lines."""
-    response: np.float32 = along * _interpolated(
-        gradients, line, place, ALONG
-    ) + across * _interpolated(gradients, line, place, ACROSS)
-    return response
+def _last_pixel(lines: ScanLines) -> float:
+    return float(lines.smooth.shape[1] - 1)
 
 
 @compiled_inside
-def between_pixels(position: float, length: int) -> BetweenPixels:
-    """Return between which pixels of a line of some length a place lies that is on it."""
+def measure_responses(
+    lines: ScanLines, first: int, count: int, border: BorderLine, crossings: Crossings
+) -> None:
+    """Fill in responses and sizes of slopes at crossings with the lines from `first` on.
+
+    They are interpolated between the two neighbouring pixels of the line.
+    """
+    positions, left, shares = crossings.positions, crossings.pixels[0], crossings.shares
+    along, across, slope = crossings.levels[0], crossings.levels[1], crossings.levels[2]
     # A picture may be one pixel high.
-    left = min(_floor(position), np.uint64(max(length - 2, 0)))
-    right = left + np.uint64(min(length - 1, 1))
-    return BetweenPixels(left, right, np.float32(position - left))
+    last = _last_pixel(lines)
+    most, right = max(last - 1.0, 0.0), np.uint64(min(last, 1.0))
+    for index in range(whole_groups(count)):
+        pixel = np.int32(min(positions[index], most))
+        left[index] = np.uint32(pixel)
+        shares[index] = np.float32(positions[index] - pixel)
+    for index in range(count):
+        here = lines.gradients[np.uint64(first + index), np.uint64(left[index])]
+        there = lines.gradients[np.uint64(first + index), np.uint64(left[index]) + right]
+        share = shares[index]
+        along[index] = here[ALONG] + (there[ALONG] - here[ALONG]) * share
+        across[index] = here[ACROSS] + (there[ACROSS] - here[ACROSS]) * share
+        slope[index] = here[SLOPE] + (there[SLOPE] - here[SLOPE]) * share
+    for index in range(whole_groups(count)):
+        response = border.along * along[index] + border.across * across[index]
+        size = abs(border.slope_factor * slope[index])
+        crossings.responses[index] = response
+        crossings.slopes[index] = size / (abs(response) + SMALLEST_RESPONSE)
 
 
 @compiled_inside
-def _interpolated(
-    gradients: Image, line: np.uint64, place: BetweenPixels, channel: int
-) -> np.float32:
-    """Interpolate a channel between two neighbouring pixels of a line."""
-    here, there = gradients[line, place.left, channel], gradients[line, place.right, channel]
-    value: np.float32 = here + (there - here) * place.share
-    return value
+def measure_contrasts(
+    lines: ScanLines, first: int, count: int, border: BorderLine, crossings: Crossings
+) -> None:
+    """Fill in contrasts at crossings with the lines from `first` on.
+
+    Beyond the ends of a line its last level goes on.
+    """
+    positions, last = crossings.positions, _last_pixel(lines)
+    pixels, levels = crossings.pixels, crossings.levels
+    for index in range(whole_groups(count)):
+        pixels[0, index] = _pixel(positions[index] + border.outside, last)
+        pixels[1, index] = _pixel(positions[index] + border.behind, last)
+        pixels[2, index] = _pixel(positions[index] + border.deep, last)
+    for index in range(count):
+        line = lines.smooth[np.uint64(first + index)]
+        levels[0, index] = line[np.uint64(pixels[0, index])]
+        levels[1, index] = line[np.uint64(pixels[1, index])]
+        levels[2, index] = line[np.uint64(pixels[2, index])]
+    for index in range(whole_groups(count)):
+        without = levels[0, index]
+        crossings.contrasts[index] = agreed_contrast(
+            levels[1, index] - without, levels[2, index] - without
+        )
 
 
 @compiled_inside
-def _level_at(smooth: Image, line: np.uint64, position: float, last: float) -> np.float32:
-    """Return the level at a place that is rounded down; beyond the ends the last one goes on."""
-    level: np.float32 = smooth[line, _floor(min(max(position, 0.0), last))]
-    return level
-
-
-@compiled_inside
-def _floor(position: float) -> np.uint64:
-    """Return the index of a place that is not negative.
+def _pixel(position: float, last: float) -> np.uint32:
+    """Return the pixel of a line that a position, rounded down, falls on, up to the last one.
 
     Without a sign, an index is not checked for counting from the end; with one, the processor
     converts faster.
     """
-    return np.uint64(np.int64(position))
+    return np.uint32(np.int32(min(max(position, 0.0), last)))
 
 
 @compiled_inside
@@ -303,22 +367,21 @@ def _record_points(
     states: FloatArray, scan: FrameScan, measures: Image, borders: IndexArray
 ) -> int:
     """Fill in measures (3, most) and borders (most,) of the points; return how many there are."""
-    count = 0
+    count, crossings = 0, room_for_crossings()
     for border in range(2 * len(states)):
         state, side = states[border // 2], 2.0 * (border % 2) - 1.0
-        depths = contrast_depths(working_width(state, scan.reduction), scan.scale)
+        depths = contrast_depths(width_across(state, scan.reduction), scan.scale)
         steep, along, across, offset = border_normal(state, side, scan.reduction)
         lines = scan.rows if steep else scan.columns
         crossing = border_line(along, across, offset, -side, depths, scan.scale)
-        last = float(lines.smooth.shape[1] - 1)
-        for number in range(len(lines.places)):
-            line = np.uint64(number)
-            position = crossing_position(lines, line, crossing.start, crossing.step, last)
-            if position < 0.0:
-                continue
-            measures[0, count], measures[1, count], measures[2, count] = measure_point(
-                lines, line, position, last, crossing
-            )
-            borders[count] = border
-            count += 1
+        for start in range(0, len(lines.places), BLOCK):
+            first, found = find_crossings(lines, start, crossing, crossings)
+            measure_responses(lines, first, found, crossing, crossings)
+            measure_contrasts(lines, first, found, crossing, crossings)
+            for index in range(found):
+                measures[0, count + index] = crossings.responses[index]
+                measures[1, count + index] = crossings.slopes[index]
+                measures[2, count + index] = crossings.contrasts[index]
+                borders[count + index] = border
+            count += found
     return count

@@ -19,15 +19,20 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.border_points import (
+    BLOCK,
     BorderLine,
+    Crossings,
     FrameScan,
     border_line,
     border_normal,
     contrast_depths,
-    crossing_position,
+    find_crossings,
     frame_scan,
-    measure_point,
-    working_width,
+    measure_contrasts,
+    measure_responses,
+    room_for_crossings,
+    whole_groups,
+    width_across,
 )
 from cable_tracker.cable.measure.polarity_prior import (
     PolarityPrior,
@@ -36,10 +41,8 @@ from cable_tracker.cable.measure.polarity_prior import (
 )
 from cable_tracker.cable.measure.response_bins import (
     CLASSES,
-    COARSE,
-    contrast_bin,
-    response_bin,
-    slope_bin,
+    contrast_cell,
+    edge_cell,
 )
 from cable_tracker.cable.measure.response_table import LARGEST_RATIO, ResponseTable, load_table
 from cable_tracker.cable.measure.scanned_gradients import ScanLines
@@ -93,7 +96,8 @@ class RatioModel(NamedTuple):
     Attributes
     ----------
     edges, contrasts : Image
-        The tables for bright and for dark cables, shapes (96, 15, 8) and (24, 25, 8).
+        The tables for bright and for dark cables, by cell, shapes (1440, 8) and
+        (600, 8).
     tempering : float
         Power of one point's ratio.
     missing : FloatArray
@@ -174,22 +178,20 @@ def measure_into(
     log_ratios, weaker, visible = evidence
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
-    smoother = np.zeros(2)
+    crossings, smoother = room_for_crossings(), np.zeros(2)
     for cable in range(start, stop):
         state = states[cable]
-        width = working_width(state, scan.reduction)
+        width = width_across(state, scan.reduction)
         depths = contrast_depths(width, scan.scale)
         visible[cable], longest = np.inf, scan.expected
         for border in range(2):
             side = 2.0 * border - 1.0
             steep, along, across, offset = border_normal(state, side, scan.reduction)
             lines = scan.rows if steep else scan.columns
-            crossing = border_line(along, across, offset, -side, depths, scan.scale)
-            length = _sum_border(lines, crossing, model, sums[border])
+            line = border_line(along, across, offset, -side, depths, scan.scale)
+            length = _sum_border(lines, line, model, crossings, sums[border])
             if model.texture_limit > 0.0:
-                smoother[border] = smoothness_behind(
-                    lines, crossing, -side / along, width, scan.scale
-                )
+                smoother[border] = smoothness_behind(lines, line, -side / along, width, scan.scale)
             # A border that runs through the picture has as many points as the picture is high.
             # Points beyond the edge cannot be seen, but a cable without is not believed for free.
             lacking = max(scan.expected - length, 0.0)
@@ -268,27 +270,55 @@ def _over_strengths(
 
 
 @compiled_inside
-def _sum_border(lines: ScanLines, crossing: BorderLine, model: RatioModel, sums: Image) -> float:
+def _sum_border(
+    lines: ScanLines, border: BorderLine, model: RatioModel, crossings: Crossings, sums: Image
+) -> float:
     """Fill in the summed ratios (8,) of a border, and return its length in view."""
-    last = float(lines.smooth.shape[1] - 1)
     for index in range(2 * CLASSES):
         sums[index] = np.float32(0.0)
     count = 0
-    for number in range(len(lines.places)):
-        line = np.uint64(number)
-        position = crossing_position(lines, line, crossing.start, crossing.step, last)
-        if position < 0.0:
-            continue
-        count += 1
-        response, slope, contrast = measure_point(lines, line, position, last, crossing)
-        row, column = response_bin(response), slope_bin(slope)
-        coarse, cell = row // np.uint64(COARSE), contrast_bin(contrast)
-        edges, contrasts = model.edges[row, column], model.contrasts[coarse, cell]
-        for index in range(2 * CLASSES):
-            sums[index] += min(edges[index] + contrasts[index], LARGEST_RATIO)
+    for start in range(0, len(lines.places), BLOCK):
+        first, found = find_crossings(lines, start, border, crossings)
+        measure_responses(lines, first, found, border, crossings)
+        measure_contrasts(lines, first, found, border, crossings)
+        _add_ratios(found, model, crossings, sums)
+        count += found
     for index in range(2 * CLASSES):
-        sums[index] *= np.float32(crossing.length)
-    return count * crossing.length
+        sums[index] *= np.float32(border.length)
+    return count * border.length
+
+
+@compiled_inside
+def _add_ratios(count: int, model: RatioModel, crossings: Crossings, sums: Image) -> None:
+    """Add the ratios of measured crossings to the sums (8,) of their border."""
+    cells = crossings.pixels
+    for index in range(whole_groups(count)):
+        response = crossings.responses[index]
+        cells[0, index] = edge_cell(response, crossings.slopes[index])
+        cells[1, index] = contrast_cell(response, crossings.contrasts[index])
+    # As variables, they stay in registers; an array might be one of the tables.
+    a, b, c, d = sums[0], sums[1], sums[2], sums[3]
+    e, f, g, h = sums[4], sums[5], sums[6], sums[7]
+    for index in range(count):
+        edges = model.edges[np.uint64(cells[0, index])]
+        contrasts = model.contrasts[np.uint64(cells[1, index])]
+        a += _ratio(edges, contrasts, 0)
+        b += _ratio(edges, contrasts, 1)
+        c += _ratio(edges, contrasts, 2)
+        d += _ratio(edges, contrasts, 3)
+        e += _ratio(edges, contrasts, 4)
+        f += _ratio(edges, contrasts, 5)
+        g += _ratio(edges, contrasts, 6)
+        h += _ratio(edges, contrasts, 7)
+    sums[0], sums[1], sums[2], sums[3] = a, b, c, d
+    sums[4], sums[5], sums[6], sums[7] = e, f, g, h
+
+
+@compiled_inside
+def _ratio(edges: Image, contrasts: Image, strength: int) -> np.float32:
+    """Return the ratio of a point for a class, by its rows of both tables."""
+    ratio: np.float32 = min(edges[strength] + contrasts[strength], LARGEST_RATIO)
+    return ratio
 
 
 @compiled

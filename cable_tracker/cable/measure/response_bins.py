@@ -85,39 +85,33 @@ class PointMeasures:
 
 
 @compiled_inside
-def _bin(value: np.float32, shift: np.float32, factor: np.float32, count: int) -> np.uint64:
+def _bin(value: np.float32, shift: np.float32, factor: np.float32, count: int) -> np.int32:
     scaled = (value + shift) * factor
-    return np.uint64(np.int32(min(max(scaled, np.float32(0.0)), np.float32(count - 1))))
+    return np.int32(min(max(scaled, np.float32(0.0)), np.float32(count - 1)))
 
 
 @compiled_inside
-def response_bin(response: np.float32) -> np.uint64:
-    """Return the row of a response in the table of edges; over `COARSE`, in that of contrasts."""
-    return _bin(response, RESPONSE_MIDDLE, RESPONSE_FACTOR, RESPONSE_BINS)
+def edge_cell(response: np.float32, slope: np.float32) -> np.uint32:
+    """Return the row of the table of edges for a response and the size of a slope."""
+    row = _bin(response, RESPONSE_MIDDLE, RESPONSE_FACTOR, RESPONSE_BINS)
+    return np.uint32(row * SLOPE_BINS + _bin(slope, np.float32(0.0), SLOPE_FACTOR, SLOPE_BINS))
 
 
 @compiled_inside
-def slope_bin(slope: np.float32) -> np.uint64:
-    """Return the column of the size of a slope in the table of edges."""
-    return _bin(slope, np.float32(0.0), SLOPE_FACTOR, SLOPE_BINS)
-
-
-@compiled_inside
-def contrast_bin(contrast: np.float32) -> np.uint64:
-    """Return the column of a contrast in the table of contrasts."""
-    return _bin(contrast, CONTRAST_MIDDLE, CONTRAST_FACTOR, CONTRAST_BINS)
+def contrast_cell(response: np.float32, contrast: np.float32) -> np.uint32:
+    """Return the row of the table of contrasts for a response and a contrast."""
+    row = _bin(response, RESPONSE_MIDDLE, RESPONSE_FACTOR, RESPONSE_BINS) // COARSE
+    cell = _bin(contrast, CONTRAST_MIDDLE, CONTRAST_FACTOR, CONTRAST_BINS)
+    return np.uint32(row * CONTRAST_BINS + cell)
 
 
 @compiled
 def _cells_of(responses: Image, slopes: Image, contrasts: Image) -> tuple[IndexArray, IndexArray]:
-    """Return flat indices (P,) into both tables; all are float32 of shape (P,)."""
+    """Return the rows (P,) of both tables; all are float32 of shape (P,)."""
     edges, contrast_cells = np.empty(len(responses), np.int64), np.empty(len(responses), np.int64)
     for point in range(len(responses)):
-        row = np.int64(response_bin(responses[point]))
-        edges[point] = row * SLOPE_BINS + np.int64(slope_bin(abs(slopes[point])))
-        contrast_cells[point] = (row // COARSE) * CONTRAST_BINS + np.int64(
-            contrast_bin(contrasts[point])
-        )
+        edges[point] = edge_cell(responses[point], abs(slopes[point]))
+        contrast_cells[point] = contrast_cell(responses[point], contrasts[point])
     return edges, contrast_cells
 
 

@@ -31,9 +31,8 @@ from cable_tracker.cable.measure.response_bins import (
     RESPONSE_LIMIT,
     SLOPE_LIMIT,
     PointMeasures,
-    contrast_bin,
-    response_bin,
-    slope_bin,
+    contrast_cell,
+    edge_cell,
 )
 from cable_tracker.errors import ParameterError
 
@@ -71,11 +70,9 @@ class ResponseTable:
         """Log-likelihood ratios of a point that shows nothing at all, by class, shape (4,)."""
         # In Python: a tracker needs no machine code for many points then.
         nothing = np.float32(0.0)
-        # Integers: before NumPy 2 an unsigned number of NumPy divided by one of Python is a float.
-        row, column = int(response_bin(nothing)), int(slope_bin(nothing))
-        cell = int(contrast_bin(nothing))
-        edges, contrasts = self.edges_of_both[row, column], self.contrasts_of_both[row // COARSE]
-        ratios = np.minimum(edges + contrasts[cell], LARGEST_RATIO)
+        edges = self.edges_of_both[edge_cell(nothing, nothing)]
+        contrasts = self.contrasts_of_both[contrast_cell(nothing, nothing)]
+        ratios = np.minimum(edges + contrasts, LARGEST_RATIO)
         means: FloatArray = ratios.reshape(2, CLASSES).mean(axis=0).astype(np.float64)
         return means
 
@@ -92,16 +89,22 @@ class ResponseTable:
 
     @property
     def edges_of_both(self) -> Image:
-        """The tables of edges for bright and, turned round, for dark cables: (96, 15, 8)."""
+        """The tables of edges for bright and, turned round, for dark cables, shape (1440, 8).
+
+        The rows are those of `edge_cell`.
+        """
         both = np.concatenate((self.edges, self.edges[:, ::-1]))
-        return np.ascontiguousarray(np.moveaxis(both, 0, -1))
+        return _by_cell(both)
 
     @property
     def contrasts_of_both(self) -> Image:
-        """The tables of contrasts for bright and for dark cables, shape (24, 25, 8)."""
+        """The tables of contrasts for bright and for dark cables, shape (600, 8).
+
+        The rows are those of `contrast_cell`.
+        """
         own = self.limited_contrasts
         both = np.concatenate((own, own[:, ::-1, ::-1]))
-        return np.ascontiguousarray(np.moveaxis(both, 0, -1))
+        return _by_cell(both)
 
     def look_up(self, points: PointMeasures) -> Image:
         """Return the ratios of P points on borders of a bright and of a dark cable.
@@ -110,9 +113,7 @@ class ResponseTable:
         """
         edges, contrasts = points.cells()
         ratios: Image = np.minimum(
-            self.edges_of_both.reshape(-1, 2 * CLASSES)[edges]
-            + self.contrasts_of_both.reshape(-1, 2 * CLASSES)[contrasts],
-            LARGEST_RATIO,
+            self.edges_of_both[edges] + self.contrasts_of_both[contrasts], LARGEST_RATIO
         )
         return ratios
 
@@ -130,6 +131,11 @@ class ResponseTable:
             *(f'"{name}": [\n{_lines(getattr(self, name))}\n]' for name in _SHAPES),
         ]
         path.write_text("{" + ",\n ".join(content) + "}\n", encoding="utf-8")
+
+
+def _by_cell(tables: Image) -> Image:
+    """Return tables (8, rows, columns) with all ratios of a cell beside each other, (cells, 8)."""
+    return np.ascontiguousarray(tables.reshape(len(tables), -1).T)
 
 
 _LIMITS = {

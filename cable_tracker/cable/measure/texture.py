@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from cable_tracker.cable.measure.border_points import BorderLine, crossing_position
+from cable_tracker.cable.measure.border_points import BorderLine
 from cable_tracker.cable.measure.scanned_gradients import ScanLines
 from cable_tracker.compilation import compiled_inside
 
@@ -96,16 +96,17 @@ def _mean_texture(lines: ScanLines, border: BorderLine, begin: float, end: float
 
     0 for too few pixels.
     """
-    length = lines.texture.shape[1] - 1
-    last, low, high = float(length - 1), min(begin, end), max(begin, end)
+    length = float(lines.texture.shape[1] - 1)
+    middle, low, high = 0.5 * (length - 1.0), min(begin, end) + 0.5, max(begin, end) + 0.5
     total, pixels = 0.0, 0
     for number in range(0, len(lines.places), LINE_STEP):
-        line = np.uint64(number)
-        position = crossing_position(lines, line, border.start, border.step, last)
-        if position < 0.0:
+        place = border.start + border.step * lines.places[number]
+        # Written so that a place that is no number is outside.
+        if not abs(place) <= middle:
             continue
-        first = int(min(max(position + low + 0.5, 0.0), float(length)))
-        stop = int(min(max(position + high + 0.5, 0.0), float(length)))
-        total += lines.texture[line, np.uint64(stop)] - lines.texture[line, np.uint64(first)]
+        first = int(min(max(place + middle + low, 0.0), length))
+        stop = int(min(max(place + middle + high, 0.0), length))
+        sums = lines.texture[number]
+        total += sums[np.uint64(stop)] - sums[np.uint64(first)]
         pixels += stop - first
     return total / pixels if pixels >= FEWEST_PIXELS else 0.0

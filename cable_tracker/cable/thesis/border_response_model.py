@@ -11,13 +11,15 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.border_points import (
+    BLOCK,
     MINIMUM_POINTS,
     FrameScan,
-    between_pixels,
+    border_line,
     border_normal,
-    crossing_position,
+    find_crossings,
     frame_scan,
-    response_at,
+    measure_responses,
+    room_for_crossings,
 )
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -29,6 +31,9 @@ SMALLEST_SUM = 1e-3
 LEAST_SCALE = 0.3
 """Smallest robust scale of a frame [grey levels per working px]: below it lies the rounding of
 pixels."""
+
+NO_DEPTHS = (0.0, 0.0, 0.0)
+"""Beside the borders nothing is looked at."""
 
 
 class BorderResponseModel:
@@ -93,27 +98,19 @@ def border_sums(states: FloatArray, image: WorkingImage) -> tuple[FloatArray, Fl
 def _sum_responses(
     states: FloatArray, scan: FrameScan, sums: FloatArray, lengths: FloatArray
 ) -> None:
+    crossings = room_for_crossings()
     for cable in range(len(states)):
-        state = states[cable]
         for border in range(2):
             side = 2.0 * border - 1.0
-            steep, along, across, offset = border_normal(state, side, scan.reduction)
+            steep, along, across, offset = border_normal(states[cable], side, scan.reduction)
             lines = scan.rows if steep else scan.columns
-            length = lines.gradients.shape[1]
-            start, step = offset / along, -across / along
+            line = border_line(along, across, offset, 1.0, NO_DEPTHS, scan.scale)
             total, count = np.float32(0.0), 0
-            for number in range(len(lines.places)):
-                line = np.uint64(number)
-                position = crossing_position(lines, line, start, step, float(length - 1))
-                if position < 0.0:
-                    continue
-                total += response_at(
-                    lines.gradients,
-                    line,
-                    between_pixels(position, length),
-                    np.float32(along),
-                    np.float32(across),
-                )
-                count += 1
+            for start in range(0, len(lines.places), BLOCK):
+                first, found = find_crossings(lines, start, line, crossings)
+                measure_responses(lines, first, found, line, crossings)
+                for index in range(found):
+                    total += crossings.responses[index]
+                count += found
             sums[cable, border] = float(total) / abs(along)
             lengths[cable, border] = count / abs(along)
