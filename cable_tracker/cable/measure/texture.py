@@ -41,7 +41,7 @@ LINE_STEP = 2
 FEWEST_PIXELS = 12
 """Fewer pixels on a side say nothing."""
 
-ORDINARY_STEP, STEP_SLOPE = 0.2, 36.0
+ORDINARY_STEP, STEP_SLOPE = 0.26, 40.0
 """Steps of the log texture above the first speak for a cable, by so many nats per unit."""
 
 
