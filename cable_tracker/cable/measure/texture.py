@@ -8,8 +8,8 @@ or rougher, says nothing: growth is rough, and so is the camera's noise in what 
 is little but noise a bright skin counts as a smooth one. That both are told from the gradient
 itself was tried, and finds fewer cables.
 
-The constants were chosen on the simulated worlds to tune on (`tune_*`), where one random strip in a
-hundred is smoother than both sides by `ORDINARY_STEP`, and every second cable is.
+The constants were chosen on the simulated worlds to tune on (`tune_*`): of strips at random one in
+two hundred is smoother than both sides by more than `ORDINARY_STEP`, of cables two in five.
 """
 
 from __future__ import annotations
