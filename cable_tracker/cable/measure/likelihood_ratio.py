@@ -48,6 +48,7 @@ from cable_tracker.cable.measure.response_table import LARGEST_RATIO, ResponseTa
 from cable_tracker.cable.measure.scanned_gradients import ScanLines
 from cable_tracker.cable.measure.texture import smoothness_behind, texture_log_ratio
 from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled, compiled_inside, compiled_part
 
@@ -142,7 +143,15 @@ class BorderLikelihoodRatio:
         return marginal_log_ratios(self.measure(states, observation).log_ratios, EITHER)
 
     def measure(self, states: FloatArray, image: WorkingImage) -> CableEvidence:
-        """Measure cables, shape (N, 4) or more columns."""
+        """Measure cables, shape (N, 4) or more columns.
+
+        Raises
+        ------
+        ValueError
+            There are fewer columns: compiled code would read beyond them.
+        """
+        if states.ndim != 2 or states.shape[1] < POSE_SIZE:
+            raise ValueError(f"cables must have shape (N, >= {POSE_SIZE}), not {states.shape}")
         evidence = empty_evidence(len(states))
         rows = np.array(states, np.float64, order="C")
         _measure_all(rows, frame_scan(image), self.model_for(image), evidence)

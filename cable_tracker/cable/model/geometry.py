@@ -13,7 +13,15 @@ from typing import TypeVar
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, WIDTH, StateColumn
+from cable_tracker.cable.model.state import (
+    ANGLE,
+    DISTANCE,
+    POSE_SIZE,
+    SKEW,
+    STATE_SIZE,
+    WIDTH,
+    StateColumn,
+)
 from cable_tracker.compilation import compiled, compiled_inside
 
 Number = TypeVar("Number", float, FloatArray)
@@ -137,9 +145,16 @@ def unwrap_states(states: FloatArray, reference_angle: float | FloatArray) -> Fl
     -------
     FloatArray
         Shape (N, 8), the same cables, angles in (reference - pi/2, reference + pi/2].
+
+    Raises
+    ------
+    ValueError
+        The states have another shape: compiled code would write beyond their end.
     """
     # Copies of one kind of array, whatever comes in: for every kind, Numba compiles anew.
     chart = np.array(states, np.float64, order="C")
+    if chart.ndim != 2 or chart.shape[1] != STATE_SIZE:
+        raise ValueError(f"states must have shape (N, {STATE_SIZE}), not {chart.shape}")
     unwrap_in_place(chart, np.full(len(chart), reference_angle, np.float64))
     return chart
 

@@ -253,3 +253,9 @@ def test_a_cable_has_the_sum_of_its_points_ratios(seed):
 def test_a_table_that_is_not_there_is_said_at_once(tmp_path):
     with pytest.raises(ParameterError, match="response_table"):
         BorderLikelihoodRatio(TrackerParameters(response_table=str(tmp_path / "none.json")))
+
+
+@pytest.mark.parametrize("shape", [(3, 2), (8,)])
+def test_cables_of_too_few_columns_are_refused(strip, shape):
+    with pytest.raises(ValueError, match="shape"):
+        MODEL.measure(np.zeros(shape), working(strip))

@@ -221,3 +221,9 @@ def test_no_rounding_leaves_an_angle_outside_the_range(turns):
         wrapped = wrap_angle(np.array([angle]))[0]
         assert -np.pi / 2 < wrapped <= np.pi / 2
         assert wrapped == wrapped_angle(angle)
+
+
+@pytest.mark.parametrize("shape", [(3, 4), (8,), (2, 9), (2, 2, 8)])
+def test_states_of_another_shape_are_refused_before_compiled_code_sees_them(shape):
+    with pytest.raises(ValueError, match="shape"):
+        unwrap_states(np.zeros(shape), 0.0)
