@@ -36,7 +36,6 @@ MINIMUM_POINTS = 3.0
 SMALLEST_RESPONSE = np.float32(1.0)
 """Added to a response before its slope is divided by it [robust scales]: noise has no ridge."""
 
-
 BLOCK, GROUP = 64, 16
 """So many crossings are measured together at most, and so many at once."""
 

@@ -5,8 +5,8 @@ and in a sunlit band the bottom goes on, as rough as beside them: light and shad
 levels and their differences by the same factor. So what is compared is the mean size of the
 gradient over the grey level, inside and outside each border. A skin that is as rough as the bottom,
 or rougher, says nothing: growth is rough, and so is the camera's noise in what is dark. Where there
-is little but noise a bright skin counts as a smooth one. That both are told from the gradient
-itself was tried, and finds fewer cables.
+is little but noise a bright skin counts as a smooth one; that the gradient alone has to be smaller,
+too, was tried against it, and finds fewer cables.
 
 The constants were chosen on the simulated worlds to tune on (`tune_*`): of strips at random one in
 two hundred is smoother than both sides by more than `ORDINARY_STEP`, of cables two in five.
