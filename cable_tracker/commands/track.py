@@ -44,7 +44,7 @@ from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.commands.tuning import ValueOption, chosen_parameters, chosen_start, given_values
 from cable_tracker.detection.pair_limits import pair_limits
-from cable_tracker.evaluation.metrics import ErrorSummary, summarise_errors
+from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
 from cable_tracker.evaluation.tracking.advice import advice
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder, WantedResults
 from cable_tracker.evaluation.tracking.track_recording import (
@@ -163,7 +163,8 @@ def _print_errors(summary: ErrorSummary) -> None:
         table.add_column(heading, justify="right")
     degree = math.degrees(1.0)
     rows = (("d [px]", 1.0), ("alpha [deg]", degree), ("w [px]", 1.0), ("beta [deg]", degree))
-    columns = (summary.bias, summary.rmse, summary.median, summary.percentile_95)
+    errors = summary.errors
+    columns = (errors.bias, errors.rmse, errors.median, errors.percentile_95)
     for index, (name, scale) in enumerate(rows):
         table.add_row(name, *(f"{column[index] * scale:.2f}" for column in columns))
     console.print(table)

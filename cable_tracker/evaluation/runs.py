@@ -14,7 +14,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.judged_sequences import JudgedFrame
 from cable_tracker.evaluation.methods import Method
-from cable_tracker.evaluation.metrics import RunMetrics, run_metrics
+from cable_tracker.evaluation.metrics.run_metrics import RunMetrics, run_metrics
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence

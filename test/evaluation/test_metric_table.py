@@ -3,7 +3,7 @@ import math
 import pytest
 
 from cable_tracker.evaluation.metric_table import METRIC_TABLE, METRICS_BY_NAME, metric_spread
-from cable_tracker.evaluation.metrics import run_metrics
+from cable_tracker.evaluation.metrics.run_metrics import run_metrics
 from cable_tracker.evaluation.trace import trace_of
 
 

@@ -8,7 +8,7 @@ import pytest
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.evaluation.metrics import is_off, state_errors
+from cable_tracker.evaluation.metrics.errors import is_off, state_errors
 from cable_tracker.evaluation.tracking.track_recording import initial_state_for, start_from
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source

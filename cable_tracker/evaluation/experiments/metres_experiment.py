@@ -24,7 +24,7 @@ from cable_tracker.evaluation.experiments.flights import (
 )
 from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 from cable_tracker.evaluation.methods import ConfiguredFilter
-from cable_tracker.evaluation.metrics import state_errors
+from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.evaluation.report import median_and_range
 from cable_tracker.evaluation.spread import spread_of
 from cable_tracker.evaluation.trace import LOST_ANGLE, LOST_DISTANCE

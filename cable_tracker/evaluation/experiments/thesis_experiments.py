@@ -32,7 +32,7 @@ from cable_tracker.evaluation.judged_sequences import (
 )
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
-from cable_tracker.evaluation.metrics import (
+from cable_tracker.evaluation.metrics.starts import (
     START_FRAMES,
     StartOutcome,
     StartStatistics,

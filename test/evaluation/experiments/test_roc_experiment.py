@@ -8,7 +8,7 @@ from cable_tracker.evaluation.experiments.roc_experiment import (
     available_worlds,
     claim_shares,
 )
-from cable_tracker.evaluation.metrics import run_metrics
+from cable_tracker.evaluation.metrics.run_metrics import run_metrics
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
 from cable_tracker.simulation.worlds.split import Split

@@ -1,0 +1,105 @@
+"""Whether errors are as large as the stated covariances say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from statistics import NormalDist
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.evaluation.trace import COMPONENTS, Trace
+
+REGION_NEES = 9.4877
+"""95th percentile of the chi-square distribution of 4 degrees of freedom."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ConsistencyStatistics:
+    """Whether errors are as large as the covariance says, over claimed and visible frames.
+
+    Attributes
+    ----------
+    nees_mean, nees_median : float
+        Normalised squared error of (d, alpha, w, beta): 4 and 3.36 if the covariance is right,
+        larger if it is too small; NaN over no frames.
+    inside : FloatArray
+        Share of the truths inside two sigma, shape (4,): 0.954 if the covariance is right.
+    inside_region : float
+        Share of the truths inside the ellipsoid of (d, alpha, w, beta) that should hold 95 %.
+    """
+
+    nees_mean: float
+    nees_median: float
+    inside: FloatArray
+    inside_region: float
+
+
+def consistency_statistics(trace: Trace) -> ConsistencyStatistics:
+    """Compare the errors of the claimed and visible frames with the stated covariances."""
+    chosen = trace.claimed & trace.visible & np.isfinite(trace.errors).all(axis=1)
+    errors, covariances = trace.errors[chosen], trace.covariances[chosen]
+    if not len(errors):
+        return ConsistencyStatistics(math.nan, math.nan, np.full(COMPONENTS, np.nan), math.nan)
+    squares = nees(errors, covariances)
+    return ConsistencyStatistics(
+        nees_mean=float(squares.mean()),
+        nees_median=float(np.median(squares)),
+        inside=(np.abs(errors) <= 2.0 * trace.sigmas[chosen]).mean(axis=0),
+        inside_region=float((squares <= REGION_NEES).mean()),
+    )
+
+
+def nees(errors: FloatArray, covariances: FloatArray) -> FloatArray:
+    """Return the normalised squared errors, shape (K,).
+
+    Infinite where the covariance is no such thing: singular, or with a negative variance.
+
+    Parameters
+    ----------
+    errors : FloatArray
+        Shape (K, n).
+    covariances : FloatArray
+        Shape (K, n, n); finite.
+    """
+    result = np.full(len(errors), np.inf)
+    for index, (error, covariance) in enumerate(zip(errors, covariances, strict=True)):
+        sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        if not (sigma > 0.0).all():
+            continue
+        # px and rad differ by orders of magnitude; correlations do not.
+        values, vectors = np.linalg.eigh(covariance / np.outer(sigma, sigma))
+        if values[0] > 1e-12:
+            result[index] = float(((vectors.T @ (error / sigma)) ** 2 / values).sum())
+    return result
+
+
+def coverage(traces: Iterable[Trace], nominal: FloatArray) -> FloatArray:
+    """Return how often the truth lies inside the central interval of a nominal probability.
+
+    Parameters
+    ----------
+    traces : iterable of Trace
+        Runs whose claimed and visible frames are taken together.
+    nominal : FloatArray
+        Probabilities, each above 0 and below 1, shape (P,).
+
+    Returns
+    -------
+    FloatArray
+        Shares for d, alpha, w, beta, shape (P, 4); NaN if no frame is claimed.
+    """
+    ratios = [np.full((0, COMPONENTS), np.nan)]
+    for trace in traces:
+        chosen = trace.claimed & trace.visible
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios.append(np.abs(trace.errors[chosen]) / trace.sigmas[chosen])
+    pooled = np.concatenate(ratios)
+    if not len(pooled):
+        return np.full((len(nominal), COMPONENTS), np.nan)
+    normal = NormalDist()
+    limits = np.array([normal.inv_cdf((1.0 + probability) / 2.0) for probability in nominal])
+    shares: FloatArray = (pooled[None, :, :] <= limits[:, None, None]).mean(axis=1)
+    return shares

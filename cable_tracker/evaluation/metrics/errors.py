@@ -1,0 +1,99 @@
+"""Errors of estimates against ground truth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.model.geometry import unwrap_states
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.evaluation.trace import COMPONENTS, LOST_ANGLE
+from cable_tracker.sequences.estimates import EstimateRow
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ErrorStatistics:
+    """Errors of d, alpha, w, beta over some frames, shape (4,) each [px, rad]; NaN over none.
+
+    Attributes
+    ----------
+    bias, rmse : FloatArray
+        Mean and root mean square of estimate minus truth.
+    median, percentile_95 : FloatArray
+        Of the absolute errors.
+    """
+
+    bias: FloatArray
+    rmse: FloatArray
+    median: FloatArray
+    percentile_95: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ErrorSummary:
+    """Errors over the labelled frames of a recording in which a cable was claimed.
+
+    Attributes
+    ----------
+    labelled : int
+        Frames with ground truth.
+    claimed : int
+        Those of them in which the tracker claimed a cable.
+    errors : ErrorStatistics
+        Over the latter.
+    share_off : float
+        Share of the claimed frames in which |d error| > w/2 or |alpha error| > 8 deg; NaN if none
+        was claimed.
+    """
+
+    labelled: int
+    claimed: int
+    errors: ErrorStatistics
+    share_off: float
+
+
+def state_errors(estimate: CableState, truth: CableState) -> FloatArray:
+    """Return estimate minus truth of d, alpha, w, beta, shape (4,), also across the wrap."""
+    chart = unwrap_states(estimate.to_array()[None, :], truth.angle)[0]
+    errors: FloatArray = chart[:4] - truth.to_array()[:4]
+    return errors
+
+
+def is_off(errors: FloatArray, truth: CableState) -> bool:
+    """Tell whether errors (4,) [px, rad] miss the cable: off by half its width, or by 8 deg."""
+    return bool(abs(errors[0]) > truth.width / 2 or abs(errors[1]) > LOST_ANGLE)
+
+
+def error_statistics(errors: FloatArray) -> ErrorStatistics:
+    """Summarise errors of shape (K, 4); rows that are not finite are left out."""
+    finite = errors[np.isfinite(errors).all(axis=1)]
+    if not len(finite):
+        unknown = np.full(COMPONENTS, np.nan)
+        return ErrorStatistics(unknown, unknown, unknown, unknown)
+    return ErrorStatistics(
+        bias=finite.mean(axis=0),
+        rmse=np.sqrt((finite**2).mean(axis=0)),
+        median=np.median(np.abs(finite), axis=0),
+        percentile_95=np.percentile(np.abs(finite), 95, axis=0),
+    )
+
+
+def summarise_errors(rows: Sequence[EstimateRow], truths: Mapping[int, CableState]) -> ErrorSummary:
+    """Compare the rows of a tracked recording with the truths by frame number."""
+    pairs = [
+        (row.state, truths[row.frame])
+        for row in rows
+        if row.state is not None and row.frame in truths
+    ]
+    errors = [state_errors(estimate, truth) for estimate, truth in pairs]
+    off = [is_off(error, truth) for error, (_, truth) in zip(errors, pairs, strict=True)]
+    return ErrorSummary(
+        labelled=len(truths),
+        claimed=len(pairs),
+        errors=error_statistics(np.array(errors).reshape(-1, COMPONENTS)),
+        share_off=float(np.mean(off)) if off else math.nan,
+    )

@@ -1,0 +1,57 @@
+import math
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.evaluation.metrics.consistency import consistency_statistics, coverage, nees
+from cable_tracker.evaluation.trace import trace_of
+
+
+def test_nees_by_hand():
+    covariance = np.array([[4.0, 1.0], [1.0, 1.0]])
+    # Inverse: [[1, -1], [-1, 4]] / 3.
+    squares = nees(np.array([[1.0, 1.0], [0.0, 0.0]]), np.stack((covariance, covariance)))
+    assert squares == pytest.approx([1.0, 0.0])
+
+
+def test_nees_of_a_singular_covariance_is_infinite():
+    assert nees(np.ones((2, 2)), np.stack((np.ones((2, 2)), np.zeros((2, 2))))).tolist() == [
+        math.inf,
+        math.inf,
+    ]
+
+
+def test_nees_of_honest_errors_is_their_number_of_dimensions():
+    rng = np.random.default_rng(0)
+    factor = np.array([[3.0, 0, 0, 0], [0.01, 0.02, 0, 0], [1, 0, 2, 0], [0, 0, 0.004, 0.01]])
+    errors = rng.standard_normal((4000, 4)) @ factor.T
+    squares = nees(errors, np.tile(factor @ factor.T, (4000, 1, 1)))
+    assert squares.mean() == pytest.approx(4.0, rel=0.05)
+    assert np.median(squares) == pytest.approx(3.357, rel=0.05)
+
+
+def test_inside_two_sigma_by_hand(outcome):
+    errors = [(0.0, 0.0, 0.0, 0.0), (3.9, 0.05, 0.0, 0.0), (4.1, 0.0, 0.0, 0.03)]
+    statistics = consistency_statistics(
+        trace_of([outcome(i, error=error) for i, error in enumerate(errors)])
+    )
+    assert statistics.inside == pytest.approx([2 / 3, 2 / 3, 1.0, 2 / 3])
+
+
+def test_only_claims_must_be_consistent(trace):
+    assert math.isnan(consistency_statistics(trace("sxn")).nees_mean)
+
+
+def test_coverage_of_honest_errors_is_nominal(outcome):
+    rng = np.random.default_rng(1)
+    sigma = np.array((2.0, 0.02, 3.0, 0.01))
+    truth = CableState(0.0, 0.0, 60.0)
+    outcomes = [outcome(i, truth, tuple(rng.standard_normal(4) * sigma)) for i in range(1500)]
+    nominal = np.array([0.2, 0.5, 0.9])
+    shares = coverage([trace_of(outcomes)], nominal)
+    assert shares == pytest.approx(np.tile(nominal[:, None], (1, 4)), abs=0.04)
+
+
+def test_coverage_of_nothing_is_unknown(trace):
+    assert np.isnan(coverage([trace("ss")], np.array([0.5]))).all()
