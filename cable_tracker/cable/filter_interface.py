@@ -72,8 +72,15 @@ class CableFilter(ABC, Generic[BeliefType]):
         """Return the belief of a search: the prior, without a history."""
 
     @abstractmethod
-    def given_belief(self, states: FloatArray, *, is_certain: bool = True) -> BeliefType:
-        """Return the belief after states (N, 8) were given, certainly of the cable or perhaps."""
+    def given_belief(self, states: FloatArray) -> BeliefType:
+        """Return the belief after states (N, 8) of the cable were given."""
+
+    def guessed_belief(self, states: FloatArray) -> BeliefType:
+        """Return the belief after states (N, 8) were given that may be of something else.
+
+        A filter that cannot tell the two apart believes either.
+        """
+        return self.given_belief(states)
 
     @abstractmethod
     def converted(self, belief: ParticleBelief) -> BeliefType:

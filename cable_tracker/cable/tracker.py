@@ -192,7 +192,8 @@ class CableTracker:
         assert self._frame is not None
         width = self._frame.size[0]
         states = draw_given_states(given, self._parameters, width, self._rng)
-        belief: ParticleBelief = cable_filter.given_belief(states, is_certain=given.is_certain)
+        believe = cable_filter.given_belief if given.is_certain else cable_filter.guessed_belief
+        belief: ParticleBelief = believe(states)
         return belief
 
     def _make_filter(self, image_size: tuple[int, int]) -> CableFilter[Any]:

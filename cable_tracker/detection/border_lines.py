@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.model.geometry import Number
+from cable_tracker.cable.model.geometry import Number, lengths_inside
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop
 from cable_tracker.detection.edges import EdgePoints
@@ -35,10 +35,6 @@ STRETCH = 4.0
 SAME_OFFSET = 4.0
 SAME_ANGLE = float(np.deg2rad(4.0))
 """Lines as close as this are one [px at the reference width, rad]."""
-
-
-LEAST_SLOPE = 1e-12
-"""A line that comes nearer to a side of the picture by less, over a pixel, never meets it [px]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -184,7 +180,7 @@ def _supports(
     stretch = max(STRETCH * scale, 1.0)
     reach = int(np.hypot(*image_size) / 2 / stretch) + 1
     covered = _covered(angles, offsets, edges, FIT_TOLERANCES[-1] * scale, stretch, reach)
-    lengths = visible_lengths(angles, offsets, image_size)
+    lengths = lengths_inside(angles, offsets, image_size)
     lengths = np.maximum(lengths, min(image_size) / 2)
     shares: FloatArray = covered / CONTRAST_CAP * stretch / lengths
     return np.minimum(shares, 1.0)
@@ -212,19 +208,6 @@ def _covered(  # noqa: PLR0917
                 best[place] = max(best[place], weight)
         sums[line] = best.sum()
     return sums
-
-
-def visible_lengths(
-    angles: FloatArray, offsets: FloatArray, image_size: tuple[int, int]
-) -> FloatArray:
-    """Return the lengths of lines (N,) inside the picture [px], (N,); 0 for one that misses it."""
-    cos, sin = np.cos(angles), np.sin(angles)
-    starts, slopes = np.stack((offsets * cos, offsets * sin)), np.stack((-sin, cos))
-    slopes = np.where(np.abs(slopes) < LEAST_SLOPE, LEAST_SLOPE, slopes)
-    limits = (np.array(image_size)[:, None] - 1) / 2
-    ends = np.stack(((-limits - starts) / slopes, (limits - starts) / slopes))
-    lengths: FloatArray = ends.max(axis=0).min(axis=0) - ends.min(axis=0).max(axis=0)
-    return np.maximum(lengths, 0.0)
 
 
 def _merged(lines: BorderLines, scale: float) -> BorderLines:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.detection.border_lines import fit_lines, turn_between, visible_lengths
+from cable_tracker.detection.border_lines import fit_lines, turn_between
 
 SIZE = (320, 240)
 
@@ -67,14 +67,6 @@ def test_a_short_line_in_a_corner_is_not_well_supported(edge_line):
     # At 45 degrees and 190 px from the centre, about 15 px of the line are inside.
     points = edge_line(np.pi / 4, 190.0, -27.0, -10.0)
     assert fit(points, (np.pi / 4, 190.0)).supports[0] < 0.25
-
-
-@pytest.mark.parametrize(
-    ("angle", "offset", "length"), [(0.0, 0.0, 239.0), (np.pi / 2, 10.0, 319.0), (0.0, 200.0, 0.0)]
-)
-def test_the_visible_length(angle, offset, length):
-    lengths = visible_lengths(np.array([angle]), np.array([offset]), SIZE)
-    assert lengths[0] == pytest.approx(length)
 
 
 @pytest.mark.parametrize(

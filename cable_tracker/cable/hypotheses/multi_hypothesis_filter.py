@@ -155,16 +155,19 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         states = self._box.draw(self._parameters.particle_count, self._rng)
         return initial_belief(states, LEAST_PRESENCE)
 
-    def given_belief(self, states: FloatArray, *, is_certain: bool = True) -> Belief:
-        """Return the belief after states (N, 8) were given, certainly of the cable or perhaps."""
-        known_time = math.inf if is_certain else 0.0
-        return replace(initial_belief(states, GIVEN_PRESENCE), known_time=known_time)
+    def given_belief(self, states: FloatArray) -> Belief:
+        """Return the belief after states (N, 8) of the cable were given."""
+        return replace(self.guessed_belief(states), known_time=math.inf)
+
+    def guessed_belief(self, states: FloatArray) -> Belief:
+        """Return the belief after states (N, 8) were given that may be of something else."""
+        return initial_belief(states, GIVEN_PRESENCE)
 
     def converted(self, belief: ParticleBelief) -> Belief:
         """Return the belief of any filter as this one's, with as many particles as wanted."""
         if not isinstance(belief, Belief):
             states = resampled_states(belief, self._parameters, self._rng)
-            return self.given_belief(states, is_certain=False)
+            return self.guessed_belief(states)
         count = self._parameters.particle_count
         if belief.particles.count == count:
             return belief

@@ -34,6 +34,9 @@ SIGN_CHANGING_COLUMNS = (
 )
 """Components that change their sign when the normal is turned round."""
 
+LEAST_SLOPE = 1e-12
+"""A line that comes nearer to a side of the image by less, over a pixel, never meets it [px]."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Borders:
@@ -259,25 +262,42 @@ def segment_inside(
         Lower and upper end in the image frame [px], lower in the sense of the line's own upward
         direction (-sin, cos); None if the line does not cross the image.
     """
-    width, height = image_size
-    low, high = -np.inf, np.inf
-    cos, sin = np.cos(angle), np.sin(angle)
-    for start, slope, limit in (
-        (offset * cos, -sin, (width - 1) / 2),
-        (offset * sin, cos, (height - 1) / 2),
-    ):
-        if abs(slope) < 1e-12:
-            if abs(start) > limit:
-                return None
-            continue
-        first, second = sorted(((-limit - start) / slope, (limit - start) / slope))
-        low, high = max(low, first), min(high, second)
+    (low,), (high,) = _limits_inside(np.array([angle]), np.array([offset]), image_size)
     if low >= high:
         return None
+    cos, sin = np.cos(angle), np.sin(angle)
     return (
         (float(offset * cos - low * sin), float(offset * sin + low * cos)),
         (float(offset * cos - high * sin), float(offset * sin + high * cos)),
     )
+
+
+def lengths_inside(
+    angles: FloatArray, offsets: FloatArray, image_size: tuple[int, int]
+) -> FloatArray:
+    """Return the lengths of lines (N,) inside the image [px], (N,); 0 for one that misses it."""
+    low, high = _limits_inside(angles, offsets, image_size)
+    return np.maximum(high - low, 0.0)
+
+
+def _limits_inside(
+    angles: FloatArray, offsets: FloatArray, image_size: tuple[int, int]
+) -> tuple[FloatArray, FloatArray]:
+    """Return from where to where lines (N,) are inside the image, along (-sin, cos), (N,) each.
+
+    Counted from the foot point [px]. Of a line that misses the image the first is not smaller.
+    """
+    cos, sin = np.cos(angles), np.sin(angles)
+    starts, slopes = np.stack((offsets * cos, offsets * sin)), np.stack((-sin, cos))
+    limits = (np.array(image_size)[:, None] - 1) / 2
+    is_parallel = np.abs(slopes) < LEAST_SLOPE
+    slopes = np.where(is_parallel, 1.0, slopes)
+    ends = np.sort(((-limits - starts) / slopes, (limits - starts) / slopes), axis=0)
+    # Between two sides that it never meets, a line is all the way or nowhere.
+    whole = np.where(np.abs(starts) <= limits, -np.inf, np.inf)
+    low: FloatArray = np.where(is_parallel, whole, ends[0]).max(axis=0)
+    high: FloatArray = np.where(is_parallel, np.inf, ends[1]).min(axis=0)
+    return low, high
 
 
 def image_to_pixel(points: FloatArray, image_size: tuple[int, int]) -> FloatArray:

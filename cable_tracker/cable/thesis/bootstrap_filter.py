@@ -80,7 +80,7 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
         """Return particles all over the search box."""
         return self.given_belief(random_states(self._parameters, self._width, self._rng))
 
-    def given_belief(self, states: FloatArray, *, is_certain: bool = True) -> BootstrapBelief:
+    def given_belief(self, states: FloatArray) -> BootstrapBelief:
         """Return equally weighted particles, states (N, 8)."""
         return BootstrapBelief(Particles.equally_weighted(states))
 

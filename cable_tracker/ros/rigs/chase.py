@@ -43,12 +43,12 @@ from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED, ReleasedCommands
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
+from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages import read_compressed_image, report_facts, stamp_of
 from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.tracking.idle_status import WARMING_UP
 from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.video import VideoWriter
 
@@ -101,8 +101,7 @@ class ChaseRecorder(Node):  # type: ignore[misc]
         self.reports: dict[int, Any] = {}
         self.heard = 0
         self.overlays: list[Any] = []
-        self._readers: dict[str, int] = {}
-        self._is_warm = False
+        self._told = ToldReadiness()
         self._commands = ReleasedCommands(self)
         self._open: list[int] = []
         self._recorded = 0
@@ -135,19 +134,14 @@ class ChaseRecorder(Node):  # type: ignore[misc]
 
     def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
         for status in message.status:
-            if status.name.endswith(": guidance"):
-                continue
-            self._is_warm = status.message != WARMING_UP
-            for pair in status.values:
-                if pair.key.startswith(("subscribers of ", "readers of ")):
-                    self._readers[pair.key.rpartition("/")[2]] = int(pair.value)
+            if not is_guidance(status):
+                self._told.hear(status)
 
     def is_ready(self) -> bool:
         """Tell whether the tracker is warm, and knows both the follower and us."""
-        readers = self._readers
-        both = all(readers.get(name, 0) >= 2 for name in ("state", "relative_pose"))
-        ours = all(readers.get(name, 0) >= 1 for name in ("frame_report", "compressed"))
-        return self._is_warm and both and ours
+        told = self._told
+        both = told.has_readers(2, "state", "relative_pose")
+        return told.is_warm and both and told.has_readers(1, "frame_report", "compressed")
 
     def is_answered(self) -> bool:
         """Tell whether all that is told about the frames that have come has come, too."""

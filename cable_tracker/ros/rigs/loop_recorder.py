@@ -20,10 +20,10 @@ from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
 from cable_tracker.metric.messages import Y, yaw_of
 from cable_tracker.ros import qos
 from cable_tracker.ros.rigs.released_commands import ReleasedCommands
+from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages import Message, read_image, read_state, stamp_of
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.tracking.idle_status import WARMING_UP
 
 
 @dataclass(slots=True)
@@ -110,9 +110,8 @@ class LoopRecorder(Node):  # type: ignore[misc]
         self._frames: dict[int, _Frame] = {}
         self._undrawn: dict[int, _Frame] = {}
         self._modes = _Modes()
-        self._readers: dict[str, int] = {}
         self._with_images = with_images
-        self._is_warm = False
+        self._told = ToldReadiness()
         self._drawn = -1
         self._taken = 0
         self.heard = 0
@@ -143,23 +142,19 @@ class LoopRecorder(Node):  # type: ignore[misc]
 
     def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
         for status in message.status:
-            if status.name.endswith(": guidance"):
+            if is_guidance(status):
                 self._modes.changes[stamp_of(message.header)] = str(status.message)
-                continue
-            self._is_warm = status.message != WARMING_UP
-            for pair in status.values:
-                if pair.key.startswith(("subscribers of ", "readers of ")):
-                    self._readers[pair.key.rpartition("/")[2]] = int(pair.value)
+            else:
+                self._told.hear(status)
 
     def is_connected(self) -> bool:
         """Tell whether the tracker knows both the controller and us; it says so in diagnostics."""
-        return all(self._readers.get(name, 0) >= 2 for name in ("state", "cross_track")) and bool(
-            self._readers.get("frame_report")
-        )
+        both = self._told.has_readers(2, "state", "cross_track")
+        return both and self._told.has_readers(1, "frame_report")
 
     def is_warm(self) -> bool:
         """Tell whether the tracker has said that it is done with compiling."""
-        return self._is_warm
+        return self._told.is_warm
 
     def take(self) -> list[SeenFrame]:
         """Return the frames that have become complete, in order, each once.

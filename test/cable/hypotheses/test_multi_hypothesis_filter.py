@@ -218,7 +218,7 @@ def test_a_cable_is_known_when_it_was_given_or_followed_for_long(strip, noise):
     assert run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip])[-1].known_time == (
         np.inf
     )
-    guess = cable_filter.given_belief(cloud(STRIP), is_certain=False)
+    guess = cable_filter.guessed_belief(cloud(STRIP))
     followed = run(cable_filter, guess, [strip] * 10, FOUND)[-1]
     assert followed.known_time == pytest.approx(10 * FRAME)
     gone = run(cable_filter, followed, [noise(k) for k in range(25)])[-1]

@@ -1,14 +1,17 @@
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.model.geometry import (
     Borders,
     foot_point,
     image_to_pixel,
+    lengths_inside,
     project_borders,
     sample_points,
     segment_inside,
@@ -200,6 +203,16 @@ def test_lines_along_the_axes_are_clipped():
     assert (left, right) == pytest.approx((-159.5, 159.5))
     assert segment_inside(0.0, 160.0, SIZE) is None
     assert segment_inside(np.pi / 2, -120.0, SIZE) is None
+
+
+@given(ANGLES, st.floats(-300, 300))
+@example(0.0, 0.0)
+@example(np.pi / 2, 10.0)
+@example(0.0, 200.0)
+def test_the_length_inside_is_that_of_the_clipped_line(angle, offset):
+    segment = segment_inside(angle, offset, SIZE)
+    length = 0.0 if segment is None else math.dist(*segment)
+    assert lengths_inside(np.array([angle]), np.array([offset]), SIZE) == pytest.approx([length])
 
 
 def test_the_foot_point_is_the_nearest_to_the_centre():

@@ -1,0 +1,36 @@
+"""Whether a tracker is ready for a rig, as its diagnostics tell."""
+
+from __future__ import annotations
+
+from cable_tracker.sequences.messages import Message
+from cable_tracker.tracking.idle_status import WARMING_UP
+
+
+class ToldReadiness:
+    """What the diagnostics of a tracker and of its watchers have told so far.
+
+    Attributes
+    ----------
+    is_warm : bool
+        Whether the tracker is done with compiling.
+    """
+
+    def __init__(self) -> None:
+        self.is_warm = False
+        self._readers: dict[str, int] = {}
+
+    def hear(self, status: Message) -> None:
+        """Take one status of a DiagnosticArray into account."""
+        self.is_warm = status.message != WARMING_UP
+        for pair in status.values:
+            if pair.key.startswith(("subscribers of ", "readers of ")):
+                self._readers[pair.key.rpartition("/")[2]] = int(pair.value)
+
+    def has_readers(self, count: int, *topics: str) -> bool:
+        """Tell whether topics, by the last part of their names, have so many readers at least."""
+        return all(self._readers.get(topic, 0) >= count for topic in topics)
+
+
+def is_guidance(status: Message) -> bool:
+    """Tell whether a status of a DiagnosticArray is that of a controller or follower."""
+    return str(status.name).endswith(": guidance")
