@@ -111,7 +111,7 @@ class Crossings(NamedTuple):
     positions : FloatArray
         Where they are, counted from the left end of their line [working px], shape (BLOCK,).
     pixels : Image
-        Which pixels of the line are looked at, uint32, shape (3, BLOCK); also cells of tables.
+        Which pixels of the line are looked at, uint32, shape (4, BLOCK); also cells of tables.
     levels : Image
         What is read there, float32, shape (3, BLOCK).
     shares : Image
@@ -134,7 +134,7 @@ def room_for_crossings() -> Crossings:
     """Return room for crossings."""
     return Crossings(
         np.zeros(BLOCK),
-        np.zeros((3, BLOCK), np.uint32),
+        np.zeros((4, BLOCK), np.uint32),
         np.zeros((3, BLOCK), np.float32),
         np.zeros(BLOCK, np.float32),
         np.zeros(BLOCK, np.float32),
@@ -300,9 +300,9 @@ def measure_contrasts(
     positions, last = crossings.positions, _last_pixel(lines)
     pixels, levels = crossings.pixels, crossings.levels
     for index in range(whole_groups(count)):
-        pixels[0, index] = _pixel(positions[index] + border.outside, last)
-        pixels[1, index] = _pixel(positions[index] + border.behind, last)
-        pixels[2, index] = _pixel(positions[index] + border.deep, last)
+        pixels[0, index] = pixel_at(positions[index] + border.outside, last)
+        pixels[1, index] = pixel_at(positions[index] + border.behind, last)
+        pixels[2, index] = pixel_at(positions[index] + border.deep, last)
     for index in range(count):
         line = lines.smooth[np.uint64(first + index)]
         levels[0, index] = line[np.uint64(pixels[0, index])]
@@ -316,7 +316,7 @@ def measure_contrasts(
 
 
 @compiled_inside
-def _pixel(position: float, last: float) -> np.uint32:
+def pixel_at(position: float, last: float) -> np.uint32:
     """Return the pixel of a line that a position, rounded down, falls on, up to the last one.
 
     Without a sign, an index is not checked for counting from the end; with one, the processor

@@ -46,7 +46,13 @@ from cable_tracker.cable.measure.response_bins import (
 )
 from cable_tracker.cable.measure.response_table import LARGEST_RATIO, ResponseTable, load_table
 from cable_tracker.cable.measure.scanned_gradients import ScanLines
-from cable_tracker.cable.measure.texture import smoothness_behind, texture_log_ratio
+from cable_tracker.cable.measure.texture import (
+    TextureWindows,
+    add_texture,
+    smoothness,
+    texture_log_ratio,
+    texture_windows,
+)
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -187,7 +193,7 @@ def measure_into(
     log_ratios, weaker, visible = evidence
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
-    crossings, smoother = room_for_crossings(), np.zeros(2)
+    crossings, texture, smoother = room_for_crossings(), np.empty((2, 2)), np.zeros(2)
     for cable in range(start, stop):
         state = states[cable]
         width = width_across(state, scan.reduction)
@@ -198,9 +204,9 @@ def measure_into(
             steep, along, across, offset = border_normal(state, side, scan.reduction)
             lines = scan.rows if steep else scan.columns
             line = border_line(along, across, offset, -side, depths, scan.scale)
-            length = _sum_border(lines, line, model, crossings, sums[border])
-            if model.texture_limit > 0.0:
-                smoother[border] = smoothness_behind(lines, line, -side / along, width, scan.scale)
+            windows = texture_windows(-side / along, width, scan.scale, model.texture_limit)
+            length = _sum_border(lines, line, windows, model, crossings, sums[border], texture)
+            smoother[border] = smoothness(texture)
             # A border that runs through the picture has as many points as the picture is high.
             # Points beyond the edge cannot be seen, but a cable without is not believed for free.
             lacking = max(scan.expected - length, 0.0)
@@ -210,10 +216,10 @@ def measure_into(
                 sums[border, CLASSES + strength] += cost
             visible[cable] = min(visible[cable], length)
             longest = max(longest, length)
-        texture = texture_log_ratio(smoother[0], smoother[1], model.texture_limit)
+        smoothest = texture_log_ratio(smoother[0], smoother[1], model.texture_limit)
         for polarity in range(2):
             ratio, weakest = _over_strengths(sums, polarity * CLASSES, model.tempering, shares)
-            log_ratios[cable, polarity] = ratio + texture
+            log_ratios[cable, polarity] = ratio + smoothest
             weaker[cable, polarity] = weakest / (model.tempering * longest)
 
 
@@ -280,17 +286,24 @@ def _over_strengths(
 
 @compiled_inside
 def _sum_border(
-    lines: ScanLines, border: BorderLine, model: RatioModel, crossings: Crossings, sums: Image
+    lines: ScanLines,
+    border: BorderLine,
+    windows: TextureWindows,
+    model: RatioModel,
+    crossings: Crossings,
+    sums: Image,
+    texture: FloatArray,
 ) -> float:
-    """Fill in the summed ratios (8,) of a border, and return its length in view."""
-    for index in range(2 * CLASSES):
-        sums[index] = np.float32(0.0)
+    """Fill in the summed ratios (8,) and the texture (2, 2) of a border; return its length."""
+    sums[:], texture[:] = np.float32(0.0), 0.0
     count = 0
     for start in range(0, len(lines.places), BLOCK):
         first, found = find_crossings(lines, start, border, crossings)
         measure_responses(lines, first, found, border, crossings)
         measure_contrasts(lines, first, found, border, crossings)
         _add_ratios(found, model, crossings, sums)
+        if windows.looked_at:
+            add_texture(lines, first, found, windows, crossings, texture)
         count += found
     for index in range(2 * CLASSES):
         sums[index] *= np.float32(border.length)

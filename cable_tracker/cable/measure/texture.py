@@ -15,10 +15,12 @@ two hundred is smoother than both sides by more than `ORDINARY_STEP`, of cables 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.cable.measure.border_points import BorderLine
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.measure.border_points import Crossings, pixel_at, whole_groups
 from cable_tracker.cable.measure.scanned_gradients import ScanLines
 from cable_tracker.compilation import compiled_inside
 
@@ -52,7 +54,7 @@ def texture_log_ratio(left: float, right: float, limit: float) -> float:
     Parameters
     ----------
     left, right : float
-        How much smoother the inside is than the bottom at each border, see `smoothness_behind`.
+        How much smoother the inside is than the bottom at each border, see `smoothness`.
         Their harmonic mean counts, for a strip that is smoother than one side alone is none.
     limit : float
         See the parameter `texture_limit`.
@@ -63,50 +65,101 @@ def texture_log_ratio(left: float, right: float, limit: float) -> float:
     return min(max(STEP_SLOPE * (step - ORDINARY_STEP), 0.0), limit)
 
 
-@compiled_inside
-def smoothness_behind(
-    lines: ScanLines, border: BorderLine, stretch: float, width: float, scale: float
-) -> float:
-    """Return by how much the inside of a border is smoother than the outside, log texture.
+class TextureWindows(NamedTuple):
+    """Where texture is looked at beside the crossings of a border, along the scan lines.
 
-    0 for thin strips, and where too little of a side is in view.
+    Attributes
+    ----------
+    inside, outside : (float, float)
+        From where to where, left to right [working px from the crossing], and half a pixel more,
+        which rounds to the nearest.
+    looked_at : bool
+        Whether there is anything to look at.
+    """
+
+    inside: tuple[float, float]
+    outside: tuple[float, float]
+    looked_at: bool
+
+
+@compiled_inside
+def texture_windows(stretch: float, width: float, scale: float, limit: float) -> TextureWindows:
+    """Return where texture is looked at beside a border.
 
     Parameters
     ----------
-    lines, border : ScanLines, BorderLine
-        Where the border is measured, and how it crosses these lines.
     stretch : float
         Along the line, inwards, per px across the border.
     width, scale : float
         Of the cable, and of the working picture [working px].
+    limit : float
+        See `texture_log_ratio`.
     """
-    if width < THINNEST * scale:
-        return 0.0
     begin = min(NEAREST_INSIDE * scale, 0.5 * width - INNERMOST * scale)
     end = min(begin + DEPTH_INSIDE * scale, 0.5 * width)
-    inside = _mean_texture(lines, border, begin * stretch, end * stretch)
-    begin, end = -NEAREST_OUTSIDE * scale, -(NEAREST_OUTSIDE + DEPTH_OUTSIDE) * scale
-    outside = _mean_texture(lines, border, begin * stretch, end * stretch)
+    nearest, farthest = -NEAREST_OUTSIDE * scale, -(NEAREST_OUTSIDE + DEPTH_OUTSIDE) * scale
+    return TextureWindows(
+        _window(begin * stretch, end * stretch),
+        _window(nearest * stretch, farthest * stretch),
+        limit > 0.0 and width >= THINNEST * scale,
+    )
+
+
+@compiled_inside
+def _window(begin: float, end: float) -> tuple[float, float]:
+    return min(begin, end) + 0.5, max(begin, end) + 0.5
+
+
+@compiled_inside
+def add_texture(
+    lines: ScanLines,
+    first: int,
+    count: int,
+    windows: TextureWindows,
+    crossings: Crossings,
+    texture: FloatArray,
+) -> None:
+    """Add what lies beside crossings with the lines from `first` on.
+
+    To `texture` (2, 2): sums of the texture inside and outside, and numbers of pixels.
+    """
+    positions, pixels = crossings.positions, crossings.pixels
+    last = float(lines.texture.shape[1] - 1)
+    # Which lines are looked at does not depend on where the border enters the picture.
+    skipped = -first % LINE_STEP
+    looked_at = max(count - skipped + LINE_STEP - 1, 0) // LINE_STEP
+    for index in range(whole_groups(looked_at)):
+        position = positions[skipped + LINE_STEP * index]
+        pixels[0, index] = pixel_at(position + windows.inside[0], last)
+        pixels[1, index] = pixel_at(position + windows.inside[1], last)
+        pixels[2, index] = pixel_at(position + windows.outside[0], last)
+        pixels[3, index] = pixel_at(position + windows.outside[1], last)
+    # As variables, they stay in registers.
+    inside, outside = np.float32(0.0), np.float32(0.0)
+    for index in range(looked_at):
+        sums = lines.texture[np.uint64(first + skipped + LINE_STEP * index)]
+        inside += sums[np.uint64(pixels[1, index])] - sums[np.uint64(pixels[0, index])]
+        outside += sums[np.uint64(pixels[3, index])] - sums[np.uint64(pixels[2, index])]
+    inside_pixels, outside_pixels = np.uint32(0), np.uint32(0)
+    for index in range(looked_at):
+        inside_pixels += pixels[1, index] - pixels[0, index]
+        outside_pixels += pixels[3, index] - pixels[2, index]
+    texture[0, 0] += inside
+    texture[0, 1] += inside_pixels
+    texture[1, 0] += outside
+    texture[1, 1] += outside_pixels
+
+
+@compiled_inside
+def smoothness(texture: FloatArray) -> float:
+    """Return by how much the inside of a border is smoother than the outside, log texture.
+
+    `texture` is what `add_texture` added; 0 where too little of a side is in view.
+    """
+    inside, outside = _mean_texture(texture[0]), _mean_texture(texture[1])
     return math.log(outside / inside) if inside > 0.0 and outside > 0.0 else 0.0
 
 
 @compiled_inside
-def _mean_texture(lines: ScanLines, border: BorderLine, begin: float, end: float) -> float:
-    """Return the mean texture from `begin` to `end` of a border's crossings, along the lines.
-
-    0 for too few pixels.
-    """
-    length = float(lines.texture.shape[1] - 1)
-    middle, low, high = 0.5 * (length - 1.0), min(begin, end) + 0.5, max(begin, end) + 0.5
-    total, pixels = 0.0, 0
-    for number in range(0, len(lines.places), LINE_STEP):
-        place = border.start + border.step * lines.places[number]
-        # Written so that a place that is no number is outside.
-        if not abs(place) <= middle:
-            continue
-        first = int(min(max(place + middle + low, 0.0), length))
-        stop = int(min(max(place + middle + high, 0.0), length))
-        sums = lines.texture[number]
-        total += sums[np.uint64(stop)] - sums[np.uint64(first)]
-        pixels += stop - first
-    return total / pixels if pixels >= FEWEST_PIXELS else 0.0
+def _mean_texture(side: FloatArray) -> float:
+    return float(side[0] / side[1]) if side[1] >= FEWEST_PIXELS else 0.0
