@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.measure.scanned_gradients import GAUSSIAN_MAD
+from cable_tracker.cable.measure.robust_scale import median_of_sizes, robust_scale
 from cable_tracker.cholesky import cholesky_factor, solve_factored
 from cable_tracker.compilation import compiled, compiled_fast_part, compiled_loop
 
@@ -95,20 +95,21 @@ def _robust_fit(levels: FloatArray, terms: FloatArray) -> tuple[FloatArray, floa
     unexplained : float
         Variance of the residuals over that of the levels.
     """
-    fitted, sizes = np.empty(len(levels)), np.empty(len(levels))
+    fitted, residuals = np.empty(len(levels)), np.empty(len(levels))
+    sizes = np.empty(len(levels), np.float32)
     for cell in range(len(levels)):
         sizes[cell] = levels[cell]
-    middle = _median(sizes)
+    middle = median_of_sizes(sizes)
     for cell in range(len(levels)):
         fitted[cell] = middle
     for _ in range(FITS):
         for cell in range(len(levels)):
             sizes[cell] = abs(levels[cell] - fitted[cell])
-        deviation = max(GAUSSIAN_MAD * _median(sizes), SMALLEST_DEVIATION)
+        deviation = max(robust_scale(sizes), SMALLEST_DEVIATION)
         _fit(levels, terms, TUNING * deviation, fitted)
     for cell in range(len(levels)):
-        sizes[cell] = levels[cell] - fitted[cell]
-    return fitted, _variance(sizes) / max(_variance(levels), SMALLEST_DEVIATION**2)
+        residuals[cell] = levels[cell] - fitted[cell]
+    return fitted, _variance(residuals) / max(_variance(levels), SMALLEST_DEVIATION**2)
 
 
 @compiled_loop
@@ -120,27 +121,6 @@ def _variance(values: FloatArray) -> float:
     for value in values:
         squares += (value - total / len(values)) ** 2
     return squares / len(values)
-
-
-@compiled_loop
-def _median(values: FloatArray) -> float:
-    """Return the median, the upper one of two; the values (N,) are put into another order."""
-    low, high, middle = 0, len(values) - 1, len(values) // 2
-    while low < high:
-        pivot, left, right = values[middle], low, high
-        while left <= right:
-            while values[left] < pivot:
-                left += 1
-            while values[right] > pivot:
-                right -= 1
-            if left <= right:
-                values[left], values[right] = values[right], values[left]
-                left, right = left + 1, right - 1
-        if right < middle:
-            low = left
-        if left > middle:
-            high = right
-    return float(values[middle])
 
 
 @compiled_fast_part

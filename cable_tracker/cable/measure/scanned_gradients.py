@@ -13,7 +13,6 @@ across that line. The second tells how far away the edge is: it is zero on the e
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
@@ -22,15 +21,14 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
+from cable_tracker.cable.measure.robust_scale import robust_scale
 from cable_tracker.compilation import (
     compiled,
     compiled_fast_loop,
     compiled_fast_part,
     compiled_loop,
+    compiled_part,
 )
-
-GAUSSIAN_MAD = 1.4826
-"""Standard deviation of a Gaussian over its median absolute deviation."""
 
 NOISE_FLOOR = 0.1
 """Smallest robust scale of a frame [grey levels per px]: below it lies the rounding of pixels."""
@@ -48,6 +46,9 @@ MOST_TEXTURE = 1.5
 """A gradient over the grey level counts no more for texture than so many times the ordinary one at
 the mean grey level: edges are no texture, and a flat picture has none."""
 
+TEXTURE_STEP = 2
+"""Texture is known of every second scan line: they say the same as all."""
+
 REACH = 3.0
 """Filters end at so many sigma."""
 
@@ -56,8 +57,7 @@ ALONG, ACROSS, SLOPE = range(3)
 """Channels: the last axis of `ScanLines.gradients`."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ScanKernels:
+class ScanKernels(NamedTuple):
     """The filters, float32, of odd length.
 
     Attributes
@@ -118,8 +118,9 @@ class ScanLines(NamedTuple):
     places : FloatArray
         v of each line [px], shape (L,).
     texture : Image
-        Sums along the line of gradients over grey levels, float32, shape (L, n + 1): the
-        difference of two is the sum over the pixels between.
+        Sums of gradients over grey levels along every `TEXTURE_STEP`-th line, the first one among
+        them, float32, shape (ceil(L / 2), n + 1): the difference of two is the sum over the pixels
+        between.
     """
 
     gradients: Image
@@ -176,41 +177,89 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
     # One kind of array: for bytes, and for frames that cannot be written to, Numba would compile
     # anew.
     pixels, turned = (np.require(each, np.float32, ("C", "W", "A")) for each in (picture, turned))
-    (gradients, smooth), (turned_gradients, turned_smooth) = _scan_both(
-        pixels, turned, rows, columns, kernels.gaussian, kernels.derivative, kernels.region
-    )
-    steps = [each[:, ::SCALE_STEP, : ACROSS + 1] for each in (gradients, turned_gradients)]
-    ordinary = robust_scale(steps, 0.0)
+    places = (height - 1) / 2 - rows, columns - (width - 1) / 2
+    return ScannedFrame(*_scan_both(pixels, turned, rows, columns, places, kernels))
+
+
+@compiled
+def _scan_both(
+    pixels: Image,
+    turned: Image,
+    rows: IndexArray,
+    columns: IndexArray,
+    places: tuple[FloatArray, FloatArray],
+    kernels: ScanKernels,
+) -> tuple[ScanLines, ScanLines, float, float]:
+    """Return what `ScannedFrame` holds; `places` of the rows and of the columns."""
+    # Rows run down where v runs up.
+    gradients, smooth = _scan(pixels, rows, np.float32(-1.0), kernels)
+    turned_gradients, turned_smooth = _scan(turned, columns, np.float32(1.0), kernels)
+    ordinary = _gradient_scale(gradients, turned_gradients)
     scale = max(ordinary, NOISE_FLOOR)
-    lag = kernels.contrast_lag
-    contrasts = [
-        each[:, lag::SCALE_STEP] - each[:, :-lag:SCALE_STEP] for each in (smooth, turned_smooth)
-    ]
-    contrast_scale = robust_scale(contrasts, SMALLEST_CONTRAST)
+    contrast_scale = _contrast_scale(smooth, turned_smooth, kernels.contrast_lag)
+    contrast_scale = max(contrast_scale, SMALLEST_CONTRAST)
     for values, unit in (
-        (gradients, scale),
-        (turned_gradients, scale),
-        (smooth, contrast_scale),
-        (turned_smooth, contrast_scale),
+        (gradients.reshape(-1), scale),
+        (turned_gradients.reshape(-1), scale),
+        (smooth.reshape(-1), contrast_scale),
+        (turned_smooth.reshape(-1), contrast_scale),
     ):
-        np.multiply(values, np.float32(1.0 / unit), out=values)
+        _multiply(values, np.float32(1.0 / unit))
     dark = DARK / contrast_scale
-    most = MOST_TEXTURE * ordinary / scale / (max(float(smooth.mean()), 0.0) + dark)
-    texture, turned_texture = (
-        summed_texture(each, levels, dark, most)
-        for each, levels in ((gradients, smooth), (turned_gradients, turned_smooth))
-    )
-    return ScannedFrame(
-        ScanLines(gradients, smooth, (height - 1) / 2 - rows, texture),
-        ScanLines(turned_gradients, turned_smooth, columns - (width - 1) / 2, turned_texture),
+    most = MOST_TEXTURE * ordinary / scale / (max(_mean(smooth.reshape(-1)), 0.0) + dark)
+    texture = summed_texture(gradients, smooth, dark, most)
+    turned_texture = summed_texture(turned_gradients, turned_smooth, dark, most)
+    return (
+        ScanLines(gradients, smooth, places[0], texture),
+        ScanLines(turned_gradients, turned_smooth, places[1], turned_texture),
         scale,
         contrast_scale,
     )
 
 
-@compiled
+@compiled_part
+def _gradient_scale(gradients: Image, turned_gradients: Image) -> float:
+    """Return the robust scale of the gradients of both families [grey levels per px]."""
+    most = gradients.size + turned_gradients.size
+    sizes, count = np.empty(most, np.float32), 0
+    for family in (gradients, turned_gradients):
+        for line in range(len(family)):
+            for x in range(0, family.shape[1], SCALE_STEP):
+                sizes[count] = abs(family[line, x, ALONG])
+                sizes[count + 1] = abs(family[line, x, ACROSS])
+                count += 2
+    return robust_scale(sizes[:count])
+
+
+@compiled_part
+def _contrast_scale(smooth: Image, turned_smooth: Image, lag: int) -> float:
+    """Return the robust scale of differences along the lines, over a lag [grey levels]."""
+    sizes, count = np.empty(smooth.size + turned_smooth.size, np.float32), 0
+    for family in (smooth, turned_smooth):
+        for line in range(len(family)):
+            for x in range(0, family.shape[1] - lag, SCALE_STEP):
+                sizes[count] = abs(family[line, x + lag] - family[line, x])
+                count += 1
+    return robust_scale(sizes[:count])
+
+
+@compiled_fast_loop
+def _multiply(values: Image, factor: np.float32) -> None:
+    for index in range(len(values)):
+        values[index] *= factor
+
+
+@compiled_fast_loop
+def _mean(values: Image) -> float:
+    total = 0.0
+    for value in values:
+        total += value
+    return total / len(values)
+
+
+@compiled_part
 def summed_texture(gradients: Image, smooth: Image, dark: float, most: float) -> Image:
-    """Return the sums of gradients over grey levels along scan lines, float32, shape (L, n + 1).
+    """Return the sums of gradients over grey levels along scan lines, see `ScanLines`.
 
     Parameters
     ----------
@@ -222,54 +271,36 @@ def summed_texture(gradients: Image, smooth: Image, dark: float, most: float) ->
         A gradient over the grey level counts no more.
     """
     lines, length = smooth.shape
-    sums = np.empty((lines, length + 1), np.float32)
-    for line in range(lines):
-        total = np.float32(0.0)
-        sums[line, 0] = total
-        for x in range(length):
-            along, across = gradients[line, x, ALONG], gradients[line, x, ACROSS]
-            level = np.float32(max(smooth[line, x], np.float32(0.0)) + dark)
-            relative = np.sqrt(along * along + across * across) / level
-            total += min(relative, np.float32(most))
-            sums[line, x + 1] = total
+    sums = np.empty(((lines - 1) // TEXTURE_STEP + 1, length + 1), np.float32)
+    for number in range(len(sums)):
+        line = TEXTURE_STEP * number
+        _fill_texture(
+            gradients[line], smooth[line], np.float32(dark), np.float32(most), sums[number]
+        )
     return sums
 
 
-def robust_scale(families: Sequence[Image], smallest: float) -> float:
-    """Return the robust standard deviation about zero of all values, at least the smallest."""
-    sizes = np.abs(np.concatenate([values.ravel() for values in families]))
-    middle = len(sizes) // 2
-    return max(GAUSSIAN_MAD * float(np.partition(sizes, middle)[middle]), smallest)
-
-
-@compiled
-def _scan_both(
-    pixels: Image,
-    turned: Image,
-    rows: IndexArray,
-    columns: IndexArray,
-    gaussian: Image,
-    derivative: Image,
-    region: Image,
-) -> tuple[tuple[Image, Image], tuple[Image, Image]]:
-    """Return gradients and smooth grey levels of rows and of columns, not scaled."""
-    # Rows run down where v runs up.
-    along_rows = _scan(pixels, rows, np.float32(-1.0), gaussian, derivative, region)
-    along_columns = _scan(turned, columns, np.float32(1.0), gaussian, derivative, region)
-    return along_rows, along_columns
+@compiled_fast_loop
+def _fill_texture(
+    gradients: Image, smooth: Image, dark: np.float32, most: np.float32, sums: Image
+) -> None:
+    """Fill in the sums (n + 1,) along one line."""
+    sums[0] = np.float32(0.0)
+    for x in range(len(smooth)):
+        along, across = gradients[x, ALONG], gradients[x, ACROSS]
+        level = max(smooth[x], np.float32(0.0)) + dark
+        sums[x + 1] = min(np.sqrt(along * along + across * across) / level, most)
+    for x in range(len(smooth)):
+        sums[x + 1] += sums[x]
 
 
 @compiled_fast_part
 def _scan(
-    pixels: Image,
-    lines: IndexArray,
-    sign: np.float32,
-    gaussian: Image,
-    derivative: Image,
-    region: Image,
+    pixels: Image, lines: IndexArray, sign: np.float32, kernels: ScanKernels
 ) -> tuple[Image, Image]:
     """Return gradients (L, n, 3) and smooth grey levels (L, n), not scaled; `sign` turns v up."""
     width = pixels.shape[1]
+    gaussian, derivative, region = kernels.gaussian, kernels.derivative, kernels.region
     radius, region_radius = len(gaussian) // 2, len(region) // 2
     margin = max(radius, region_radius)
     smooth = np.empty(width + 2 * margin, np.float32)

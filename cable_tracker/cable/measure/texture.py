@@ -21,7 +21,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.border_points import Crossings, pixel_at, whole_groups
-from cable_tracker.cable.measure.scanned_gradients import ScanLines
+from cable_tracker.cable.measure.scanned_gradients import TEXTURE_STEP, ScanLines
 from cable_tracker.compilation import compiled_inside
 
 NEAREST_INSIDE, DEPTH_INSIDE = 6.0, 12.0
@@ -36,9 +36,6 @@ INNERMOST = 2.0
 
 THINNEST = 12.0
 """Narrower strips have no inside to look at [px at the reference width]."""
-
-LINE_STEP = 2
-"""Every second scan line is looked at: they say the same as all."""
 
 FEWEST_PIXELS = 12
 """Fewer pixels on a side say nothing."""
@@ -125,11 +122,10 @@ def add_texture(
     """
     positions, pixels = crossings.positions, crossings.pixels
     last = float(lines.texture.shape[1] - 1)
-    # Which lines are looked at does not depend on where the border enters the picture.
-    skipped = -first % LINE_STEP
-    looked_at = max(count - skipped + LINE_STEP - 1, 0) // LINE_STEP
+    skipped = -first % TEXTURE_STEP
+    looked_at = max(count - skipped + TEXTURE_STEP - 1, 0) // TEXTURE_STEP
     for index in range(whole_groups(looked_at)):
-        position = positions[skipped + LINE_STEP * index]
+        position = positions[skipped + TEXTURE_STEP * index]
         pixels[0, index] = pixel_at(position + windows.inside[0], last)
         pixels[1, index] = pixel_at(position + windows.inside[1], last)
         pixels[2, index] = pixel_at(position + windows.outside[0], last)
@@ -137,7 +133,7 @@ def add_texture(
     # As variables, they stay in registers.
     inside, outside = np.float32(0.0), np.float32(0.0)
     for index in range(looked_at):
-        sums = lines.texture[np.uint64(first + skipped + LINE_STEP * index)]
+        sums = lines.texture[np.uint64((first + skipped) // TEXTURE_STEP + index)]
         inside += sums[np.uint64(pixels[1, index])] - sums[np.uint64(pixels[0, index])]
         outside += sums[np.uint64(pixels[3, index])] - sums[np.uint64(pixels[2, index])]
     inside_pixels, outside_pixels = np.uint32(0), np.uint32(0)

@@ -9,7 +9,6 @@ from cable_tracker.cable.measure.illumination import (
     FITS,
     SMALLEST_DEVIATION,
     TUNING,
-    _median,
     _polynomial,
     _robust_fit,
     evenly_lit,
@@ -98,11 +97,6 @@ def test_light_is_raised_within_bounds_and_stays_finite(
 def test_pictures_of_one_level_stay_of_one_level(levels: float) -> None:
     lit = evenly_lit(np.full((HEIGHT, WIDTH), levels, np.float32), 1.0)
     assert np.allclose(lit, levels, rtol=1e-5)
-
-
-@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=40))
-def test_a_median_has_as_many_on_either_side(values: list[float]) -> None:
-    assert _median(np.array(values)) == sorted(values)[len(values) // 2]
 
 
 def reference_fit(levels: np.ndarray, terms: np.ndarray) -> np.ndarray:
