@@ -23,7 +23,7 @@ from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.state import POSE_SIZE, in_frame_pixels
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.pose_filter import PoseFilter
+from cable_tracker.target.poses.pose_filter import PoseFilter
 from cable_tracker.target.thesis.blob_filter import BlobFilter
 from cable_tracker.tracking.status import StatusMachine, TrackingStatus
 from cable_tracker.tracking.succession import FrameMark, succession

@@ -1,0 +1,1 @@
+"""The filter of the preset `default`: particles are poses, weighed by learnt appearance."""

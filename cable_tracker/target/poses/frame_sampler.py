@@ -1,0 +1,241 @@
+"""Drawing the particles of a frame, with what is needed to weigh them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
+from cable_tracker.target.measure.measured_frame import MeasuredFrame
+from cable_tracker.target.model.forecast import Forecast, Proposal, choose_columns, log_mix
+from cable_tracker.target.model.own_place import OwnPlace
+from cable_tracker.target.model.state import PLACES, POSE_SIZE, wrap_angle
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.poses.peaks import Peaks
+from cable_tracker.target.poses.pose_belief import PoseBelief
+from cable_tracker.target.poses.rivals import RIVAL_SCORE
+
+PEAK_SPREAD = (0.25, 0.15, 0.12)
+"""Of the kernels about peaks: position in roots of the area, log scale, angle [rad]."""
+
+REFINED_SPREAD = (0.06, 0.05, 0.06)
+"""The same about the best particles of the frame."""
+
+REFINED = 5
+"""So many are the best."""
+
+DRAWN_TAIL = 4.0
+"""Degrees of freedom of those kernels."""
+
+OWN_REACH = 0.8
+"""The target is seen at its own place this near to where it is expected, in roots of the area."""
+
+
+class SampleCounts(NamedTuple):
+    """How many particles each part of the proposal draws.
+
+    Attributes
+    ----------
+    followed : int
+        About those of the frame before.
+    peaks : int
+        About peaks of the map of log-ratios.
+    search : int
+        Where a target may come into view.
+    refined : int
+        About the best of all these.
+    """
+
+    followed: int
+    peaks: int
+    search: int
+    refined: int
+
+
+def sample_counts(parameters: TargetParameters, *, has_peaks: bool) -> SampleCounts:
+    """Divide the particles among the parts of the proposal."""
+    p = parameters
+    refined = round(p.refinement_share * p.particle_count)
+    search = round(p.search_share * p.particle_count)
+    peaks = round(p.place_share * p.particle_count) if has_peaks else 0
+    followed = p.particle_count - peaks - search - refined
+    if followed < 1:  # Of a handful, all follow.
+        return SampleCounts(p.particle_count, 0, 0, 0)
+    return SampleCounts(followed, peaks, search, refined)
+
+
+class ScoredPoses(NamedTuple):
+    """Poses with the densities of the belief and their scores; a row for each in every array.
+
+    Attributes
+    ----------
+    states : FloatArray
+        At rest, shape (N, 6).
+    log_prior : FloatArray
+        Log-density of the forecast, sizes included, shape (N,).
+    log_birth : FloatArray
+        That of the births, shape (N,).
+    kernel_values : FloatArray
+        Kernels of the forecast over their peak, shape (N, M).
+    scores : FloatArray
+        How much their regions look like the target, shape (N,).
+    """
+
+    states: FloatArray
+    log_prior: FloatArray
+    log_birth: FloatArray
+    kernel_values: FloatArray
+    scores: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DrawnParticles:
+    """The particles of a frame before they are weighed.
+
+    Attributes
+    ----------
+    states : FloatArray
+        Shape (N, 6).
+    log_prior, log_proposal : FloatArray
+        Log-densities of the forecast and of what they were drawn from, shape (N,).
+    scores : FloatArray
+        How much they look like the target, shape (N,).
+    own_scores : FloatArray
+        The same, lower where another target is seen, shape (N,).
+    """
+
+    states: FloatArray
+    log_prior: FloatArray
+    log_proposal: FloatArray
+    scores: FloatArray
+    own_scores: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameSampler:
+    """Draws the particles of one frame.
+
+    Attributes
+    ----------
+    belief : PoseBelief
+        After the frame before, carried on to this one.
+    forecast : Forecast
+        What it says of this frame.
+    measured : MeasuredFrame
+        The frame.
+    dt : float
+        Time since the frame before [s].
+    parameters : TargetParameters
+        All of them.
+    """
+
+    belief: PoseBelief
+    forecast: Forecast
+    measured: MeasuredFrame
+    dt: float
+    parameters: TargetParameters
+
+    @property
+    def sharpness(self) -> float:
+        """Weight of the score in the likelihood."""
+        return self.parameters.sharpness * self.belief.rivals.sharpness_factor
+
+    def draw(self, peaks: Peaks, rng: np.random.Generator) -> DrawnParticles:
+        """Draw the particles, with the densities of belief and proposal at each."""
+        counts = sample_counts(self.parameters, has_peaks=len(peaks.poses) > 0)
+        followed = Proposal(self.forecast.kernels, self.forecast.even, self._share(counts.followed))
+        others = []
+        parts = [followed.draw(counts.followed, rng)]
+        if counts.peaks:
+            others.append(self._about(peaks.poses, peaks.strengths, PEAK_SPREAD, counts.peaks))
+            parts.append(others[-1].draw(counts.peaks, rng))
+        parts.append(self.forecast.births.draw(counts.search, rng)[:, :PLACES])
+        scored = self._scored(np.concatenate(parts))
+        own = self._own_place(scored)
+        if counts.refined:
+            best = self._best(scored, own)
+            even = np.full(len(best), 1.0 / len(best))
+            others.append(self._about(best, even, REFINED_SPREAD, counts.refined))
+            more = self._scored(others[-1].draw(counts.refined, rng))
+            scored = ScoredPoses(*(np.concatenate(pair) for pair in zip(scored, more, strict=True)))
+        log_proposal = self._log_proposal(scored, followed, others, counts)
+        self._give_rates(scored, rng)
+        return DrawnParticles(
+            scored.states, scored.log_prior, log_proposal, scored.scores,
+            own.own_scores(scored.states, scored.scores),
+        )  # fmt: skip
+
+    def _share(self, count: int) -> float:
+        return count / self.parameters.particle_count
+
+    def _about(
+        self,
+        poses: FloatArray,
+        weights: FloatArray,
+        spread: tuple[float, float, float],
+        count: int,
+    ) -> Proposal:
+        """Return the proposal of so many particles about poses (K, 4) with weights (K,)."""
+        size = self.belief.size
+        scales = np.array([spread[0] * size, spread[0] * size, spread[1], spread[2]])
+        kernels = kernel_mixture(poses, scales, DRAWN_TAIL, weights)
+        return Proposal(kernels, weights, self._share(count))
+
+    def _scored(self, poses: FloatArray) -> ScoredPoses:
+        """Return poses (N, 4) at rest, with the densities of the belief and their scores."""
+        known, reference = self.belief.known, self.belief.angle
+        states = np.zeros((len(poses), POSE_SIZE))
+        states[:, :PLACES] = poses
+        states[:, 3] = reference + wrap_angle(states[:, 3] - reference)
+        log_prior, log_birth, kernel_values = self.forecast.log_density(states)
+        log_prior = log_prior + known.log_size_factor(states, self.parameters.size_spread)
+        scores = self.measured.scores(states, known.template)
+        return ScoredPoses(states, log_prior, log_birth, kernel_values, scores)
+
+    def _own_place(self, scored: ScoredPoses) -> OwnPlace:
+        """Return where the target is expected, and what that says about other places."""
+        belief = self.belief
+        x, y = belief.estimate[:2] + belief.estimate[PLACES:] * self.dt
+        place = OwnPlace(float(x), float(y), OWN_REACH * belief.size)
+        if belief.presence < self.parameters.presence_to_track:
+            return place
+        return place.seen(scored.states, scored.scores, RIVAL_SCORE * belief.known.usual.mean)
+
+    def _best(self, scored: ScoredPoses, own: OwnPlace) -> FloatArray:
+        """Return the best of the poses that have been drawn, shape (K, 4)."""
+        scores = own.own_scores(scored.states, scored.scores)
+        worth = scored.log_prior + self.sharpness * scores
+        best: FloatArray = scored.states[np.argsort(-worth)[:REFINED], :PLACES]
+        return best
+
+    def _log_proposal(
+        self,
+        scored: ScoredPoses,
+        followed: Proposal,
+        others: list[Proposal],
+        counts: SampleCounts,
+    ) -> FloatArray:
+        """Return the log-density of the whole mixture at each pose, shape (N,)."""
+        following = log_mix(scored.kernel_values, followed.weights, followed.kernels)
+        parts = [following + math.log(followed.share)]
+        parts += [part.log_density(scored.states[:, :PLACES]) for part in others]
+        if counts.search:
+            parts.append(math.log(self._share(counts.search)) + scored.log_birth)
+        log_proposal: FloatArray = np.logaddexp.reduce(parts)
+        return log_proposal
+
+    def _give_rates(self, scored: ScoredPoses, rng: np.random.Generator) -> None:
+        """Give every pose the rates of an ancestor that it may come from, corrected."""
+        states = scored.states
+        parents = choose_columns(scored.kernel_values, rng.random(len(states)))
+        unforeseen = states[:, :2] - self.forecast.kernels.places[parents, :2]
+        # A jump that no movement explains says nothing about the rates.
+        limit = 0.5 * self.belief.size
+        reach = np.hypot(unforeseen[:, 0], unforeseen[:, 1])
+        gain = self.parameters.rate_gain * np.where(reach > limit, 0.0, 1.0)
+        gain *= self.belief.rivals.gain_factor
+        states[:, PLACES:] = self.forecast.rates[parents] + gain[:, None] * unforeseen / self.dt

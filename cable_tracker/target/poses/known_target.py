@@ -1,0 +1,247 @@
+"""What is known of a target besides where it is, and how it is learnt."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.contour.evolution import ContourSettings
+from cable_tracker.target.measure.appearance import Appearance, learn_histograms
+from cable_tracker.target.measure.clutter import UsualScore
+from cable_tracker.target.measure.features import bins_of, choose_bins
+from cable_tracker.target.measure.first_look import FirstLook, near
+from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_frame
+from cable_tracker.target.measure.outline import Outline, find_outline
+from cable_tracker.target.measure.working_frame import WorkingFrame
+from cable_tracker.target.model.births import Births
+from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.model.template import Template, distances_about, make_template
+from cable_tracker.target.parameters.parameters import TargetParameters
+
+FIRST_LIKENESS, FIRST_GREY_LIKENESS = UsualScore(0.8, 0.01), UsualScore(0.95, 0.0025)
+"""Of a target to itself, before any frame has shown it: in colour, and in grey."""
+
+SIZE_TAIL = 4.0
+"""Degrees of freedom of the log scale about its running mean."""
+
+RESHAPED_EVERY = 3
+"""The remembered shape follows every so many lessons, so much faster each time."""
+
+SCORE_RATE = 0.05
+"""Share per frame with which the usual score follows."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KnownTarget:
+    """What is known of a target besides where it is.
+
+    Attributes
+    ----------
+    template : Template
+        Shape.
+    appearance : Appearance
+        Colours or greys, and texture.
+    usual : UsualScore
+        Scores of its region.
+    usual_likeness : UsualScore
+        How like itself its contour looks.
+    usual_log_scale : float
+        Running mean of the log scale.
+    births : Births
+        Where it comes into view.
+    first_size : float
+        Root of its area when it was marked [px].
+    lessons : int
+        Frames that have taught.
+    """
+
+    template: Template
+    appearance: Appearance
+    usual: UsualScore
+    usual_likeness: UsualScore
+    usual_log_scale: float
+    births: Births
+    first_size: float
+    lessons: int = 0
+
+    @property
+    def is_coloured(self) -> bool:
+        """Whether it has been learnt from frames in colour."""
+        return self.appearance.bins.shape[2] > 1
+
+    def size_at(self, state: FloatArray) -> float:
+        """Return the root of its area in a pose (6,) [px]."""
+        return self.template.size * math.exp(state[PoseColumn.LOG_SCALE])
+
+    def log_size_factor(self, states: FloatArray, spread: float) -> FloatArray:
+        """Return how likely the scales of poses are beside the usual one, against that one, (N,).
+
+        Parameters
+        ----------
+        states : FloatArray
+            Poses, shape (N, 6).
+        spread : float
+            Of the log scale, while the target is in view.
+        """
+        # The longer it has not been seen, the less its size is known.
+        widened = spread * (1.0 + self.births.seconds)
+        gaps = (states[:, PoseColumn.LOG_SCALE] - self.usual_log_scale) / widened
+        factors: FloatArray = -0.5 * (SIZE_TAIL + 1.0) * np.log1p(gaps**2 / SIZE_TAIL)
+        return factors
+
+    def seen_at(self, state: FloatArray) -> KnownTarget:
+        """Return it after it was surely in view in a pose (6,)."""
+        return replace(self, births=replace(self.births, last=state.copy(), seconds=0.0))
+
+    def with_size(self, state: FloatArray, share: float) -> KnownTarget:
+        """Return it with a usual size that has followed that of a pose (6,) by a share."""
+        gap = float(state[PoseColumn.LOG_SCALE]) - self.usual_log_scale
+        return replace(self, usual_log_scale=self.usual_log_scale + share * gap)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShownTarget:
+    """What the contour of a frame shows.
+
+    Attributes
+    ----------
+    target, around : FloatArray
+        Histograms within and around it.
+    likeness : float
+        Of the first to the target's, 0 to 1.
+    """
+
+    target: FloatArray
+    around: FloatArray
+    likeness: float
+
+
+def contour_settings(parameters: TargetParameters) -> ContourSettings:
+    """Return how contours evolve."""
+    p = parameters
+    return ContourSettings(p.contour_regulariser, -1.0, p.contour_iterations)
+
+
+def usual_score(score: float, parameters: TargetParameters) -> UsualScore:
+    """Return what is usual after a single score."""
+    return UsualScore(score, (parameters.score_spread * score) ** 2)
+
+
+def first_known(look: FirstLook, frame: WorkingFrame, parameters: TargetParameters) -> KnownTarget:
+    """Return what is known of a target after it was marked in a frame."""
+    known = KnownTarget(
+        look.template,
+        look.appearance,
+        usual_score(look.score, parameters),
+        FIRST_LIKENESS if frame.is_coloured else FIRST_GREY_LIKENESS,
+        0.0,
+        Births(look.state, 0.0, parameters.memory_time, frame.shape),
+        look.template.size,
+    )
+    return _rescored(known, look.state, frame, parameters)
+
+
+def relearnt(
+    known: KnownTarget, state: FloatArray, frame: WorkingFrame, parameters: TargetParameters
+) -> KnownTarget:
+    """Learn the appearance anew where the target is expected: colour came or went."""
+    bins = choose_bins(frame.channels, frame.is_coloured)
+    bin_map = bins_of(frame.channels, bins.lookups)
+    nothing_shown = np.zeros(frame.shape, np.float32)
+    expected = find_outline(
+        nothing_shown, state, known.template, parameters.prior_softness,
+        contour_settings(parameters),
+    )  # fmt: skip
+    mask = np.zeros(frame.shape, np.bool_)
+    if expected is not None:
+        mask = expected.in_picture(frame.shape)
+    target, around = learn_histograms(bin_map, mask, near(mask), bins.count)
+    appearance = Appearance(bins, target, target, around, parameters.ratio_limit)
+    return _rescored(replace(known, appearance=appearance), state, frame, parameters)
+
+
+def _rescored(
+    known: KnownTarget, state: FloatArray, frame: WorkingFrame, parameters: TargetParameters
+) -> KnownTarget:
+    """Return it with the score in a pose (6,) of a frame as the usual one."""
+    measured = measure_frame(frame, known.appearance, parameters)
+    score = float(measured.scores(state[None], known.template)[0])
+    return replace(known, usual=usual_score(score, parameters))
+
+
+def shown_by(
+    outline: Outline | None,
+    measured: MeasuredFrame,
+    known: KnownTarget,
+    parameters: TargetParameters,
+) -> ShownTarget | None:
+    """Return what a contour shows of a frame; None without a contour."""
+    if outline is None or outline.area == 0:
+        return None
+    mask = outline.in_picture(measured.frame.shape)
+    appearance = known.appearance
+    target, around = learn_histograms(measured.bins, mask, near(mask), appearance.bins.count)
+    likeness = appearance.likeness(target, parameters.first_look_share)
+    return ShownTarget(target, around, likeness)
+
+
+def taught(
+    known: KnownTarget,
+    outline: Outline,
+    shown: ShownTarget,
+    parameters: TargetParameters,
+    *,
+    angle: float,
+    score: float,
+) -> KnownTarget:
+    """Let shape, appearance and usual scores follow what the contour of a frame shows.
+
+    Parameters
+    ----------
+    known : KnownTarget
+        Before the frame.
+    outline : Outline
+        The contour.
+    shown : ShownTarget
+        What it shows.
+    parameters : TargetParameters
+        All of them.
+    angle : float
+        Of the target [rad].
+    score : float
+        Of its region.
+    """
+    p = parameters
+    appearance = known.appearance.adapted(
+        shown.target, shown.around, p.appearance_rate_of_target, p.appearance_rate_around
+    )
+    template = known.template
+    if p.shape_rate > 0.0 and known.lessons % RESHAPED_EVERY == 0:
+        template = _reshaped(known.template, outline, angle, p)
+    return replace(
+        known,
+        appearance=appearance,
+        template=template,
+        usual=known.usual.seen(score, SCORE_RATE),
+        usual_likeness=known.usual_likeness.seen(shown.likeness, SCORE_RATE),
+        lessons=known.lessons + 1,
+    )
+
+
+def _reshaped(
+    template: Template, outline: Outline, angle: float, parameters: TargetParameters
+) -> Template:
+    """Return the template moved towards the contour, both about their centroids."""
+    rows, columns = np.nonzero(outline.mask)
+    left, top, right, bottom = outline.window
+    centre = (
+        float(columns.mean()) - (right - left - 1) / 2,
+        (bottom - top - 1) / 2 - float(rows.mean()),
+    )
+    distances = distances_about(outline.mask, centre, math.sqrt(outline.area), angle)
+    share = 1.0 - (1.0 - parameters.shape_rate) ** RESHAPED_EVERY
+    blended = (1.0 - share) * template.distances + share * distances
+    return make_template(blended.astype(np.float32), template.size, parameters.template_points)

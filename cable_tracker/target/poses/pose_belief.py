@@ -1,0 +1,150 @@
+"""What the filter believes of a target, and what it expects of the next frame."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.particle_filter.existence import predict_existence
+from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.particle_filter.resampling import systematic_resampling
+from cable_tracker.target.measure.working_frame import WorkingFrame
+from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.forecast import Forecast
+from cable_tracker.target.model.state import PLACES, PoseColumn, wrap_angle
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.poses.known_target import KnownTarget, relearnt
+from cable_tracker.target.poses.rivals import RivalWatch
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.tracking.survival import SurvivalRates, survival_probability
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseBelief:
+    """What is believed after a frame, in pixels of the working image.
+
+    Attributes
+    ----------
+    particles : Particles
+        Poses, shape (N, 6).
+    estimate : FloatArray
+        Their mean about the best of them, shape (6,).
+    presence : float
+        Probability that the target is in view.
+    known : KnownTarget
+        How it looks, and how large it is.
+    rivals : RivalWatch
+        Others that look like it.
+    """
+
+    particles: Particles
+    estimate: FloatArray
+    presence: float
+    known: KnownTarget
+    rivals: RivalWatch
+
+    @property
+    def size(self) -> float:
+        """Root of the area of the target that is expected [px]."""
+        return self.known.size_at(self.estimate)
+
+    @property
+    def angle(self) -> float:
+        """Of the estimate [rad]."""
+        return float(self.estimate[PoseColumn.ANGLE])
+
+    def aged(
+        self,
+        frame: WorkingFrame,
+        dt: float,
+        motion: CameraMotion | None,
+        parameters: TargetParameters,
+    ) -> PoseBelief:
+        """Return it carried on to the time of a new frame, as far as the camera has moved."""
+        belief = replace(self, known=replace(self.known, births=self.known.births.aged(dt)))
+        if motion is not None:
+            belief = belief._moved(motion, frame.zoom)
+        if frame.is_coloured != belief.known.is_coloured:
+            known = relearnt(belief.known, belief.estimate, frame, parameters)
+            belief = replace(belief, known=known)
+        return belief
+
+    def _moved(self, motion: CameraMotion, zoom: float) -> PoseBelief:
+        births = self.known.births
+        last = motion.moved(births.last[None], zoom)[0]
+        return replace(
+            self,
+            particles=self.particles.moved_to(motion.moved(self.particles.states, zoom)),
+            estimate=motion.moved(self.estimate[None], zoom)[0],
+            known=replace(self.known, births=replace(births, last=last)),
+        )
+
+
+def forecast_of(
+    belief: PoseBelief,
+    shape: tuple[int, int],
+    dt: float,
+    parameters: TargetParameters,
+    rng: np.random.Generator,
+) -> Forecast:
+    """Return the belief before a frame is looked at.
+
+    Parameters
+    ----------
+    belief : PoseBelief
+        After the frame before.
+    shape : (int, int)
+        Rows and columns of the frame.
+    dt : float
+        Time since the frame before [s].
+    parameters : TargetParameters
+        All of them.
+    rng : numpy.random.Generator
+        Draws the particles that go on.
+    """
+    p = parameters
+    frames = dt * REFERENCE_RATE
+    states = belief.particles.states
+    ancestors = states[systematic_resampling(belief.particles.weights, p.ancestor_count, rng)]
+    damping = 1.0 if belief.rivals.is_near else p.rate_damping
+    rates = ancestors[:, PLACES:] * damping**frames
+    centres = ancestors[:, :PLACES].copy()
+    centres[:, :2] += rates * dt
+    centres[:, 3] = belief.angle + wrap_angle(centres[:, 3] - belief.angle)
+    survival = _survival(centres, shape, dt, p)
+    predicted = predict_existence(
+        belief.presence, float(survival.mean()), 1.0 - math.exp(-p.appearance_rate * dt)
+    )
+    alive = survival / survival.sum()
+    kernels = kernel_mixture(
+        centres, _diffusion(frames, shape[1], p), p.diffusion_degrees_of_freedom, alive
+    )
+    jumps = p.jump_share * belief.rivals.jump_factor
+    return Forecast(kernels, rates, alive, belief.known.births, predicted, jumps)
+
+
+def _survival(
+    centres: FloatArray, shape: tuple[int, int], dt: float, parameters: TargetParameters
+) -> FloatArray:
+    """Return the probabilities that poses (M, 4) remain in view, shape (M,)."""
+    height, width = shape
+    inside = np.minimum(width / 2 - np.abs(centres[:, 0]), height / 2 - np.abs(centres[:, 1]))
+    margin = parameters.leaving_margin * width / REFERENCE_WIDTH
+    rates = SurvivalRates(parameters.disappearance_rate, parameters.leaving_rate, margin)
+    return survival_probability(inside, rates, dt)
+
+
+def _diffusion(frames: float, width: int, parameters: TargetParameters) -> FloatArray:
+    """Return the scales of the diffusion's kernel over some frames of 25 Hz, shape (4,)."""
+    p = parameters
+    zoom = width / REFERENCE_WIDTH
+    root = math.sqrt(frames)
+    position = math.sqrt(p.position_variance) * zoom * root
+    scales: FloatArray = np.maximum(
+        [position, position, p.scale_sigma * root, math.radians(p.angle_sigma) * root], 1e-6
+    )
+    return scales

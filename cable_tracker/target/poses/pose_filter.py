@@ -1,0 +1,256 @@
+"""The filter of the preset `default`: particles are poses, weighed by learnt appearance.
+
+Every frame, particles are drawn from a mixture: about those of the frame before, about peaks of the
+map of log-ratios, and where a target may come into view. Their weight is the density of the
+predicted belief over that of the whole mixture, times the likelihood of their region.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.errors import FrameError
+from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.particle_filter.weights import effective_sample_size, log_sum_exp
+from cable_tracker.target.finding import Finding
+from cable_tracker.target.measure.first_look import look_first
+from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_frame
+from cable_tracker.target.measure.outline import Outline, find_outline
+from cable_tracker.target.measure.working_frame import WorkingFrame
+from cable_tracker.target.model.camera_motion import CameraMotion
+from cable_tracker.target.model.state import POSE_SIZE, PoseColumn
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.poses.frame_sampler import FrameSampler
+from cable_tracker.target.poses.known_target import (
+    contour_settings,
+    first_known,
+    shown_by,
+    taught,
+)
+from cable_tracker.target.poses.peaks import find_peaks, watch_rivals
+from cable_tracker.target.poses.pose_belief import PoseBelief, forecast_of
+from cable_tracker.target.poses.presence import (
+    MOST_PRESENCE,
+    presence_by_likeness,
+    presence_by_scores,
+)
+from cable_tracker.target.poses.rivals import RivalWatch
+
+FIRST_SPREAD, FIRST_TURN, FIRST_RATE = 0.05, 0.02, 0.5
+"""Standard deviations about a marked target: position in roots of the area; log scale and angle
+[rad]; rates in roots of the area a second."""
+
+CLUSTER = 1.0
+"""Particles within this many roots of the area of the best one make the estimate."""
+
+CROWD = 0.4
+"""Standard deviation of what it costs to be near another target, in roots of the area."""
+
+GOOD_OVERLAP = 0.6
+"""With the expected shape, of a contour that may teach."""
+
+WHOLE_SIZE = 0.2
+"""Log scales this far from the usual one still belong to a target that nothing hides."""
+
+WHOLE_HASTE = 3.0
+"""The usual size follows so much faster while the whole contour is seen, in its usual shape."""
+
+
+class PoseFilter:
+    """See the module.
+
+    Parameters
+    ----------
+    parameters : TargetParameters
+        All of them.
+    rng : numpy.random.Generator
+        The only source of randomness.
+    """
+
+    def __init__(self, parameters: TargetParameters, rng: np.random.Generator) -> None:
+        self._parameters = parameters
+        self._rng = rng
+        self._belief: PoseBelief | None = None
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief, in pixels of the working image; None before the first target."""
+        return None if self._belief is None else self._belief.particles
+
+    def configure(self, parameters: TargetParameters) -> None:
+        """Take other parameters from now on, and keep the belief."""
+        self._parameters = parameters
+
+    def use(self, rng: np.random.Generator) -> None:
+        """Draw from another generator."""
+        self._rng = rng
+
+    def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> Finding:
+        """Learn a target from its pixels in a frame.
+
+        Raises
+        ------
+        FrameError
+            The mask is too small, or does not stand out from its surroundings.
+        """
+        p = self._parameters
+        look = look_first(
+            frame, mask, is_exact=is_exact, points=p.template_points, limit=p.ratio_limit,
+            settings=contour_settings(p),
+        )  # fmt: skip
+        if look.score < p.least_separation:
+            raise FrameError(
+                "the marked target does not stand out from its surroundings (score"
+                f" {look.score:.2f}, needs {p.least_separation:.2f}); mark it where it does"
+            )
+        spread = FIRST_SPREAD * look.template.size
+        rate = 10.0 * spread
+        scales = np.array([spread, spread, FIRST_TURN, FIRST_TURN, rate, rate])
+        noise = self._rng.standard_normal((p.particle_count, POSE_SIZE))
+        belief = PoseBelief(
+            particles=Particles.equally_weighted(look.state + noise * scales),
+            estimate=look.state,
+            presence=MOST_PRESENCE,
+            known=first_known(look, frame, p),
+            rivals=RivalWatch() if self._belief is None else self._belief.rivals,
+        )
+        measured = measure_frame(frame, belief.known.appearance, p)
+        weights = np.full(p.particle_count, 1.0 / p.particle_count)
+        finding, self._belief = conclude(belief, measured, weights, p)
+        return finding
+
+    def advance(
+        self,
+        frame: WorkingFrame,
+        dt: float,
+        motion: CameraMotion | None,
+        others: FloatArray,
+    ) -> Finding:
+        """Follow the target into the next frame; see `TargetEngine`."""
+        assert self._belief is not None
+        p, rng = self._parameters, self._rng
+        belief = self._belief.aged(frame, dt, motion, p)
+        measured = measure_frame(frame, belief.known.appearance, p)
+        peaks = find_peaks(belief, measured, p)
+        belief = replace(belief, rivals=watch_rivals(belief, measured, peaks, dt))
+        forecast = forecast_of(belief, frame.shape, dt, p, rng)
+        sampler = FrameSampler(belief, forecast, measured, dt, p)
+        drawn = sampler.draw(peaks, rng)
+        presence = presence_by_scores(sampler, drawn, rng)
+        log_weights = drawn.log_prior - drawn.log_proposal
+        log_weights += sampler.sharpness * drawn.own_scores
+        log_weights -= crowding(drawn.states, others, p.sharpness, CROWD * belief.size)
+        particles = Particles(drawn.states, log_weights - log_sum_exp(log_weights))
+        weights = cluster_weights(particles, CLUSTER * belief.size)
+        estimate = weighted_mean(particles.states, weights)
+        belief = replace(belief, particles=particles, estimate=estimate, presence=presence)
+        finding, belief = conclude(belief, measured, weights, p)
+        self._belief = _with_followed_size(belief, dt, p, is_whole=finding.is_whole)
+        return finding
+
+
+def crowding(states: FloatArray, others: FloatArray, cost: float, reach: float) -> FloatArray:
+    """Return what it costs poses (N, 6) to be where other targets (K, 6) are, shape (N,).
+
+    Parameters
+    ----------
+    states, others : FloatArray
+        Poses.
+    cost : float
+        At the place of another target, in log-likelihood.
+    reach : float
+        Standard deviation of what it costs [px].
+    """
+    if len(others) == 0:
+        return np.zeros(len(states))
+    gaps = states[:, None, :2] - others[None, :, :2]
+    near_others = np.exp(-0.5 * (gaps**2).sum(axis=2) / reach**2)
+    costs: FloatArray = cost * near_others.sum(axis=1)
+    return costs
+
+
+def cluster_weights(particles: Particles, reach: float) -> FloatArray:
+    """Return the weights of particles, but 0 farther than `reach` [px] from the best one, (N,).
+
+    They sum to one.
+    """
+    weights, states = particles.weights, particles.states
+    best = states[int(np.argmax(weights))]
+    apart = np.hypot(states[:, 0] - best[0], states[:, 1] - best[1])
+    chosen = np.where(apart <= reach, weights, 0.0)
+    shares: FloatArray = chosen / chosen.sum()
+    return shares
+
+
+def conclude(
+    belief: PoseBelief, measured: MeasuredFrame, weights: FloatArray, parameters: TargetParameters
+) -> tuple[Finding, PoseBelief]:
+    """Find the outline, learn from it, and say what was found.
+
+    Parameters
+    ----------
+    belief : PoseBelief
+        With particles and estimate of the frame.
+    measured : MeasuredFrame
+        The frame.
+    weights : FloatArray
+        Of the particles that make the estimate, shape (N,).
+    parameters : TargetParameters
+        All of them.
+    """
+    p, known, frame = parameters, belief.known, measured.frame
+    softness = p.prior_softness if frame.is_coloured else p.grey_prior_softness
+    outline = find_outline(
+        measured.ratios, belief.estimate, known.template, softness, contour_settings(p)
+    )
+    shown = shown_by(outline, measured, known, p)
+    presence = presence_by_likeness(belief, shown, p, is_coloured=frame.is_coloured)
+    covariance = weighted_covariance(belief.particles.states, weights, belief.estimate)
+    sigma = math.sqrt(max(covariance[0, 0], covariance[1, 1]))
+    is_near = sigma <= p.converged_position * belief.size
+    is_whole = _is_whole(outline, frame.shape)
+    is_sure = presence >= p.presence_to_track and is_near
+    score = float(measured.scores(belief.estimate[None], known.template)[0])
+    if is_sure:
+        known = known.seen_at(belief.estimate)
+        gap = belief.estimate[PoseColumn.LOG_SCALE] - known.usual_log_scale
+        if is_whole and abs(gap) < WHOLE_SIZE and outline is not None and shown is not None:
+            known = taught(known, outline, shown, p, angle=belief.angle, score=score)
+    finding = Finding(
+        state=belief.estimate.copy(),
+        covariance=covariance,
+        size=known.first_size,
+        outline=outline,
+        is_whole=is_whole,
+        presence=presence,
+        effective_sample_size=effective_sample_size(belief.particles.log_weights),
+        score=score,
+        supports_claim=is_sure,
+        supports_keeping=presence >= p.presence_to_lose and is_near,
+    )
+    return finding, replace(belief, presence=presence, known=known)
+
+
+def _is_whole(outline: Outline | None, shape: tuple[int, int]) -> bool:
+    """Tell whether a contour has the expected shape, and lies inside the picture."""
+    return (
+        outline is not None
+        and outline.overlap >= GOOD_OVERLAP
+        and not outline.touches_border(shape)
+    )
+
+
+def _with_followed_size(
+    belief: PoseBelief, dt: float, parameters: TargetParameters, *, is_whole: bool
+) -> PoseBelief:
+    """Let the usual size follow while the target is surely in view."""
+    if belief.presence < parameters.presence_to_track:
+        return belief
+    haste = WHOLE_HASTE if is_whole else 1.0
+    share = 1.0 - math.exp(-dt * haste / parameters.size_time)
+    return replace(belief, known=belief.known.with_size(belief.estimate, share))

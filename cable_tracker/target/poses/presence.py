@@ -1,0 +1,83 @@
+"""How likely a target is in view: by the scores of its region, and by what its contour shows."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.particle_filter.existence import PredictedExistence, update_existence
+from cable_tracker.particle_filter.weights import log_sum_exp
+from cable_tracker.target.measure.clutter import clutter_of, log_ratio_of_likeness
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.poses.frame_sampler import DrawnParticles, FrameSampler
+from cable_tracker.target.poses.known_target import ShownTarget
+from cable_tracker.target.poses.pose_belief import PoseBelief
+
+LEAST_PRESENCE, MOST_PRESENCE = 1e-3, 1.0 - 1e-3
+"""The probability of presence stays between, so that it can turn again in time."""
+
+CLEAR_OF_TARGET = 1.5
+"""Random places this far from the target count as clutter, in roots of its area."""
+
+
+def presence_by_scores(
+    sampler: FrameSampler, drawn: DrawnParticles, rng: np.random.Generator
+) -> float:
+    """Return the probability of presence after the particles of a frame have been scored.
+
+    Parameters
+    ----------
+    sampler : FrameSampler
+        Of the frame.
+    drawn : DrawnParticles
+        What it drew.
+    rng : numpy.random.Generator
+        Draws places for clutter.
+    """
+    p, measured, known = sampler.parameters, sampler.measured, sampler.belief.known
+    clutter = clutter_of(
+        measured.scores(_random_places(sampler, drawn, rng), known.template),
+        p.clutter_share if measured.frame.is_coloured else p.grey_clutter_share,
+    )
+    ratios = clutter.log_ratios(drawn.scores, known.usual, p.score_spread)
+    ratios = np.clip(ratios, -p.evidence_limit, p.evidence_limit)
+    evidence = log_sum_exp(drawn.log_prior - drawn.log_proposal + ratios)
+    evidence -= math.log(len(drawn.scores))
+    predicted = sampler.forecast.predicted
+    return update_existence(predicted, evidence, LEAST_PRESENCE, MOST_PRESENCE)
+
+
+def _random_places(
+    sampler: FrameSampler, drawn: DrawnParticles, rng: np.random.Generator
+) -> FloatArray:
+    """Return poses (K, 6) anywhere but at the best particle, of its scale and angle."""
+    best = drawn.states[int(np.argmax(drawn.scores))]
+    height, width = sampler.measured.frame.shape
+    count = sampler.parameters.clutter_places
+    states = np.tile(best, (count, 1))
+    states[:, :2] = (rng.random((count, 2)) - 0.5) * [width, height]
+    apart = np.hypot(states[:, 0] - best[0], states[:, 1] - best[1])
+    clear: FloatArray = states[apart > CLEAR_OF_TARGET * sampler.belief.size]
+    return clear
+
+
+def presence_by_likeness(
+    belief: PoseBelief,
+    shown: ShownTarget | None,
+    parameters: TargetParameters,
+    *,
+    is_coloured: bool,
+) -> float:
+    """Return the probability of presence after what the contour of a frame shows."""
+    if shown is None:
+        return belief.presence
+    p = parameters
+    least = p.likeness_spread if is_coloured else p.grey_likeness_spread
+    ratio = log_ratio_of_likeness(shown.likeness, belief.known.usual_likeness, least)
+    ratio = min(max(ratio, -p.likeness_limit), p.likeness_limit)
+    before = PredictedExistence(belief.presence, 0.0)
+    return update_existence(
+        before, ratio + math.log(belief.presence), LEAST_PRESENCE, MOST_PRESENCE
+    )

@@ -1,0 +1,110 @@
+"""Others that look like the target and come near it.
+
+What cannot be told from the target by its looks may be told by its way: two that cross keep their
+rates.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from cable_tracker.arrays import BoolArray, FloatArray
+
+RIVAL_SCORE = 0.75
+"""Another peak whose region scores at least this share of the target's usual score is like it."""
+
+RIVAL_NEAR, RIVAL_FAR, RIVAL_TOUCHES = 1.2, 2.6, 1.9
+"""At such distances from the target it may soon cover it, or just has; one that is last seen nearer
+than the third has merged with it: in roots of the area."""
+
+RIVAL_FRAMES = 5
+"""Both must be seen in so many frames in a row: a target that jumps is beside itself for one."""
+
+RIVAL_TIME = 1.2
+"""For so long after one was there, and is not any more, both are taken for one [s]."""
+
+HELD_GAIN = 0.15
+"""Of the usual gain of the rates while a rival is near."""
+
+MERGED_SHARPNESS = 0.01
+"""Of the usual weight of the score while two are one: it is best in the middle of both."""
+
+MERGED_JUMPS = 0.1
+"""Of the usual share of jumps while two are one: each of them goes on as it went."""
+
+
+@dataclass(frozen=True, slots=True)
+class RivalWatch:
+    """When a rival was near the target.
+
+    Attributes
+    ----------
+    since : float
+        Time since both were seen [s]; infinite: never, or it went away again.
+    frames : int
+        In how many frames in a row both have been seen.
+    """
+
+    since: float = math.inf
+    frames: int = 0
+
+    def aged(self, dt: float) -> RivalWatch:
+        """Return it `dt` seconds later."""
+        return replace(self, since=self.since + dt)
+
+    def after(self, distances: FloatArray) -> RivalWatch:
+        """Return it after a frame.
+
+        Parameters
+        ----------
+        distances : FloatArray
+            Of what looks like the target from where it was, in roots of its area, shape (K,).
+        """
+        if not are_beside(distances):
+            return replace(self, frames=0)
+        if self.frames + 1 < RIVAL_FRAMES:
+            return replace(self, frames=self.frames + 1)
+        touches = float(distances[_is_beside(distances)].min()) < RIVAL_TOUCHES
+        # One that is last seen farther away has not merged with the target.
+        return RivalWatch(0.0 if touches else math.inf, self.frames + 1)
+
+    @property
+    def is_near(self) -> bool:
+        """Whether a rival is near, or was a moment ago."""
+        return self.since <= RIVAL_TIME
+
+    @property
+    def is_merged(self) -> bool:
+        """Whether target and rival are taken for one."""
+        return 0.0 < self.since <= RIVAL_TIME
+
+    @property
+    def gain_factor(self) -> float:
+        """Share of the usual gain of the rates."""
+        if self.is_merged:
+            return 0.0
+        return HELD_GAIN if self.is_near else 1.0
+
+    @property
+    def sharpness_factor(self) -> float:
+        """Share of the usual weight of the score."""
+        return MERGED_SHARPNESS if self.is_merged else 1.0
+
+    @property
+    def jump_factor(self) -> float:
+        """Share of the usual share of jumps."""
+        return MERGED_JUMPS if self.is_merged else 1.0
+
+
+def are_beside(distances: FloatArray) -> bool:
+    """Tell whether something is at the target's place, and something else beside it.
+
+    The target itself must be seen at its place: else what is beside it may be itself.
+    """
+    return bool(_is_beside(distances).any() and (distances <= RIVAL_NEAR).any())
+
+
+def _is_beside(distances: FloatArray) -> BoolArray:
+    beside: BoolArray = (distances > RIVAL_NEAR) & (distances < RIVAL_FAR)
+    return beside
