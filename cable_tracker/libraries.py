@@ -1,4 +1,4 @@
-"""Refusals of other libraries, in the exceptions of this package."""
+"""Other libraries: their refusals in the exceptions of this package, and how OpenCV computes."""
 
 from __future__ import annotations
 
@@ -29,3 +29,32 @@ def refusals_as(kind: type[CableTrackerError], what: str) -> Iterator[None]:
         yield
     except REFUSALS as refusal:
         raise kind(f"{what}: {one_line(refusal)}") from refusal
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Let OpenCV use one thread, as all else does.
+
+    What is measured must not depend on the number of processors.
+    """
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)
+
+
+@contextmanager
+def without_ipp() -> Iterator[None]:
+    """Let OpenCV do without Intel's library in this thread.
+
+    The last bit of what its functions for distances and magnitudes return depends on where the data
+    lie in memory, which is another place in every run.
+    """
+    before = cv2.ipp.useIPP()
+    cv2.ipp.setUseIPP(False)
+    try:
+        yield
+    finally:
+        cv2.ipp.setUseIPP(before)

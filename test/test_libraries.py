@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import FrameError, MetricError
-from cable_tracker.libraries import refusals_as
+from cable_tracker.libraries import one_thread, refusals_as, without_ipp
 
 
 def test_what_opencv_refuses_becomes_our_error_with_its_words():
@@ -25,3 +25,17 @@ def test_errors_of_our_own_and_of_python_pass():
     for error in (FrameError("x"), ValueError("x"), KeyError("x")):
         with pytest.raises(type(error)), refusals_as(MetricError, "y"):
             raise error
+
+
+def test_opencv_uses_one_thread_meanwhile():
+    before = cv2.getNumThreads()
+    with one_thread():
+        assert cv2.getNumThreads() == 1
+    assert cv2.getNumThreads() == before
+
+
+def test_opencv_does_without_ipp_meanwhile():
+    before = cv2.ipp.useIPP()
+    with without_ipp():
+        assert not cv2.ipp.useIPP()
+    assert cv2.ipp.useIPP() == before

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
-
-import cv2
 
 from cable_tracker.benchmark.accuracy import Accuracy, measure_accuracy
 from cable_tracker.benchmark.contours import ContourTiming, measure_contour
@@ -35,6 +31,7 @@ from cable_tracker.benchmark.subjects import (
 from cable_tracker.benchmark.yardstick import make_yardstick
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
+from cable_tracker.libraries import one_thread
 from cable_tracker.trackers import warm_up
 
 SMALLEST_MEMORY_RUN = 50
@@ -163,17 +160,6 @@ class Benchmark:
         return Measured(
             tuple(measurements), tuple(accuracies), tuple(profile), tuple(memory), starts, contours
         )
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Let OpenCV use one thread, as all else does."""
-    before = cv2.getNumThreads()
-    cv2.setNumThreads(1)
-    try:
-        yield
-    finally:
-        cv2.setNumThreads(before)
 
 
 def absent_libraries() -> tuple[str, ...]:

@@ -18,11 +18,10 @@ from enum import Enum
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-import cv2
-
 from cable_tracker import __version__
 from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import ParameterError, ResourceError, write_failure
+from cable_tracker.libraries import one_thread
 
 LARGEST_WORKER_COUNT = 256
 
@@ -143,13 +142,8 @@ def do_and_keep(work: Work[Result], advance: Callable[[], None], store: Path | N
     OutputError
         The result cannot be written.
     """
-    # What is measured must not depend on the processors.
-    threads = cv2.getNumThreads()
-    cv2.setNumThreads(1)
-    try:
+    with one_thread():
         result = work.run(advance)
-    finally:
-        cv2.setNumThreads(threads)
     if store is not None:
         _keep(store / fingerprint_of(work), result)
     return result

@@ -18,6 +18,7 @@ from cable_tracker.campaigns.cluster import connected
 from cable_tracker.campaigns.crew import ClusterSettings, Crew, Work, do_and_keep
 from cable_tracker.campaigns.task import Outcome, Task, TaskState, do, is_done
 from cable_tracker.errors import CableTrackerError, ParameterError, write_failure
+from cable_tracker.libraries import one_thread
 
 PROGRESS = "cable_tracker progress"
 """Topic on which workers tell of their progress."""
@@ -138,14 +139,11 @@ def run_campaign(
 
 
 def _do_here(task: Task, root: Path, advance: Callable[[int], None]) -> Outcome:
-    threads = cv2.getNumThreads()
-    cv2.setNumThreads(1)
     try:
-        do(task, root, __version__, advance)
+        with one_thread():
+            do(task, root, __version__, advance)
     except CableTrackerError as error:
         return Outcome(task.name, TaskState.FAILED, str(error))
-    finally:
-        cv2.setNumThreads(threads)
     return Outcome(task.name, TaskState.DONE)
 
 

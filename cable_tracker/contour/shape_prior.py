@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray
+from cable_tracker.libraries import without_ipp
 
 
 def signed_distances(mask: BoolArray) -> NDArray[np.float32]:
@@ -16,14 +17,20 @@ def signed_distances(mask: BoolArray) -> NDArray[np.float32]:
     that is all inside or all outside has no outline: its distances are those to beyond the picture.
     """
     inside = np.pad(mask, 1).astype(np.uint8)
-    to_outside = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    to_inside = cv2.distanceTransform(1 - inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    to_outside, to_inside = _distances_to_zero(inside), _distances_to_zero(1 - inside)
     if not mask.any():
         height, width = mask.shape
         to_inside = np.full(inside.shape, np.hypot(height, width), np.float32)
     signed = np.where(inside > 0, 0.5 - to_outside, to_inside - 0.5)
     cut: NDArray[np.float32] = signed[1:-1, 1:-1].astype(np.float32)
     return cut
+
+
+def _distances_to_zero(values: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """Return the distance of every pixel from the nearest zero [px]."""
+    with without_ipp():
+        distances = cv2.distanceTransform(values, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return distances.astype(np.float32, copy=False)
 
 
 def log_odds(mask: BoolArray, softness: float, limit: float) -> NDArray[np.float32]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.detection.search_region import SearchRegion
+from cable_tracker.libraries import without_ipp
 
 GRADIENT_FLOOR = 0.5
 """Smallest robust scale of a frame's gradient [grey levels per px]: below it lies the noise."""
@@ -38,11 +39,17 @@ class Gradient:
     scale: float
 
 
+def magnitude(x: Image, y: Image) -> Image:
+    """Return the lengths of vectors with components of shape (h, w), float32."""
+    with without_ipp():
+        return cv2.magnitude(x, y).astype(np.float32, copy=False)
+
+
 def gradient_of(smooth: Image) -> Gradient:
     """Return the gradient of a picture that is smoothed already, float32 of shape (h, w)."""
     x = cv2.Sobel(smooth, cv2.CV_32F, 1, 0, ksize=3, scale=1 / 8)
     y = cv2.Sobel(smooth, cv2.CV_32F, 0, 1, ksize=3, scale=-1 / 8)
-    modulus = cv2.magnitude(x, y)
+    modulus = magnitude(x, y)
     # Every second row and column says the same in a quarter of the time.
     scale = float(np.median(modulus[::2, ::2])) / GAUSSIAN_MEDIAN
     return Gradient(x, y, modulus, max(scale, GRADIENT_FLOOR))

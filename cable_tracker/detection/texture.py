@@ -25,7 +25,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.detection.border_lines import CONTRAST_CAP
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
-from cable_tracker.detection.edges import EdgePoints, gradient_of, gradient_ridge
+from cable_tracker.detection.edges import EdgePoints, gradient_of, gradient_ridge, magnitude
 from cable_tracker.detection.hough import hough_lines
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion, pixel_to_image
@@ -164,7 +164,7 @@ def _turns(weight: Image, cos_double: Image, sin_double: Image) -> Image:
     """Return how far a contour's pixel and its neighbours are from parallel, times their weight."""
     near = (3, 3)
     total, cos, sin = (cv2.blur(values, near) for values in (weight, cos_double, sin_double))
-    turns: Image = np.where(weight > 0, weight * (1 - cv2.magnitude(cos, sin) / (total + 1e-6)), 0)
+    turns: Image = np.where(weight > 0, weight * (1 - magnitude(cos, sin) / (total + 1e-6)), 0)
     return turns.astype(np.float32)
 
 

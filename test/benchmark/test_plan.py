@@ -1,9 +1,8 @@
-import cv2
 import pytest
 
 from cable_tracker.benchmark import plan
 from cable_tracker.benchmark.footage import RENDERED_SIZE
-from cable_tracker.benchmark.plan import FULL, QUICK, Benchmark, Plan, one_thread, versions
+from cable_tracker.benchmark.plan import FULL, QUICK, Benchmark, Plan, versions
 from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
 from cable_tracker.errors import ParameterError
 
@@ -17,13 +16,6 @@ def test_goals_need_the_reference_size_and_count_in_every_plan(each):
 def test_too_few_frames_say_nothing_about_memory():
     with pytest.raises(ParameterError, match="memory is 3: give 0, or at least 50"):
         Benchmark(Plan(memory=3))
-
-
-def test_opencv_uses_one_thread_meanwhile():
-    before = cv2.getNumThreads()
-    with one_thread():
-        assert cv2.getNumThreads() == 1
-    assert cv2.getNumThreads() == before
 
 
 def test_versions_name_what_is_absent(monkeypatch):

@@ -26,3 +26,15 @@ def test_odds_are_even_at_the_outline_and_limited_far_from_it():
 
 def test_an_empty_mask_is_far_from_everything():
     assert (log_odds(np.zeros((5, 5), bool), 1.0, 3.0) == -3.0).all()
+
+
+def test_equal_masks_have_equal_distances_wherever_they_lie_in_memory():
+    rng = np.random.default_rng(3)
+    rows, columns = np.mgrid[:61, :75]
+    mask = (rows - 30) ** 2 / 18**2 + (columns - 37) ** 2 / 24**2 < 1
+    mask[20] = rng.random(75) < 0.5
+    expected = signed_distances(mask)
+    for size in rng.integers(1, 5000, 40):
+        moved = np.zeros(size + mask.size, bool)[size:].reshape(mask.shape)
+        moved[...] = mask
+        np.testing.assert_array_equal(signed_distances(moved), expected)

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.detection.edges import GRADIENT_FLOOR, gradient_of, gradient_ridge
+from cable_tracker.detection.edges import (
+    GRADIENT_FLOOR,
+    gradient_of,
+    gradient_ridge,
+    magnitude,
+)
 from cable_tracker.detection.search_region import SearchRegion
 
 
@@ -47,3 +52,14 @@ def test_points_within_a_region_are_those_it_covers(edge_line, join):
     both = join(near, far)
     assert len(both.within(region)) == len(near)
     assert both.within(None) is both
+
+
+def test_equal_vectors_are_equally_long_wherever_they_lie_in_memory():
+    rng = np.random.default_rng(5)
+    x, y = (rng.normal(size=(123, 157)).astype(np.float32) for _ in range(2))
+    expected = magnitude(x, y)
+    np.testing.assert_allclose(expected, np.hypot(x, y), rtol=1e-6)
+    for size in rng.integers(1, 5000, 40):
+        moved = np.zeros(size + x.size, np.float32)[size:].reshape(x.shape)
+        moved[...] = x
+        np.testing.assert_array_equal(magnitude(moved, y), expected)
