@@ -29,10 +29,11 @@ from cable_tracker.simulation.survey_dive import (
 )
 from cable_tracker.simulation.survey_dive import SurveySettings as Simulated
 from cable_tracker.simulation.tube import Tube
+from cable_tracker.survey.dive_route import DiveRoute
 from cable_tracker.survey.events import Event, EventKind
 from cable_tracker.survey.forwards import read_pose, track_forwards
 from cable_tracker.survey.recording import SurveySettings, analyse
-from cable_tracker.survey.route import Course, DiveRoute
+from cable_tracker.survey.route import Course
 from cable_tracker.survey.smoothing import SmoothedCable, smooth
 
 TRUTH_TOPIC = "/ground_truth/odometry"

@@ -34,7 +34,8 @@ from cable_tracker.simulation.scenario import (
     simulate_scenario,
     simulated_dive,
 )
-from cable_tracker.simulation.scenarios import SCENARIO_RATE, SCENARIOS, find_scenario
+from cable_tracker.simulation.scenario_description import SCENARIO_RATE
+from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveySettings, usual_survey
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS

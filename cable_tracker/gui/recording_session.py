@@ -8,7 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 
 from cable_tracker.errors import CableTrackerError, FrameError, RecordingError
-from cable_tracker.gui.followers import Follower, make_follower, open_for
+from cable_tracker.gui.followers.choice import make_follower, open_for
+from cable_tracker.gui.followers.follower import Follower
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener
 from cable_tracker.gui.task_thread import TaskThread

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.simulation.scenarios import SCENARIO_RATE, FrameMove, Scenario, Sway
+from cable_tracker.simulation.scenario_description import SCENARIO_RATE, FrameMove, Scenario, Sway
 from cable_tracker.simulation.trajectory import (
     Bands,
     Harmonics,

@@ -28,7 +28,8 @@ from cable_tracker.simulation.dive import (
 from cable_tracker.simulation.laid_cable import BuriedStretch
 from cable_tracker.simulation.look import Look
 from cable_tracker.simulation.routes import random_trajectory, scenario_trajectory
-from cable_tracker.simulation.scenarios import SCENARIO_RATE, Crossing, Scenario, find_scenario
+from cable_tracker.simulation.scenario_description import SCENARIO_RATE, Crossing, Scenario
+from cable_tracker.simulation.scenarios import find_scenario
 from cable_tracker.simulation.tube import Tube, random_bends
 
 SMALLEST_SIDE = 32

@@ -10,15 +10,10 @@ from enum import Enum
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute
 from cable_tracker.survey.forwards import ForwardDive
 from cable_tracker.survey.frame_table import TRACKING, CrossingSight
-from cable_tracker.survey.route import (
-    LEAST_WEIGHT,
-    PROFILE_SPACING,
-    SPACING,
-    Course,
-    DiveRoute,
-)
+from cable_tracker.survey.route import LEAST_WEIGHT, SPACING, Course
 
 
 class EventKind(str, Enum):

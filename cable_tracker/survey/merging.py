@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.survey.dive_route import DiveRoute
 from cable_tracker.survey.events import Event, EventKind, moved, runs
-from cable_tracker.survey.route import SPACING, DiveRoute
+from cable_tracker.survey.route import SPACING
 
 REACH = 5.0
 """Routes farther apart are not of one cable [m]; `SIGMAS` standard deviations if these are more."""

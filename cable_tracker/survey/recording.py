@@ -19,6 +19,7 @@ from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.source import Source
+from cable_tracker.survey.dive_route import DiveRoute, Profile
 from cable_tracker.survey.events import Event, EventKind, Limits, find_events
 from cable_tracker.survey.forwards import (
     ForwardDive,
@@ -27,6 +28,7 @@ from cable_tracker.survey.forwards import (
     track_forwards,
 )
 from cable_tracker.survey.frame_table import TRACKING
+from cable_tracker.survey.looks import look_steps
 from cable_tracker.survey.merging import PlacedRoute
 from cable_tracker.survey.navigation import (
     Georeference,
@@ -37,9 +39,9 @@ from cable_tracker.survey.navigation import (
 )
 from cable_tracker.survey.on_disk import Disk
 from cable_tracker.survey.outputs.frames import write_frames
-from cable_tracker.survey.route import Course, DiveRoute, Profile, make_routes
+from cable_tracker.survey.route import Course, make_routes
 from cable_tracker.survey.second_look import look_again
-from cable_tracker.survey.smoothing import look_steps, smooth
+from cable_tracker.survey.smoothing import smooth
 
 FRAMES, ROUTES, SUMMARY, PICTURES = "frames.parquet", "routes.npz", "dive.json", "pictures"
 

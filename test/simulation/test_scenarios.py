@@ -6,7 +6,8 @@ import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.scenario import scenario_states, simulate_scenario
-from cable_tracker.simulation.scenarios import SCENARIOS, Crossing, find_scenario
+from cable_tracker.simulation.scenario_description import Crossing
+from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
 
 THESIS_LENGTHS = {"S1": 248, "S2": 499, "S3": 409, "S4": 172, "S5": 171, "S6": 129}
 SMALL = (64, 48)

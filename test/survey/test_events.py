@@ -7,9 +7,10 @@ from survey_dives import Plan, make_dive, poses_of
 from cable_tracker.survey.events import EventKind
 from cable_tracker.survey.forwards import ForwardDive
 from cable_tracker.survey.frame_table import CrossingSight
+from cable_tracker.survey.looks import look_steps
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.route import make_routes
-from cable_tracker.survey.smoothing import look_steps, smooth
+from cable_tracker.survey.smoothing import smooth
 
 
 def events(dive: ForwardDive, kind: EventKind):

@@ -13,9 +13,10 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.survey.forwards import on_ground
 from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING
+from cable_tracker.survey.looks import look_steps
 from cable_tracker.survey.route import Course
 from cable_tracker.survey.second_look import look_again, place_in_image
-from cable_tracker.survey.smoothing import look_steps, smooth
+from cable_tracker.survey.smoothing import smooth
 
 WIDTH, HEIGHT, FOCAL, ALTITUDE, DIAMETER = 320, 240, 300.0, 2.0, 0.16
 CAMERA = CameraModel(

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from survey_dives import LOOK, Plan, make_dive, poses_of, true_aside
 
-from cable_tracker.survey.smoothing import look_steps, smooth
+from cable_tracker.survey.looks import look_steps
+from cable_tracker.survey.smoothing import smooth
 
 
 def smoothed(plan: Plan):
@@ -116,10 +117,3 @@ def test_a_gap_in_the_navigation_ends_a_piece():
     poses[300:420] = np.nan
     cable = smooth(look_steps(rows, poses))
     assert set(cable.piece) == {0, 1}
-
-
-def test_a_vehicle_that_stands_still_is_one_look():
-    dive = make_dive(Plan(length=5.0))
-    rows = dive.table.rows
-    poses = np.tile([1.0, 2.0, 0.1], (len(rows), 1))
-    assert len(look_steps(rows, poses).places) == 1

@@ -18,7 +18,8 @@ from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import FIRST_STAMP, Dive
 from cable_tracker.simulation.flight import Flight, flight_at, twists_at
 from cable_tracker.simulation.scenario import SCENARIO_SIZE, scenario_dive
-from cable_tracker.simulation.scenarios import SCENARIO_RATE, find_scenario
+from cable_tracker.simulation.scenario_description import SCENARIO_RATE
+from cable_tracker.simulation.scenarios import find_scenario
 from cable_tracker.stamps import NANOSECONDS
 
 ODOMETRY_RATE = 50.0

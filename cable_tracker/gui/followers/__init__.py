@@ -1,0 +1,1 @@
+"""Trackers as a recording session uses them."""

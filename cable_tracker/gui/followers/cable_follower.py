@@ -1,0 +1,160 @@
+"""The tracker of a cable in a recording session."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import Self
+
+from cable_tracker.arrays import Image, eight_bits
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.initial_state import GivenState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.detection.pair_limits import pair_limits
+from cable_tracker.evaluation.tracking.track_recording import initial_state_for, start_from
+from cable_tracker.gui.followers.follower import BLANK, Follower
+from cable_tracker.gui.session import AnyStart, Snapshot
+from cable_tracker.gui.subject import CABLE
+from cable_tracker.metric.recorded import RecordedMetres
+from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.messages import cloud_of
+from cable_tracker.sequences.source import Source
+from cable_tracker.trackers import make_proposer, make_tracker, warm_up
+from cable_tracker.tracking.parameter_table import ParameterSet
+
+UNTRACKED = Withheld(Reason.NOT_TRACKING, "this frame was not tracked")
+"""Said in place of metres."""
+
+
+class CableFollower(Follower):
+    """Follows a cable.
+
+    Parameters
+    ----------
+    source : Source
+        The recording.
+    init : str
+        Where to start in it.
+    parameters : TrackerParameters
+        Those to begin with.
+    metres : RecordedMetres or None
+        The recording's instruments; None: everything stays in pixels.
+
+    Raises
+    ------
+    ParameterError
+        There is no such start, or the response table cannot be read.
+    """
+
+    subject = CABLE
+    _tracker: CableTracker
+    _parameters: TrackerParameters
+
+    def __init__(
+        self,
+        source: Source,
+        init: str,
+        parameters: TrackerParameters,
+        metres: RecordedMetres | None = None,
+    ) -> None:
+        self._start = initial_state_for(source, init, pair_limits(parameters))
+        self._parameters = parameters
+        self._tracker = make_tracker(parameters)
+        self._metres = metres
+        self._decoded: Image = BLANK
+        self._grey: Image = BLANK
+
+    def warm_up(self) -> None:
+        """Compile and load what frames will need."""
+        warm_up(self._parameters)
+
+    def begin(self) -> None:
+        """Be ready for the first frame."""
+        start_from(self._tracker, self._start)
+        if self._metres is not None:
+            self._metres.jump(to_start=True)
+
+    def reset(self) -> None:
+        """Forget everything."""
+        super().reset()
+        if self._metres is not None:
+            self._metres.jump()
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        other = super().copy()
+        if self._metres is not None:
+            other._metres = self._metres.copy()
+        return other
+
+    def close(self) -> None:
+        """Read no more of the recording."""
+        if self._metres is not None:
+            self._metres.close()
+
+    def initialise(self, start: AnyStart) -> None:
+        """Start the next frame from a belief."""
+        assert isinstance(start, GivenState), "a cable is not marked with an outline"
+        self._tracker.initialise(start)
+
+    def _configure_tracker(self, parameters: ParameterSet) -> None:
+        assert isinstance(parameters, TrackerParameters)
+        self._tracker.configure(parameters, make_proposer(parameters))
+
+    def look(self, frame: Frame) -> None:
+        """Decode a frame."""
+        self._decoded = decode_grey(frame.image)
+        self._grey = eight_bits(self._decoded)
+
+    def follow(self, frame: Frame, number: int) -> Snapshot:
+        """Track a frame."""
+        metres = self._metres
+        if metres is not None:
+            metres.advance(frame)
+        begin = time.perf_counter()
+        motion = metres.motion(frame.stamp, self._decoded) if metres is not None else None
+        estimate = self._tracker.process(self._decoded, frame.stamp, motion)
+        ms = (time.perf_counter() - begin) * 1e3
+        snapshot = self._tracked(frame, number, estimate, ms)
+        if metres is None:
+            return snapshot
+        metres.observe(estimate)
+        return replace(snapshot, metres=metres.measure(estimate))
+
+    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> Snapshot:
+        """Return a snapshot of a frame that is not tracked."""
+        return Snapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            grey=self._grey,
+            status=status,
+            reason=reason,
+            truth=frame.truth,
+            metres=None if self._metres is None else UNTRACKED,
+        )
+
+    def _tracked(self, frame: Frame, number: int, estimate: CableEstimate, ms: float) -> Snapshot:
+        is_claimed = estimate.status is TrackingStatus.TRACKING
+        particles = self._tracker.particles
+        return Snapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            grey=self._grey,
+            status=estimate.status.value,
+            reason=estimate.event,
+            state=estimate.state if is_claimed else None,
+            sigma=estimate.standard_deviations() if is_claimed else None,
+            cloud=cloud_of(particles) if particles is not None else None,
+            hypotheses=estimate.hypotheses,
+            presence=estimate.presence,
+            evidence=estimate.evidence if math.isfinite(estimate.evidence) else None,
+            n_eff=estimate.effective_sample_size,
+            ms=ms,
+            truth=frame.truth,
+        )

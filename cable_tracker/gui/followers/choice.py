@@ -1,0 +1,56 @@
+"""Which follower a recording and its parameters ask for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.gui.followers.cable_follower import CableFollower
+from cable_tracker.gui.followers.follower import Follower
+from cable_tracker.gui.followers.target_follower import TargetFollower
+from cable_tracker.gui.recording_request import RecordingRequest
+from cable_tracker.metric.recorded import RecordedVehicle
+from cable_tracker.sequences.source import Source
+from cable_tracker.sequences.target_labels import find_boxes, own_boxes
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.parameter_table import ParameterSet
+
+
+def open_for(request: RecordingRequest, parameters: ParameterSet) -> Source:
+    """Open a recording; labels of a target are none of a cable, and are read by its follower."""
+    is_target = isinstance(parameters, TargetParameters)
+    return (replace(request, truth=None) if is_target else request).open()
+
+
+def make_follower(
+    source: Source,
+    request: RecordingRequest,
+    parameters: ParameterSet,
+    vehicle: RecordedVehicle | None = None,
+) -> Follower:
+    """Return what follows what the parameters are for.
+
+    Parameters
+    ----------
+    source : Source
+        The recording.
+    request : RecordingRequest
+        How it was opened.
+    parameters : TrackerParameters or TargetParameters
+        Those to begin with.
+    vehicle : RecordedVehicle or None
+        Its instruments, for a cable in metres.
+
+    Raises
+    ------
+    ParameterError
+        There is no such start.
+    RecordingError
+        The labels cannot be read.
+    """
+    if isinstance(parameters, TargetParameters):
+        truth = own_boxes(source) if request.truth is None else find_boxes(source, request.truth)
+        return TargetFollower(request.init, parameters, truth)
+    assert isinstance(parameters, TrackerParameters)
+    metres = vehicle.metres() if vehicle is not None else None
+    return CableFollower(source, request.init, parameters, metres)

@@ -1,0 +1,133 @@
+"""Trackers as a recording session uses them: frame in, snapshot out, whatever is followed."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Protocol, Self
+
+import numpy as np
+
+from cable_tracker.gui.session import AnySnapshot, AnyStart
+from cable_tracker.gui.subject import Subject
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
+
+BLANK = np.zeros((240, 320), np.uint8)
+"""Shown where no frame could be decoded yet."""
+
+
+class AnyTracker(Protocol):
+    """What the trackers of all subjects have in common."""
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief."""
+        ...
+
+    def reset(self) -> None:
+        """Forget everything."""
+        ...
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        ...
+
+
+class Follower(ABC):
+    """A tracker, and what a session wants to know of it.
+
+    Attributes
+    ----------
+    subject : Subject
+        What is followed.
+    """
+
+    subject: Subject
+    _tracker: AnyTracker
+    _parameters: ParameterSet
+
+    @property
+    def particles(self) -> Particles | None:
+        """The present belief."""
+        return self._tracker.particles
+
+    def parameters(self) -> Mapping[str, ParameterValue]:
+        """Return the values in force, by name."""
+        return self._parameters.as_mapping()
+
+    @abstractmethod
+    def warm_up(self) -> None:
+        """Compile and load what frames will need."""
+
+    @abstractmethod
+    def begin(self) -> None:
+        """Be ready for the first frame of the recording, with the start that was asked for."""
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._tracker.reset()
+
+    def copy(self) -> Self:
+        """Return another one that goes on as this one would."""
+        other = self.__new__(type(self))
+        other.__dict__ = self.__dict__ | {"_tracker": self._tracker.copy()}
+        return other
+
+    @abstractmethod
+    def initialise(self, start: AnyStart) -> None:
+        """Start the next frame from what the user says.
+
+        Raises
+        ------
+        FrameError
+            It cannot be; nothing has changed.
+        """
+
+    def configure(self, values: Mapping[str, object]) -> bool:
+        """Change parameters, all or none; tell whether any has another value now.
+
+        Raises
+        ------
+        ParameterError
+            A value is refused.
+        """
+        parameters = self._parameters.replaced(values)
+        if parameters == self._parameters:
+            return False
+        self._configure_tracker(parameters)
+        self._parameters = parameters
+        return True
+
+    @abstractmethod
+    def close(self) -> None:
+        """Read no more of the recording."""
+
+    @abstractmethod
+    def _configure_tracker(self, parameters: ParameterSet) -> None:
+        """Let the tracker go on with other parameters."""
+
+    @abstractmethod
+    def look(self, frame: Frame) -> None:
+        """Decode a frame, which is shown from now on.
+
+        Raises
+        ------
+        FrameError
+            It cannot be decoded.
+        """
+
+    @abstractmethod
+    def follow(self, frame: Frame, number: int) -> AnySnapshot:
+        """Track the frame that was looked at last; its snapshot gets a number.
+
+        Raises
+        ------
+        FrameError
+            It cannot be used.
+        """
+
+    @abstractmethod
+    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> AnySnapshot:
+        """Return a snapshot of a frame that is not tracked."""

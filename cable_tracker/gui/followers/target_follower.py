@@ -1,0 +1,139 @@
+"""The tracker of a target in a recording session."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.errors import ParameterError
+from cable_tracker.gui.followers.follower import BLANK, Follower
+from cable_tracker.gui.session import AnyStart, TargetSnapshot
+from cable_tracker.gui.subject import TARGET
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.target_labels import BoxTruth
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.model.start_text import StartText, parse_start_text
+from cable_tracker.target.model.state import PoseColumn
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.tracker import TargetTracker
+from cable_tracker.target.warming import warm_up_target
+from cable_tracker.tracking.parameter_table import ParameterSet
+
+
+class TargetFollower(Follower):
+    """Follows a target.
+
+    Parameters
+    ----------
+    init : str
+        Where to start: `wait` for a mark, `detect`, or `x0,y0,x1,y1` [px].
+    parameters : TargetParameters
+        Those to begin with.
+    truth : BoxTruth
+        Where the target really is, as far as that is known.
+
+    Raises
+    ------
+    ParameterError
+        There is no such start.
+    """
+
+    subject = TARGET
+    _tracker: TargetTracker
+    _parameters: TargetParameters
+
+    def __init__(self, init: str, parameters: TargetParameters, truth: BoxTruth) -> None:
+        self._truth = truth
+        self._start: StartText = parse_start_text(init)
+        if len(self._start.boxes) > 1:
+            raise ParameterError("init: the window follows one target; mark only one")
+        if self._start.detects:
+            parameters = parameters.with_detector()
+        self._parameters = parameters
+        self._tracker = TargetTracker(parameters)
+        self._image: Image = BLANK
+
+    def warm_up(self) -> None:
+        """Compile and load what frames will need."""
+        warm_up_target(self._parameters)
+
+    def begin(self) -> None:
+        """Be ready for the first frame."""
+        for start in self._start.boxes:
+            self._tracker.initialise(start)
+
+    def close(self) -> None:
+        """Do nothing: boxes were read at the start."""
+
+    def initialise(self, start: AnyStart) -> None:
+        """Follow what is marked in the next frame."""
+        assert isinstance(start, TargetStart), "a target is marked with a box or an outline"
+        height, width = self._image.shape[:2]
+        start.check((width, height))
+        self._tracker.initialise(start)
+
+    def _configure_tracker(self, parameters: ParameterSet) -> None:
+        assert isinstance(parameters, TargetParameters)
+        self._tracker.configure(parameters)
+
+    def look(self, frame: Frame) -> None:
+        """Decode a frame."""
+        self._image = decode_bgr(frame.image)
+
+    def follow(self, frame: Frame, number: int) -> TargetSnapshot:
+        """Track a frame."""
+        begin = time.perf_counter()
+        estimate = self._tracker.process(self._image, frame.stamp)
+        ms = (time.perf_counter() - begin) * 1e3
+        is_claimed = estimate.status is TrackingStatus.TRACKING and estimate.box is not None
+        state = sigma = None
+        if is_claimed:
+            state = estimate.state.copy()
+            state[PoseColumn.LOG_SCALE] = estimate.scale
+            sigma = estimate.standard_deviations()[:4]
+            sigma[PoseColumn.LOG_SCALE] *= estimate.scale
+        return TargetSnapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            image=self._image,
+            status=estimate.status.value,
+            reason=estimate.event,
+            state=state,
+            sigma=sigma,
+            box=estimate.box if is_claimed else None,
+            outline=estimate.outline if is_claimed else np.empty((0, 2)),
+            area=estimate.area if is_claimed else None,
+            cloud=_poses_of(self._tracker.particles),
+            score=float(estimate.score),
+            presence=float(estimate.presence),
+            n_eff=float(estimate.effective_sample_size),
+            ms=ms,
+            truth=self._truth.box(frame),
+        )
+
+    def show(self, frame: Frame, number: int, status: str, reason: str = "") -> TargetSnapshot:
+        """Return a snapshot of a frame that is not tracked."""
+        return TargetSnapshot(
+            number=number,
+            frame=frame.index,
+            stamp=frame.stamp,
+            image=self._image,
+            status=status,
+            reason=reason,
+            truth=self._truth.box(frame),
+        )
+
+
+def _poses_of(particles: Particles | None) -> FloatArray | None:
+    """Return the columns of `TargetSnapshot.state` and the weight of each particle, (N, 7)."""
+    if particles is None:
+        return None
+    cloud = np.column_stack((particles.states, particles.weights))
+    cloud[:, PoseColumn.LOG_SCALE] = np.exp(cloud[:, PoseColumn.LOG_SCALE])
+    return cloud

@@ -1,0 +1,152 @@
+"""What a scenario says: a scene, how the cable moves in the image, and what happens."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from cable_tracker.simulation.look import Look, Skin
+from cable_tracker.simulation.trajectory import Bands
+
+SCENARIO_RATE = 25.0
+"""Frames per second of all scenarios."""
+
+CALM: Bands = ((0.12, 0.2), (0.3, 0.45), (0.6, 0.8))
+BRISK: Bands = ((0.25, 0.4), (0.5, 0.7), (0.9, 1.2))
+ROUGH: Bands = ((0.5, 0.7), (0.9, 1.2), (1.5, 1.9))
+SHAKY: Bands = ((0.8, 1.0), (1.3, 1.6), (1.9, 2.3))
+SWELL: Bands = ((0.45, 0.55), (1.0, 1.3))
+"""Frequencies at which a cable wavers in the image [Hz]."""
+
+
+@dataclass(frozen=True, slots=True)
+class FrameMove:
+    """A single smooth move.
+
+    Attributes
+    ----------
+    frame : int
+        Where it begins.
+    frames : int
+        How long it takes.
+    amount : float
+        In the unit of what moves.
+    """
+
+    frame: int
+    frames: int
+    amount: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sway:
+    """How one of d, alpha, w, beta moves; lengths in px at a width of 320, angles in degrees.
+
+    Attributes
+    ----------
+    mean : float
+        Where it starts from.
+    limit : float
+        The wavering stays within +-limit.
+    bands : Bands
+        Frequencies of the wavering.
+    variance : float or None
+        Wanted variance of the steps from frame to frame [px² or deg²]; None: the wavering takes all
+        of its limit.
+    moves : tuple of FrameMove
+        Besides the wavering.
+    strength : tuple of FrameMove
+        How the strength of the wavering departs from 1.
+    """
+
+    mean: float
+    limit: float
+    bands: Bands = BRISK
+    variance: float | None = None
+    moves: tuple[FrameMove, ...] = ()
+    strength: tuple[FrameMove, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How the cable moves through the image.
+
+    Attributes
+    ----------
+    distance, width : Sway
+        d and w [px at a width of 320].
+    angle, skew : Sway
+        alpha and beta [deg].
+    speed : float
+        Along the cable [m/s].
+    stop : (int, int) or None
+        First and last frame between which the vehicle stands still.
+    """
+
+    distance: Sway
+    angle: Sway
+    width: Sway
+    skew: Sway
+    speed: float = 0.35
+    stop: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """A second cable that lies over the first.
+
+    Attributes
+    ----------
+    frame : int
+        When the crossing is in the middle of the view.
+    angle : float
+        Between the two cables [deg].
+    radius : float
+        [m].
+    skin : Skin
+        Its outside.
+    """
+
+    frame: int
+    angle: float = 52.0
+    radius: float = 0.06
+    skin: Skin = field(default_factory=lambda: Skin(tone=0.5, cover=0.3))
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A scene and what happens in it.
+
+    Attributes
+    ----------
+    name : str
+        In the table of scenarios.
+    description : str
+        What is hard about it.
+    frame_count : int
+        At 25 frames per second.
+    motion : Motion
+        Of the cable in the image.
+    look : Look
+        Of the scene.
+    curvature : float
+        The cable never bends more than this [1/m].
+    mounting : float
+        How far the camera looks forward on the vehicle [deg].
+    has_cable : bool
+        Whether there is any.
+    buried : (int, int) or None
+        First and last frame of those in which all of the cable in view is buried.
+    crossing : Crossing or None
+        A second cable.
+    """
+
+    name: str
+    description: str
+    frame_count: int
+    motion: Motion
+    look: Look = field(default_factory=Look)
+    curvature: float = 0.012
+    mounting: float = 20.0
+    has_cable: bool = True
+    buried: tuple[int, int] | None = None
+    crossing: Crossing | None = None

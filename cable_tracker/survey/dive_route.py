@@ -1,0 +1,114 @@
+"""A cable as one dive has it: its way, and what can be seen of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+
+PROFILE_SPACING = 0.1
+"""Between two places at which it is judged whether the cable can be seen [m]."""
+
+VISIBLE = 1.6
+"""A mean score of the borders above this is a cable that can be seen; see `visibility`."""
+
+SMOOTHED_BINS = 3
+"""Places over which the mean score is averaged."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Profile:
+    """What can be seen of a cable along its way.
+
+    Attributes
+    ----------
+    start : float
+        Where it begins along the way [m]; the places are `PROFILE_SPACING` apart.
+    seen : FloatArray
+        How clearly the borders are seen, shape (B,); NaN where they were not measured.
+    in_view : BoolArray
+        Whether the cable, seen or not, was inside some picture, shape (B,).
+    """
+
+    start: float
+    seen: FloatArray
+    in_view: BoolArray
+
+    @property
+    def along(self) -> FloatArray:
+        """Middle of each place along the way, shape (B,) [m]."""
+        return np.array(self.start + PROFILE_SPACING * (np.arange(len(self.seen)) + 0.5))
+
+    @property
+    def visible(self) -> BoolArray:
+        """Whether the cable can be seen, shape (B,)."""
+        kernel = np.ones(SMOOTHED_BINS)
+        known = np.isfinite(self.seen)
+        total = np.convolve(np.where(known, self.seen, 0.0), kernel, "same")
+        count = np.convolve(known.astype(float), kernel, "same")
+        with np.errstate(invalid="ignore", divide="ignore"):
+            above: BoolArray = known & (total / count > VISIBLE)
+        return above
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DiveRoute:
+    """A piece of cable as one dive has it.
+
+    Columns have one value for each point; see `SPACING`.
+
+    Attributes
+    ----------
+    start : float
+        Where it begins along the way of `SmoothedCable` [m].
+    along : FloatArray
+        Way along the cable from there [m].
+    places : FloatArray
+        x, y, shape (N, 2) [m].
+    headings : FloatArray
+        Direction of the cable from +x [rad].
+    sigmas : FloatArray
+        Standard deviation across the cable [m], in the dive's frame.
+    frame_variances : FloatArray
+        What the frame adds to it [m²]; 0 in the frame of odometry.
+    bends : FloatArray
+        Curvature, to the left [1/m].
+    bend_sigmas : FloatArray
+        Its standard deviation [1/m].
+    stamps : IndexArray
+        When the vehicle was there [ns].
+    rows : IndexArray
+        Which row of the table is of that time.
+    diameters : FloatArray
+        [m]; NaN where there was no claim.
+    asides : FloatArray
+        Lateral distance of the cable from the vehicle's middle, to the left [m].
+    profile : Profile
+        What can be seen along the way.
+    """
+
+    start: float
+    along: FloatArray
+    places: FloatArray
+    headings: FloatArray
+    sigmas: FloatArray
+    frame_variances: FloatArray
+    bends: FloatArray
+    bend_sigmas: FloatArray
+    stamps: IndexArray
+    rows: IndexArray
+    diameters: FloatArray
+    asides: FloatArray
+    profile: Profile = field(repr=False)
+
+    @property
+    def total_sigmas(self) -> FloatArray:
+        """Standard deviation across the cable, with what is unknown of the frame [m]."""
+        return np.array(np.sqrt(self.sigmas**2 + self.frame_variances))
+
+    def visible(self) -> BoolArray:
+        """Tell at each point whether the cable can be seen, shape (N,)."""
+        shares = np.interp(self.along, self.profile.along, self.profile.visible.astype(float))
+        return np.asarray(shares > 0.5)
