@@ -1,0 +1,79 @@
+"""The frames of a soak test, over and over, as messages of a camera."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences.convert import ImageFormat, in_format, write_bag
+from cable_tracker.sequences.frame import Frame, RawImage
+from cable_tracker.sequences.messages import (
+    Message,
+    make_compressed_image,
+    make_header,
+    make_image,
+)
+from cable_tracker.stamps import NANOSECONDS
+
+FIRST_STAMP = 1_700_000_000 * NANOSECONDS
+STEP = 40_000_000
+"""Time between two frames [ns]."""
+
+REPLAYED_FRAMES = 12
+"""Of the bag for a replay."""
+
+
+class SoakFrames:
+    """Messages with the frames of a sequence, from the first again after the last.
+
+    Parameters
+    ----------
+    frames : sequence of Frame
+        8-bit grey or colour, all of one size.
+
+    Attributes
+    ----------
+    compressed : bool
+        Whether they are sent as JPEG.
+    stamp : int
+        Of the last one [ns].
+    """
+
+    def __init__(self, frames: Sequence[Frame]) -> None:
+        self.compressed = False
+        self.stamp = FIRST_STAMP
+        self._raw = frames
+        self._jpegs = [in_format(frame, ImageFormat.JPEG) for frame in frames]
+        self._factory = RclpyMessages()
+        self._number = 0
+
+    @property
+    def _frames(self) -> Sequence[Frame]:
+        return self._jpegs if self.compressed else self._raw
+
+    def next_message(self) -> Message:
+        """Return the next frame."""
+        self._number += 1
+        self.stamp += STEP
+        return self.message(self.stamp)
+
+    def message(self, stamp: int) -> Message:
+        """Return the present frame with any stamp [ns]."""
+        image = self._frames[self._number % len(self._frames)].image
+        if isinstance(image, RawImage):
+            return make_image(self._factory, image, self.header(stamp))
+        return make_compressed_image(self._factory, image, self.header(stamp))
+
+    def header(self, stamp: int) -> Message:
+        """Return the header of a message of the camera."""
+        return make_header(self._factory, stamp, "camera")
+
+    def short_bag(self, folder: Path) -> Path:
+        """Return a bag with a few frames, written into a folder when first asked for."""
+        path = folder / ("jpeg" if self.compressed else "raw")
+        if not path.exists():
+            some = enumerate(self._frames[:REPLAYED_FRAMES])
+            write_bag(path, (replace(each, stamp=FIRST_STAMP + n * STEP) for n, each in some))
+        return path
