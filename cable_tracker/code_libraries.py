@@ -20,7 +20,7 @@ import llvmlite.binding as llvm
 import numba
 from numba.core import types
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import Compiler, Flags
 from numba.core.environment import lookup_environment
 from numba.core.types.misc import unliteral
 from numba.core.typing.templates import infer_global
@@ -30,6 +30,9 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 ENVIRONMENT = "_ZN08NumbaEnv"
 """Beginning of the names of variables that hold what a function needs of Python."""
+
+FLAGS_HASH = hash(Flags())
+"""Numba hashes the names of the options alone."""
 
 
 class _NoEngine:
@@ -180,6 +183,36 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
+def _same_flags(self: Flags, other: object) -> bool:
+    """Tell whether two compilers have the same options: those that neither sets are the same."""
+    if not isinstance(other, Flags):
+        return False
+    if bool(self._values == other._values):
+        return True
+    either = self._values.keys() | other._values.keys()
+    return all(getattr(self, name) == getattr(other, name) for name in either)
+
+
+def _hash_of_flags(self: Flags) -> int:
+    """Return what Numba does, the same number for all."""
+    return FLAGS_HASH
+
+
+@contextmanager
+def _quickly_compared_flags() -> Iterator[None]:
+    """Let Numba compare options of compilers by those that are set. Its lock is held.
+
+    It does so some 100 000 times for a large entry, and reads all options each time: an eighth of
+    the time of compiling.
+    """
+    before = Flags.__eq__, Flags.__hash__
+    Flags.__eq__, Flags.__hash__ = _same_flags, _hash_of_flags
+    try:
+        yield
+    finally:
+        Flags.__eq__, Flags.__hash__ = before
+
+
 class EntryCompiler(Compiler):  # type: ignore[misc]
     """Compiles an entry; all that it calls is compiled as parts."""
 
@@ -188,7 +221,7 @@ class EntryCompiler(Compiler):  # type: ignore[misc]
         codegen = self.state.targetctx.codegen()
         self.state.library = EntryLibrary(codegen, func.__qualname__)
         self.state.library.enable_object_caching()
-        with _making(codegen, PartLibrary), _without_collection():
+        with _making(codegen, PartLibrary), _without_collection(), _quickly_compared_flags():
             return super().compile_extra(func)
 
 

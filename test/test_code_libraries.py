@@ -4,8 +4,10 @@ import numba
 import numpy as np
 import pytest
 from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Flags
 from numba.core.registry import cpu_target
 
+from cable_tracker.code_libraries import _quickly_compared_flags
 from cable_tracker.compilation import compiled, compiled_loop, compiled_part
 
 
@@ -141,3 +143,32 @@ def test_a_loop_that_makes_an_array_does_not_compile():
 
     with pytest.raises(numba.core.errors.NumbaError):
         entry(3)
+
+
+def flags(**options):
+    made = Flags()
+    for name, value in options.items():
+        setattr(made, name, value)
+    return made
+
+
+@pytest.mark.parametrize(
+    "others", [{}, {"nrt": True}, {"nrt": False}, {"nrt": True, "forceinline": True}]
+)
+@pytest.mark.parametrize("options", [{}, {"nrt": True}, {"fastmath": True}, {"forceinline": False}])
+def test_options_are_compared_as_numba_compares_them(options, others):
+    one, other = flags(**options), flags(**others)
+    expected = one == other
+    hashes = hash(one), hash(other)
+    with _quickly_compared_flags():
+        assert (one == other) is expected
+        assert (hash(one), hash(other)) == hashes
+        assert one != 3
+
+
+def test_numba_compares_options_itself_where_no_entry_is_compiled():
+    before = Flags.__eq__, Flags.__hash__
+    with pytest.raises(ValueError, match="stop"), _quickly_compared_flags():
+        assert Flags.__eq__ is not before[0]
+        raise ValueError("stop")
+    assert (Flags.__eq__, Flags.__hash__) == before
