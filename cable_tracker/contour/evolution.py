@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.contour.levels import Levels, levels_of_mask
-from cable_tracker.contour.switching import FEWEST, SwitchingRules, switch_points
+from cable_tracker.contour.switching import FEWEST, SwitchingSettings, switch_points
 from cable_tracker.errors import FrameError
 
 Window: TypeAlias = tuple[int, int, int, int]
@@ -161,9 +161,11 @@ def _evolve(
         )
     changes = np.zeros(recorded)
     part = np.ascontiguousarray(data[top:bottom, left:right], dtype=np.float32)
-    rules = SwitchingRules(by_means, settings.regulariser, settings.balance, settings.flooding)
+    switching = SwitchingSettings(
+        by_means, settings.regulariser, settings.balance, settings.flooding
+    )
     iterations, converged, inside, inside_sum, outside_sum, switches = switch_points(
-        part, cut, rules, settings.iterations, changes
+        part, cut, switching, settings.iterations, changes
     )
     if cut.shape == levels.shape:
         levels = cut

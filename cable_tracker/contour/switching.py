@@ -95,7 +95,7 @@ class Regions(NamedTuple):
     sums: FloatArray
 
 
-class SwitchingRules(NamedTuple):
+class SwitchingSettings(NamedTuple):
     """What a switch costs, see `switch_points`."""
 
     by_means: bool
@@ -108,7 +108,7 @@ class SwitchingRules(NamedTuple):
 def switch_points(
     data: NDArray[np.float32],
     levels: Levels,
-    rules: SwitchingRules,
+    settings: SwitchingSettings,
     most_iterations: int,
     changes: FloatArray,
 ) -> tuple[int, bool, int, float, float, int]:
@@ -120,7 +120,7 @@ def switch_points(
         Shape (H, W): intensities, or what speaks for the inside as a log-likelihood ratio.
     levels : Levels
         Start; afterwards the contour.
-    rules : SwitchingRules
+    settings : SwitchingSettings
         `by_means`: Chan-Vese's energy of intensities, (15) and (16), or that of the log-likelihood
         ratio. `regulariser`, `balance`: rho_1 and eps_N of (17) and (18). `flooding`: look at
         points that join a list during its scan in the same scan.
@@ -152,7 +152,7 @@ def switch_points(
         iterations += 1
         before = switches
         for region in (INSIDE, OUTSIDE):
-            switches = _scan(region, sides, values, stride, regions, rules, changes, switches)
+            switches = _scan(region, sides, values, stride, regions, settings, changes, switches)
             other = 1 - region
             regions.edge_sizes[other] = _drop_buried(
                 sides,
@@ -211,7 +211,7 @@ def _scan(
     values: NDArray[np.float32],
     stride: int,
     regions: Regions,
-    rules: SwitchingRules,
+    settings: SwitchingSettings,
     changes: FloatArray,
     switches: int,
 ) -> int:
@@ -224,15 +224,15 @@ def _scan(
     total, foreign_total = regions.sums[region], regions.sums[other]
     count, foreign_count = regions.edge_sizes[region], regions.edge_sizes[other]
     smooth = 0.0
-    if count > 0 and abs(1.0 - foreign_count / count) > rules.balance:
-        smooth = sign * rules.regulariser
+    if count > 0 and abs(1.0 - foreign_count / count) > settings.balance:
+        smooth = sign * settings.regulariser
     kept, index, end = 0, 0, count
     while index < end:
         point = own[index]
         index += 1
         value = values[point]
         change = sign * value
-        if rules.by_means:
+        if settings.by_means:
             from_own, from_other = value - total / size, value - foreign_total / foreign_size
             change = from_other * from_other * (foreign_size / (foreign_size + 1.0))
             change -= from_own * from_own * (size / (size - 1.0))
@@ -252,7 +252,7 @@ def _scan(
         total, foreign_total = total - value, foreign_total + value
         for neighbour in (point - stride, point - 1, point + 1, point + stride):
             count = _join(sides, neighbour, depth, edge, own, count)
-        if rules.flooding:
+        if settings.flooding:
             end = count
     while index < count:
         own[kept] = own[index]

@@ -13,6 +13,7 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_table import Rows, Samples
 from cable_tracker.survey.on_disk import Disk, Unwrapping, surroundings
+from cable_tracker.tracking.robust import GAUSSIAN_MAD
 
 LONGEST_GAP = 1.0
 """Over a longer silence of odometry no pose is interpolated [s]."""
@@ -35,9 +36,6 @@ LEAST_WAY = 2.0
 
 OUTLIER = 4.0
 """Fixes farther off than this do not count [standard deviations]."""
-
-ROBUST = 1.4826
-"""From a median deviation to a standard deviation."""
 
 DRIFT_NOISE, RATE_NOISE = 2e-5, 1e-7
 """By how much the variances of odometry's error, and of its rate, grow [m²/s, m²/s³]."""
@@ -310,7 +308,7 @@ def _plausible(left: FloatArray, variances: FloatArray, disk: Disk) -> BoolArray
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1, axis=0)
     middles = disk.filled(len(left), lambda rows: np.median(windows[rows], axis=2))
     off = np.hypot(*(left - middles).T)
-    spread = max(ROBUST * float(np.median(off)) / math.sqrt(2 * math.log(2)), 1e-3)
+    spread = max(GAUSSIAN_MAD * float(np.median(off)) / math.sqrt(2 * math.log(2)), 1e-3)
     allowed = OUTLIER * np.maximum(np.sqrt(variances), spread)
     return np.asarray(off <= allowed)
 

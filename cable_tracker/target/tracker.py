@@ -21,14 +21,14 @@ from cable_tracker.target.measure.working_frame import (
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
-from cable_tracker.target.model.state import POSE_SIZE, in_frame_pixels
+from cable_tracker.target.model.state import STATE_SIZE, in_frame_pixels
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.pose_filter import PoseFilter
 from cable_tracker.target.thesis.blob_filter import BlobFilter
 from cable_tracker.tracking.status import StatusMachine, TrackingStatus
 from cable_tracker.tracking.succession import FrameMark, succession
 
-NO_OTHERS = np.empty((0, POSE_SIZE))
+NO_OTHERS = np.empty((0, STATE_SIZE))
 
 
 class TargetTracker:
@@ -233,8 +233,8 @@ class TargetTracker:
             stamp=self._frame.stamp,
             status=self._status.status,
             image_size=self._frame.size,
-            state=np.zeros(POSE_SIZE),
-            covariance=np.eye(POSE_SIZE) * 1e6,
+            state=np.zeros(STATE_SIZE),
+            covariance=np.eye(STATE_SIZE) * 1e6,
             event=event,
         )
 

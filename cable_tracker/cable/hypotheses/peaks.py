@@ -44,7 +44,7 @@ class Peaks(NamedTuple):
 
 @compiled_part
 def empty_peaks(count: int) -> Peaks:
-    """Return room for some peaks, of which there is none yet."""
+    """Return empty arrays for some peaks, of which there is none yet."""
     return Peaks(
         np.zeros(count, np.int64),
         np.empty((count, POSE_SIZE)),

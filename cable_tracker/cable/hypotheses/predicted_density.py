@@ -82,7 +82,7 @@ class PredictedDensities(NamedTuple):
 
 
 def empty_densities(count: int) -> PredictedDensities:
-    """Return room for the densities at some states."""
+    """Return empty arrays for the densities at some states."""
     return PredictedDensities(*(np.empty(count) for _ in PredictedDensities._fields))
 
 

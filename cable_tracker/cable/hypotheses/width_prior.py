@@ -27,27 +27,28 @@ class WidthPrior:
     ----------
     log_width : float
         Logarithm of the mean width [px].
-    unseen : float
+    untracked_time : float
         How long no cable was tracked [s].
-    seen : float
+    tracked_time : float
         How long one was tracked [s].
     """
 
     log_width: float
-    unseen: float = 0.0
-    seen: float = 0.0
+    untracked_time: float = 0.0
+    tracked_time: float = 0.0
 
     def aged(self, dt: float) -> WidthPrior:
         """Return the prior `dt` seconds later."""
-        return replace(self, unseen=self.unseen + dt)
+        return replace(self, untracked_time=self.untracked_time + dt)
 
     def spread(self, parameters: TrackerParameters) -> float:
         """Return the scale of the logarithm of widths.
 
         It grows while no cable is tracked. A width that was seen for a short time says little.
         """
-        doubt = YOUNG_DOUBT * math.exp(-self.seen / parameters.width_time)
-        return parameters.width_spread * (1.0 + doubt + self.unseen / parameters.memory_time)
+        doubt = YOUNG_DOUBT * math.exp(-self.tracked_time / parameters.width_time)
+        growth = self.untracked_time / parameters.memory_time
+        return parameters.width_spread * (1.0 + doubt + growth)
 
 
 @compiled_inside
@@ -67,5 +68,6 @@ def updated_width_prior(
     if before is None:
         return WidthPrior(now)
     share = -math.expm1(-dt / parameters.width_time)
-    seen = before.seen + dt
-    return WidthPrior(before.log_width + share * (now - before.log_width), seen=seen)
+    tracked_time = before.tracked_time + dt
+    log_width = before.log_width + share * (now - before.log_width)
+    return WidthPrior(log_width, tracked_time=tracked_time)

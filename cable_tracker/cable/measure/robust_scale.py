@@ -6,9 +6,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.compilation import compiled_part
-
-GAUSSIAN_MAD = 1.4826
-"""Standard deviation of a Gaussian over its median absolute deviation."""
+from cable_tracker.tracking.robust import GAUSSIAN_MAD
 
 INFINITY = 0x7F800000
 """The bits of an infinite float32."""

@@ -15,6 +15,7 @@ from cable_tracker.arrays import BoolArray
 from cable_tracker.contour.evolution import ContourSettings, evolve_by_means
 from cable_tracker.contour.fast_marching import arrival_times, edge_speed
 from cable_tracker.target.measure.working_frame import WorkingFrame
+from cable_tracker.tracking.robust import GAUSSIAN_MAD
 
 TILE = 30
 """Distance between seeds [px] (Ha, chapter 7)."""
@@ -71,7 +72,7 @@ def conspicuousness(frame: WorkingFrame) -> NDArray[np.float32]:
     rows = np.median(values, axis=1, keepdims=True)
     usual = cv2.blur(rows, (1, 31)).reshape(rows.shape)
     apart = np.abs(values - usual)
-    spread = np.maximum(1.4826 * np.median(apart, axis=(0, 1)), 2.0)
+    spread = np.maximum(GAUSSIAN_MAD * np.median(apart, axis=(0, 1)), 2.0)
     distance = np.sqrt(((apart / spread) ** 2).mean(axis=2))
     scaled: NDArray[np.float32] = np.minimum(distance / SPREAD_LIMIT, 1.0).astype(np.float32)
     return scaled

@@ -13,7 +13,7 @@ from cable_tracker.target.measure.features import BinMap, Bins, bins_of, choose_
 from cable_tracker.target.measure.outline import find_outline
 from cable_tracker.target.measure.region import HueModel, score_poses
 from cable_tracker.target.measure.working_frame import WorkingFrame
-from cable_tracker.target.model.state import POSE_SIZE
+from cable_tracker.target.model.state import STATE_SIZE
 from cable_tracker.target.model.template import LEAST_AREA, Template, centroid, template_of_mask
 
 ROUNDS = 3
@@ -98,7 +98,7 @@ def look_first(
     bins = choose_bins(frame.channels, frame.is_coloured)
     bin_map = bins_of(frame.channels, bins.lookups)
     marked = template_of_mask(mask, points)
-    state = np.zeros(POSE_SIZE)
+    state = np.zeros(STATE_SIZE)
     state[:2] = centroid(mask)
     appearance = _learn(bin_map, mask, bins, limit)
     allowed = _widened(mask)
@@ -113,7 +113,7 @@ def look_first(
         appearance = _learn(bin_map, found, bins, limit)
         mask = found
     template = template_of_mask(mask, points)
-    state = np.zeros(POSE_SIZE)
+    state = np.zeros(STATE_SIZE)
     state[:2] = centroid(mask)
     ratios = looked_up(bin_map, appearance.log_ratios())
     plain = HueModel(bin_map, appearance.hue_roots(), 0.0)

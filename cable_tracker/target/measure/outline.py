@@ -12,7 +12,7 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.compilation import compiled
 from cable_tracker.contour.evolution import ContourSettings, Window
 from cable_tracker.contour.levels import levels_of_mask
-from cable_tracker.contour.switching import FEWEST, SwitchingRules, switch_points
+from cable_tracker.contour.switching import FEWEST, SwitchingSettings, switch_points
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.model.template import SIDE, UNIT, Template
 
@@ -133,9 +133,9 @@ def find_outline(
         return None
     prior = np.clip(-distances / np.float32(softness), -PRIOR_LIMIT, PRIOR_LIMIT)
     levels = levels_of_mask(expected)
-    rules = SwitchingRules(False, settings.regulariser, settings.balance, settings.flooding)
+    switching = SwitchingSettings(False, settings.regulariser, settings.balance, settings.flooding)
     switch_points(
-        ratios[top:bottom, left:right] + prior, levels, rules, settings.iterations, np.empty(0)
+        ratios[top:bottom, left:right] + prior, levels, switching, settings.iterations, np.empty(0)
     )
     mask = levels < 0
     overlap = float((mask & expected).sum() / max(int((mask | expected).sum()), 1))

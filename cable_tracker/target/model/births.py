@@ -10,7 +10,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.student_t import standard_student_t
-from cable_tracker.target.model.state import PLACES, POSE_SIZE
+from cable_tracker.target.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.tracking.survival import share_about_last_place
 
 TAIL = 4.0
@@ -67,9 +67,9 @@ class Births:
     def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Draw poses at rest, shape (count, 6)."""
         place, scale, angle = self._spreads()
-        noise = standard_student_t(rng, count, PLACES, TAIL)
-        states = np.zeros((count, POSE_SIZE))
-        states[:, :PLACES] = self.last[:PLACES] + noise * [place, place, scale, angle]
+        noise = standard_student_t(rng, count, POSE_SIZE, TAIL)
+        states = np.zeros((count, STATE_SIZE))
+        states[:, :POSE_SIZE] = self.last[:POSE_SIZE] + noise * [place, place, scale, angle]
         anywhere = rng.random(count) >= self.memory_share
         height, width = self.shape
         uniform = (rng.random((count, 2)) - 0.5) * [width, height]
@@ -95,7 +95,7 @@ def _log_peak(dimensions: int) -> float:
     )
 
 
-PEAKS = _log_peak(PLACES), _log_peak(2)
+PEAKS = _log_peak(POSE_SIZE), _log_peak(2)
 """Of the whole place, and of scale and angle."""
 
 
@@ -121,7 +121,7 @@ def _log_densities(  # noqa: PLR0917
         turn = (states[row, 3] - last[3]) / angle
         by_size = stretch * stretch + turn * turn
         squared = across * across + up * up + by_size
-        near = near_peak - 0.5 * (TAIL + PLACES) * math.log1p(squared / TAIL)
+        near = near_peak - 0.5 * (TAIL + POSE_SIZE) * math.log1p(squared / TAIL)
         if abs(states[row, 0]) <= width / 2 and abs(states[row, 1]) <= height / 2:
             far = far_peak - 0.5 * (TAIL + 2) * math.log1p(by_size / TAIL)
             most, least = max(near, far), min(near, far)

@@ -15,7 +15,7 @@ from cable_tracker.particle_filter.kernel_mixture import KernelMixture
 from cable_tracker.particle_filter.resampling import systematic_resampling
 from cable_tracker.particle_filter.student_t import standard_student_t
 from cable_tracker.target.model.births import Births
-from cable_tracker.target.model.state import PLACES
+from cable_tracker.target.model.state import POSE_SIZE
 
 NEVER = 1e-300
 """Stands for a probability of zero where its logarithm is needed."""
@@ -23,26 +23,26 @@ NEVER = 1e-300
 
 @compiled
 def relative_kernels(
-    points: FloatArray, places: FloatArray, scales: FloatArray, tail: float
+    points: FloatArray, centres: FloatArray, scales: FloatArray, tail: float
 ) -> FloatArray:
-    """Return Student-t kernels about places at points, over their peak, shape (N, M).
+    """Return Student-t kernels about centres at points, over their peak, shape (N, M).
 
     Parameters
     ----------
-    points, places : FloatArray
+    points, centres : FloatArray
         Shapes (N, 4 or more) and (M, 4).
     scales : FloatArray
         Of the four axes, shape (4,).
     tail : float
         Degrees of freedom.
     """
-    values = np.empty((len(points), len(places)))
-    power = -0.5 * (tail + PLACES)
+    values = np.empty((len(points), len(centres)))
+    power = -0.5 * (tail + POSE_SIZE)
     for row in range(len(points)):
-        for column in range(len(places)):
+        for column in range(len(centres)):
             squared = 0.0
-            for axis in range(PLACES):
-                offset = (points[row, axis] - places[column, axis]) / scales[axis]
+            for axis in range(POSE_SIZE):
+                offset = (points[row, axis] - centres[column, axis]) / scales[axis]
                 squared += offset * offset
             base = 1.0 + squared / tail
             if tail == 4.0:
@@ -90,7 +90,7 @@ class Proposal:
     Attributes
     ----------
     kernels : KernelMixture
-        Of places.
+        Of poses.
     weights : FloatArray
         Of the kernels, summing to one.
     share : float
@@ -102,17 +102,17 @@ class Proposal:
     share: float
 
     def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
-        """Draw places, shape (count, 4)."""
+        """Draw poses, shape (count, 4)."""
         if count == 0:
-            return np.empty((0, PLACES))
+            return np.empty((0, POSE_SIZE))
         chosen = systematic_resampling(self.weights, count, rng)
-        noise = standard_student_t(rng, count, PLACES, self.kernels.degrees_of_freedom)
-        places: FloatArray = self.kernels.places[chosen] + noise * self.kernels.scales
-        return places
+        noise = standard_student_t(rng, count, POSE_SIZE, self.kernels.degrees_of_freedom)
+        poses: FloatArray = self.kernels.places[chosen] + noise * self.kernels.scales
+        return poses
 
-    def log_density(self, places: FloatArray) -> FloatArray:
-        """Return the log of its share of the whole mixture's density at places (N, 4)."""
-        kernels = kernels_of(places, self.kernels)
+    def log_density(self, poses: FloatArray) -> FloatArray:
+        """Return the log of its share of the whole mixture's density at poses (N, 4)."""
+        kernels = kernels_of(poses, self.kernels)
         return math.log(self.share) + log_mix(kernels, self.weights, self.kernels)
 
 

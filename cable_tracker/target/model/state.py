@@ -24,10 +24,11 @@ class PoseColumn(IntEnum):
     Y_RATE = 5
 
 
-PLACES = 4
-"""Columns that say where the target is; the others are rates, per second."""
+POSE_SIZE = 4
+"""Columns of the pose: position, scale and angle."""
 
-POSE_SIZE = len(PoseColumn)
+STATE_SIZE = len(PoseColumn)
+"""Those, and the rates of the position, per second."""
 
 
 def in_frame_pixels(states: FloatArray, zoom: float) -> FloatArray:

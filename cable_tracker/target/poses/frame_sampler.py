@@ -13,7 +13,7 @@ from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.target.measure.measured_frame import MeasuredFrame
 from cable_tracker.target.model.forecast import Forecast, Proposal, choose_columns, log_mix
 from cable_tracker.target.model.own_place import OwnPlace
-from cable_tracker.target.model.state import PLACES, POSE_SIZE, wrap_angle
+from cable_tracker.target.model.state import POSE_SIZE, STATE_SIZE, wrap_angle
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.peaks import Peaks
 from cable_tracker.target.poses.pose_belief import PoseBelief
@@ -153,7 +153,7 @@ class FrameSampler:
         if counts.peaks:
             others.append(self._about(peaks.poses, peaks.strengths, PEAK_SPREAD, counts.peaks))
             parts.append(others[-1].draw(counts.peaks, rng))
-        parts.append(self.forecast.births.draw(counts.search, rng)[:, :PLACES])
+        parts.append(self.forecast.births.draw(counts.search, rng)[:, :POSE_SIZE])
         scored = self._scored(np.concatenate(parts))
         own = self._own_place(scored)
         if counts.refined:
@@ -188,8 +188,8 @@ class FrameSampler:
     def _scored(self, poses: FloatArray) -> ScoredPoses:
         """Return poses (N, 4) at rest, with the densities of the belief and their scores."""
         known, reference = self.belief.known, self.belief.angle
-        states = np.zeros((len(poses), POSE_SIZE))
-        states[:, :PLACES] = poses
+        states = np.zeros((len(poses), STATE_SIZE))
+        states[:, :POSE_SIZE] = poses
         states[:, 3] = reference + wrap_angle(states[:, 3] - reference)
         log_prior, log_birth, kernel_values = self.forecast.log_density(states)
         log_prior = log_prior + known.log_size_factor(states, self.parameters.size_spread)
@@ -199,7 +199,7 @@ class FrameSampler:
     def _own_place(self, scored: ScoredPoses) -> OwnPlace:
         """Return where the target is expected, and what that says about other places."""
         belief = self.belief
-        x, y = belief.estimate[:2] + belief.estimate[PLACES:] * self.dt
+        x, y = belief.estimate[:2] + belief.estimate[POSE_SIZE:] * self.dt
         place = OwnPlace(float(x), float(y), OWN_REACH * belief.size)
         if belief.presence < self.parameters.presence_to_track:
             return place
@@ -209,7 +209,7 @@ class FrameSampler:
         """Return the best of the poses that have been drawn, shape (K, 4)."""
         scores = own.own_scores(scored.states, scored.scores)
         worth = scored.log_prior + self.sharpness * scores
-        best: FloatArray = scored.states[np.argsort(-worth)[:REFINED], :PLACES]
+        best: FloatArray = scored.states[np.argsort(-worth)[:REFINED], :POSE_SIZE]
         return best
 
     def _log_proposal(
@@ -222,7 +222,7 @@ class FrameSampler:
         """Return the log-density of the whole mixture at each pose, shape (N,)."""
         following = log_mix(scored.kernel_values, followed.weights, followed.kernels)
         parts = [following + math.log(followed.share)]
-        parts += [part.log_density(scored.states[:, :PLACES]) for part in others]
+        parts += [part.log_density(scored.states[:, :POSE_SIZE]) for part in others]
         if counts.search:
             parts.append(math.log(self._share(counts.search)) + scored.log_birth)
         log_proposal: FloatArray = np.logaddexp.reduce(parts)
@@ -238,4 +238,4 @@ class FrameSampler:
         reach = np.hypot(unforeseen[:, 0], unforeseen[:, 1])
         gain = self.parameters.rate_gain * np.where(reach > limit, 0.0, 1.0)
         gain *= self.belief.rivals.gain_factor
-        states[:, PLACES:] = self.forecast.rates[parents] + gain[:, None] * unforeseen / self.dt
+        states[:, POSE_SIZE:] = self.forecast.rates[parents] + gain[:, None] * unforeseen / self.dt

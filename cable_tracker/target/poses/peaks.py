@@ -9,7 +9,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.target.measure.measured_frame import MeasuredFrame
 from cable_tracker.target.measure.places import find_places
-from cable_tracker.target.model.state import PLACES, POSE_SIZE, PoseColumn
+from cable_tracker.target.model.state import POSE_SIZE, STATE_SIZE, PoseColumn
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.pose_belief import PoseBelief
 from cable_tracker.target.poses.rivals import RIVAL_SCORE, RivalWatch, are_beside
@@ -33,7 +33,7 @@ class Peaks(NamedTuple):
     strengths: FloatArray
 
 
-NO_PEAKS = Peaks(np.empty((0, PLACES)), np.empty(0))
+NO_PEAKS = Peaks(np.empty((0, POSE_SIZE)), np.empty(0))
 
 
 def find_peaks(belief: PoseBelief, measured: MeasuredFrame, parameters: TargetParameters) -> Peaks:
@@ -76,7 +76,7 @@ def watch_rivals(
     distances = np.hypot(*(poses[:, :2] - belief.estimate[:2]).T) / belief.size
     if not are_beside(distances):
         return watch.after(distances)
-    states = np.zeros((len(poses), POSE_SIZE))
-    states[:, :PLACES] = poses
+    states = np.zeros((len(poses), STATE_SIZE))
+    states[:, :POSE_SIZE] = poses
     scores = measured.scores(states, belief.known.template)
     return watch.after(distances[scores >= RIVAL_SCORE * belief.known.usual.mean])

@@ -15,7 +15,7 @@ from cable_tracker.particle_filter.resampling import systematic_resampling
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.forecast import Forecast
-from cable_tracker.target.model.state import PLACES, PoseColumn, wrap_angle
+from cable_tracker.target.model.state import POSE_SIZE, PoseColumn, wrap_angle
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.known_target import KnownTarget, relearnt
 from cable_tracker.target.poses.rivals import RivalWatch
@@ -111,8 +111,8 @@ def forecast_of(
     states = belief.particles.states
     ancestors = states[systematic_resampling(belief.particles.weights, p.ancestor_count, rng)]
     damping = 1.0 if belief.rivals.is_near else p.rate_damping
-    rates = ancestors[:, PLACES:] * damping**frames
-    centres = ancestors[:, :PLACES].copy()
+    rates = ancestors[:, POSE_SIZE:] * damping**frames
+    centres = ancestors[:, :POSE_SIZE].copy()
     centres[:, :2] += rates * dt
     centres[:, 3] = belief.angle + wrap_angle(centres[:, 3] - belief.angle)
     survival = _survival(centres, shape, dt, p)

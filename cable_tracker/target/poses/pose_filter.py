@@ -23,7 +23,7 @@ from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_f
 from cable_tracker.target.measure.outline import Outline, find_outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
-from cable_tracker.target.model.state import POSE_SIZE, PoseColumn
+from cable_tracker.target.model.state import STATE_SIZE, PoseColumn
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.frame_sampler import FrameSampler
 from cable_tracker.target.poses.known_target import (
@@ -111,7 +111,7 @@ class PoseFilter:
         spread = FIRST_SPREAD * look.template.size
         rate = 10.0 * spread
         scales = np.array([spread, spread, FIRST_TURN, FIRST_TURN, rate, rate])
-        noise = self._rng.standard_normal((p.particle_count, POSE_SIZE))
+        noise = self._rng.standard_normal((p.particle_count, STATE_SIZE))
         belief = PoseBelief(
             particles=Particles.equally_weighted(look.state + noise * scales),
             estimate=look.state,

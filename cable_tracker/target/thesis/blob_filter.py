@@ -27,7 +27,7 @@ from cable_tracker.target.finding import Finding
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
-from cable_tracker.target.model.state import POSE_SIZE, PoseColumn
+from cable_tracker.target.model.state import STATE_SIZE, PoseColumn
 from cable_tracker.target.model.template import LEAST_AREA, centroid
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.thesis.border_model import BorderModel
@@ -108,7 +108,7 @@ class BlobFilter:
         self._rng = rng
         self._particles: Particles | None = None
         self._prior: ShapePrior | None = None
-        self._estimate = np.zeros(POSE_SIZE)
+        self._estimate = np.zeros(STATE_SIZE)
         self._before: NDArray[np.float32] | None = None
         self._border = BorderModel()
 
@@ -144,7 +144,7 @@ class BlobFilter:
             )
         window = _cut_about(mask)
         self._prior = ShapePrior(window, int(mask.sum()))
-        self._estimate = np.zeros(POSE_SIZE)
+        self._estimate = np.zeros(STATE_SIZE)
         self._estimate[:2] = centroid(mask)
         states = np.tile(self._estimate, (self._parameters.particle_count, 1))
         self._particles = Particles.equally_weighted(states)
@@ -252,10 +252,10 @@ class BlobFilter:
             whole = outline.in_picture(frame.shape)
             self._prior = replace(prior, mask=_cut_about(whole))
             state[:2] = self._estimate[:2] = centroid(whole)
-        spread = self._particles.states[:, :POSE_SIZE]
+        spread = self._particles.states[:, :STATE_SIZE]
         return Finding(
             state=state,
-            covariance=np.cov(spread.T) if len(spread) > 1 else np.zeros((POSE_SIZE, POSE_SIZE)),
+            covariance=np.cov(spread.T) if len(spread) > 1 else np.zeros((STATE_SIZE, STATE_SIZE)),
             size=math.sqrt(prior.first_area),
             outline=outline,
             is_whole=is_near and not touches,
@@ -271,7 +271,7 @@ class BlobFilter:
         assert self._prior is not None
         return Finding(
             state=self._estimate.copy(),
-            covariance=np.eye(POSE_SIZE) * 1e6,
+            covariance=np.eye(STATE_SIZE) * 1e6,
             size=math.sqrt(self._prior.first_area),
             outline=None,
             is_whole=False,

@@ -184,7 +184,7 @@ def test_the_width_and_the_place_are_remembered_while_a_cable_is_tracked(strip, 
     np.testing.assert_allclose(seen.memory.pose, STRIP.to_array()[:4], atol=1.5)
     gone = run(cable_filter, seen, [noise(k) for k in range(25)])[-1]
     assert gone.presence < 0.5
-    assert gone.memory.seconds == pytest.approx(gone.width_prior.unseen)
+    assert gone.memory.seconds == pytest.approx(gone.width_prior.untracked_time)
     assert gone.memory.seconds > 0.4
 
 

@@ -37,11 +37,11 @@ def test_it_says_less_the_longer_no_cable_is_seen():
     now, soon, late = (factors(usual.aged(s), [60.0])[0] for s in (0.0, 4.0, 4000.0))
     assert now < soon < late < 0.0
     assert late == pytest.approx(0.0, abs=1e-3)
-    assert usual.aged(1.0).aged(2.0).unseen == 3.0
+    assert usual.aged(1.0).aged(2.0).untracked_time == 3.0
 
 
 def test_it_says_more_the_longer_a_cable_was_seen():
-    young, old = (WidthPrior(math.log(30.0), seen=s) for s in (0.0, 60.0))
+    young, old = (WidthPrior(math.log(30.0), tracked_time=s) for s in (0.0, 60.0))
     assert factors(old, [60.0])[0] < factors(young, [60.0])[0] < 0.0
 
 
@@ -58,10 +58,10 @@ def test_the_first_width_is_the_usual_one():
 
 
 def test_the_mean_follows_within_its_time_and_is_seen_again():
-    usual = WidthPrior(math.log(30.0), unseen=3.0)
+    usual = WidthPrior(math.log(30.0), untracked_time=3.0)
     for _ in range(50):
         usual = updated_width_prior(usual, 60.0, 0.04, PARAMETERS)
-    assert usual.unseen == 0.0
+    assert usual.untracked_time == 0.0
     assert usual.log_width - math.log(30.0) == pytest.approx((1 - math.exp(-1)) * math.log(2.0))
 
 

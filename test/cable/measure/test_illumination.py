@@ -13,6 +13,7 @@ from cable_tracker.cable.measure.illumination import (
     _robust_fit,
     evenly_lit,
 )
+from cable_tracker.tracking.robust import GAUSSIAN_MAD
 
 HEIGHT, WIDTH = 120, 160
 
@@ -104,7 +105,7 @@ def reference_fit(levels: np.ndarray, terms: np.ndarray) -> np.ndarray:
     fitted = np.full(len(levels), np.sort(levels)[len(levels) // 2])
     for _ in range(FITS):
         sizes = np.abs(levels - fitted)
-        deviation = max(1.4826 * np.sort(sizes)[len(sizes) // 2], SMALLEST_DEVIATION)
+        deviation = max(GAUSSIAN_MAD * np.sort(sizes)[len(sizes) // 2], SMALLEST_DEVIATION)
         roots = 1.0 / (1.0 + (sizes / (TUNING * deviation)) ** 2)
         found = np.linalg.lstsq((terms * roots).T, levels * roots, rcond=None)[0]
         fitted = found @ terms

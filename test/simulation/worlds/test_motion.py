@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.simulation.worlds.motion import MotionKind, random_motion
+from cable_tracker.tracking.robust import GAUSSIAN_MAD
 
 DEGREE = np.rad2deg(1.0)
 UNITS = np.array((1.0, DEGREE, 1.0, DEGREE))
@@ -19,7 +20,7 @@ def inspections(count: int = 120) -> list[np.ndarray]:
 
 def test_steps_of_inspections_are_small_with_heavy_tails():
     steps = np.concatenate([np.diff(each[:, :4], axis=0) for each in inspections()]) * UNITS
-    spread = 1.4826 * np.median(np.abs(steps), axis=0)
+    spread = GAUSSIAN_MAD * np.median(np.abs(steps), axis=0)
     tails = np.quantile(np.abs(steps), 0.995, axis=0)
     np.testing.assert_allclose(spread, (0.17, 0.05, 0.13, 0.03), rtol=0.3)
     np.testing.assert_allclose(tails, (1.5, 0.6, 1.3, 0.5), rtol=0.5)

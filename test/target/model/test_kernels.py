@@ -6,7 +6,7 @@ import pytest
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.target.model.births import TAIL, Births
 from cable_tracker.target.model.forecast import choose_columns, kernels_of, log_mix
-from cable_tracker.target.model.state import POSE_SIZE
+from cable_tracker.target.model.state import STATE_SIZE
 
 
 def student(squared, tail, dimensions):
@@ -36,9 +36,9 @@ def test_columns_are_chosen_by_their_shares():
 
 @pytest.mark.parametrize("seconds", [0.0, 3.0, 60.0])
 def test_births_integrate_what_their_draws_show(seconds):
-    last = np.zeros(POSE_SIZE)
+    last = np.zeros(STATE_SIZE)
     births = Births(last, seconds, 4.0, (240, 320))
-    states = np.zeros((3, POSE_SIZE))
+    states = np.zeros((3, STATE_SIZE))
     states[1, 0], states[2, 0] = 40.0, 1000.0
     place, scale, angle = births._spreads()
     squared = (states[:, 0] / place) ** 2
