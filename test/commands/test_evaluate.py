@@ -2,26 +2,11 @@ import shutil
 
 import pytest
 
-from cable_tracker import cli
 from cable_tracker.commands.cable_campaign import tuned_filters
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.report import REPORT
 from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
-
-
-@pytest.fixture
-def command(monkeypatch, capsys):
-    """Run `cable-tracker` and return its exit code, output and messages."""
-
-    def run(*arguments):
-        monkeypatch.setattr("sys.argv", ["cable-tracker", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        printed = capsys.readouterr()
-        return end.value.code or 0, printed.out, printed.err
-
-    return run
 
 
 @pytest.fixture(scope="module")

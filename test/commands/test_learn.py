@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker import cli
 from cable_tracker.cable.measure.response_table import is_table, load_table
 from cable_tracker.commands.learning_sources import LearningPlan, describe_origin, parse_seeds
 from cable_tracker.errors import ParameterError
@@ -15,21 +14,6 @@ from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
 FRAMES = 6
 DIVE = SimulationSettings(frame_count=FRAMES, image_size=(160, 120), clutter=0.1, seed=1)
-
-
-@pytest.fixture
-def command(monkeypatch, capsys, tmp_path):
-    """Run `cable-tracker` in an empty folder; return its exit code, output and messages."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr("sys.argv", ["cable-tracker", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        printed = capsys.readouterr()
-        return end.value.code or 0, printed.out, printed.err
-
-    return run
 
 
 @pytest.fixture(scope="module")

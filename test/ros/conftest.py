@@ -426,6 +426,18 @@ def make_dive(tmp_path: Path) -> Callable[..., Path]:
 
 
 @pytest.fixture
+def damaged_dive(make_dive: Callable[..., Path]) -> Path:
+    """Write a dive of 12 frames as a bag, spoil its middle, and return its path."""
+    path = make_dive(12)
+    storage = next(path.glob("*.mcap"))
+    content = bytearray(storage.read_bytes())
+    middle = len(content) // 2
+    content[middle : middle + 40_000] = b"\x55" * 40_000
+    storage.write_bytes(bytes(content))
+    return path
+
+
+@pytest.fixture
 def colour_bag(tmp_path: Path) -> Callable[[int, tuple[int, int]], Path]:
     """Write frames of a strip that moves, in bgr8, and return the path of the bag."""
 

@@ -171,15 +171,9 @@ def test_real_footage_gives_the_same_table(tmp_path: Path, track: Callable[..., 
 
 @pytest.mark.slow
 def test_frames_before_the_damage_are_tracked(
-    make_dive: Callable[..., Path], track: Callable[..., Outcome]
+    damaged_dive: Path, track: Callable[..., Outcome]
 ) -> None:
-    path = make_dive(12)
-    storage = next(path.glob("*.mcap"))
-    content = bytearray(storage.read_bytes())
-    middle = len(content) // 2
-    content[middle : middle + 40_000] = b"\x55" * 40_000
-    storage.write_bytes(bytes(content))
-    ros, core = track(path, True), track(path, False)
+    ros, core = track(damaged_dive, True), track(damaged_dive, False)
     assert_same(ros, core, len(core.rows))
     assert 0 < len(core.rows) < 12
     assert ros.damage is not None and str(ros.damage) == str(core.damage)

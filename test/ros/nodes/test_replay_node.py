@@ -142,20 +142,14 @@ class TestBadSources:
         with pytest.raises(RecordingError, match="/other"):
             world.replay(source=str(make_dive(1)), topic="/other")
 
-    def test_frames_before_the_damage_are_sent(self, world: Any, make_dive: Dive) -> None:
-        path = make_dive(12)
-        storage = next(path.glob("*.mcap"))
-        content = bytearray(storage.read_bytes())
-        middle = len(content) // 2
-        content[middle : middle + 40_000] = b"\x55" * 40_000
-        storage.write_bytes(bytes(content))
+    def test_frames_before_the_damage_are_sent(self, world: Any, damaged_dive: Path) -> None:
         readable = []
         with pytest.raises(RecordingError):
-            for frame in open_source(path).frames():
+            for frame in open_source(damaged_dive).frames():
                 readable.append(frame.stamp)
         heard = world.listen(Image, "image")
-        node = world.replay(source=str(path), rate=100)
-        with pytest.raises(RecordingError, match=str(path)):
+        node = world.replay(source=str(damaged_dive), rate=100)
+        with pytest.raises(RecordingError, match=str(damaged_dive)):
             world.spin(lambda: node.finished)
         world.nodes.remove(node)
         world.spin(lambda: len(heard) == len(readable))

@@ -197,17 +197,11 @@ class TestExitCodes:
         assert "Traceback" not in run.errors()
 
     def test_a_damaged_recording_ends_with_2_after_its_frames(
-        self, start: Callable[..., Run], make_dive: Callable[..., Path]
+        self, start: Callable[..., Run], damaged_dive: Path
     ) -> None:
-        path = make_dive(12)
-        storage = next(path.glob("*.mcap"))
-        content = bytearray(storage.read_bytes())
-        middle = len(content) // 2
-        content[middle : middle + 40_000] = b"\x55" * 40_000
-        storage.write_bytes(bytes(content))
-        run = start("replay", f"source:={path}", "rate:=100.0", "wait_for_tracker:=false")
+        run = start("replay", f"source:={damaged_dive}", "rate:=100.0", "wait_for_tracker:=false")
         assert run.end() == 2
-        assert f"error: {path}: damaged" in run.errors()
+        assert f"error: {damaged_dive}: damaged" in run.errors()
         assert "Traceback" not in run.errors()
 
 
