@@ -28,7 +28,6 @@ from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.instrumented_bag import write_instrumented_bag
 from cable_tracker.simulation.scenario import (
     SimulationSettings,
-    check_size,
     scenario_dive,
     simulate,
     simulate_scenario,
@@ -36,6 +35,7 @@ from cable_tracker.simulation.scenario import (
 )
 from cable_tracker.simulation.scenario_description import SCENARIO_RATE
 from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
+from cable_tracker.simulation.setting_checks import check_size
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveySettings, usual_survey
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS

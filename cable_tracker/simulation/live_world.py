@@ -21,7 +21,6 @@ from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
 from cable_tracker.simulation.laid_cable import BuriedStretch
 from cable_tracker.simulation.look import Bottom, Look, Skin, Water
 from cable_tracker.simulation.renderer import SceneRenderer
-from cable_tracker.simulation.scenario import check_seed, check_size
 from cable_tracker.simulation.seen_cable import (
     bent_cable,
     cable_of_seed,
@@ -30,6 +29,7 @@ from cable_tracker.simulation.seen_cable import (
     nearest_along,
     seen_state,
 )
+from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
 from cable_tracker.simulation.vehicle import (
     Current,
     Motion,
@@ -95,16 +95,12 @@ class LiveSettings:
     def __post_init__(self) -> None:
         check_seed(self.seed)
         check_size(self.image_size)
-        if not 1.0 <= self.length <= 1e5:
-            raise ParameterError(f"length is {self.length}: give 1 to 100000 m of cable")
+        check_range("length", self.length, (1.0, 1e5), "m of cable")
         if not 0.0 <= self.buried <= self.length:
             raise ParameterError(f"buried is {self.buried}: give 0 m to the length of the cable")
-        if not 0.3 <= self.altitude <= 20.0:
-            raise ParameterError(f"altitude is {self.altitude}: give 0.3 to 20 m")
-        if not 0.0 <= self.current <= 2.0:
-            raise ParameterError(f"current is {self.current}: give 0 to 2 m/s")
-        if not 1.0 <= self.rate <= 100.0:
-            raise ParameterError(f"rate is {self.rate}: give 1 to 100 frames per second")
+        check_range("altitude", self.altitude, (0.3, 20.0), "m")
+        check_range("current", self.current, (0.0, 2.0), "m/s")
+        check_range("rate", self.rate, (1.0, 100.0), "frames per second")
 
     @property
     def buried_from(self) -> float:

@@ -30,10 +30,8 @@ from cable_tracker.simulation.look import Look
 from cable_tracker.simulation.routes import random_trajectory, scenario_trajectory
 from cable_tracker.simulation.scenario_description import SCENARIO_RATE, Crossing, Scenario
 from cable_tracker.simulation.scenarios import find_scenario
+from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
 from cable_tracker.simulation.tube import Tube, random_bends
-
-SMALLEST_SIDE = 32
-LARGEST_SIDE = 4096
 
 SCENARIO_SIZE = (320, 240)
 """Width and height of the frames of the scenarios [px]."""
@@ -89,36 +87,8 @@ class SimulationSettings:
         check_size(self.image_size)
         if not 0.0 <= self.clutter <= 1.0:
             raise ParameterError(f"clutter is {self.clutter}: give a value from 0 to 1")
-        if not 0.0 <= self.noise <= 64.0:
-            raise ParameterError(f"noise is {self.noise}: give 0 to 64 grey levels")
+        check_range("noise", self.noise, (0.0, 64.0), "grey levels")
         check_seed(self.seed)
-
-
-def check_size(image_size: tuple[int, int]) -> None:
-    """See that images can have a size.
-
-    Raises
-    ------
-    ParameterError
-        They cannot.
-    """
-    if not all(SMALLEST_SIDE <= side <= LARGEST_SIDE for side in image_size):
-        raise ParameterError(
-            f"image_size is {image_size[0]}x{image_size[1]}: "
-            f"give a width and height of {SMALLEST_SIDE} to {LARGEST_SIDE} px"
-        )
-
-
-def check_seed(seed: int) -> None:
-    """See that a number can be a seed.
-
-    Raises
-    ------
-    ParameterError
-        It cannot.
-    """
-    if seed < 0:
-        raise ParameterError(f"seed is {seed}: give a number that is not negative")
 
 
 def simulate(settings: SimulationSettings) -> Iterator[Frame]:

@@ -17,7 +17,6 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.borders import project_tube
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import FOCAL, Seeds, Surroundings, lay_out
@@ -31,7 +30,6 @@ from cable_tracker.simulation.laid_cable import BuriedStretch
 from cable_tracker.simulation.live_world import BURIAL_RAMP, LOOK, MOUNTING
 from cable_tracker.simulation.look import Skin
 from cable_tracker.simulation.renderer import SceneRenderer
-from cable_tracker.simulation.scenario import check_seed, check_size
 from cable_tracker.simulation.seen_cable import (
     cable_of_seed,
     cable_points,
@@ -39,6 +37,7 @@ from cable_tracker.simulation.seen_cable import (
     nearest_along,
     seen_state,
 )
+from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
 from cable_tracker.simulation.trajectory import Bands, Harmonics
 from cable_tracker.simulation.tube import Tube
 from cable_tracker.simulation.vehicle import (
@@ -145,14 +144,10 @@ class SurveySettings:
         check_seed(self.seed)
         check_seed(self.cable_seed)
         check_size(self.image_size)
-        if not 1.0 <= self.length <= 1e5:
-            raise ParameterError(f"length is {self.length}: give 1 to 100000 m of cable")
-        if not 0.3 <= self.altitude <= 20.0:
-            raise ParameterError(f"altitude is {self.altitude}: give 0.3 to 20 m")
-        if not 0.05 <= self.speed <= 3.0:
-            raise ParameterError(f"speed is {self.speed}: give 0.05 to 3 m/s")
-        if not 1.0 <= self.rate <= 100.0:
-            raise ParameterError(f"rate is {self.rate}: give 1 to 100 frames per second")
+        check_range("length", self.length, (1.0, 1e5), "m of cable")
+        check_range("altitude", self.altitude, (0.3, 20.0), "m")
+        check_range("speed", self.speed, (0.05, 3.0), "m/s")
+        check_range("rate", self.rate, (1.0, 100.0), "frames per second")
 
 
 def usual_survey(length: float, seed: int, cable_seed: int = 0) -> SurveySettings:

@@ -1,0 +1,48 @@
+"""What is asked of a simulation, checked."""
+
+from __future__ import annotations
+
+from cable_tracker.errors import ParameterError
+
+SMALLEST_SIDE, LARGEST_SIDE = 32, 4096
+"""Of images [px]."""
+
+
+def check_size(image_size: tuple[int, int]) -> None:
+    """See that images can have a size.
+
+    Raises
+    ------
+    ParameterError
+        They cannot.
+    """
+    if not all(SMALLEST_SIDE <= side <= LARGEST_SIDE for side in image_size):
+        raise ParameterError(
+            f"image_size is {image_size[0]}x{image_size[1]}: "
+            f"give a width and height of {SMALLEST_SIDE} to {LARGEST_SIDE} px"
+        )
+
+
+def check_seed(seed: int) -> None:
+    """See that a number can be a seed.
+
+    Raises
+    ------
+    ParameterError
+        It cannot.
+    """
+    if seed < 0:
+        raise ParameterError(f"seed is {seed}: give a number that is not negative")
+
+
+def check_range(name: str, value: float, limits: tuple[float, float], unit: str) -> None:
+    """See that a number is within its limits.
+
+    Raises
+    ------
+    ParameterError
+        It is not, or is no number.
+    """
+    least, most = limits
+    if not least <= value <= most:
+        raise ParameterError(f"{name} is {value}: give {least:g} to {most:g} {unit}")
