@@ -35,6 +35,8 @@ from cable_tracker.stamps import stamp_of_frame
 SEQUENCE_SUFFIXES = (".txt", ".seq")
 _HEADER = "# CableDistance CableAngle CableWidth CableSkew # Filename\n"
 _LONGEST_LINE = 10_000
+_LARGEST_ANGLE = 1e4
+"""Of what is far larger, whole turns cannot be told from the rest [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +99,8 @@ def _parse_line(line: str, allow_outside: bool) -> Label:
         raise ValueError("the file name after # is missing")
     if not all(math.isfinite(value) for value in values):
         raise ValueError("a number is not finite")
+    if abs(values[1]) > _LARGEST_ANGLE:
+        raise ValueError(f"alpha is {values[1]:g} rad")
     filename, frame = _parse_name(name)
     _check_name(filename, allow_outside)
     return Label(_wrapped(CableState(*values)), filename, frame)
@@ -118,7 +122,8 @@ def _read_lines(path: Path) -> Iterator[str]:
 def read_labels(path: Path, *, allow_outside: bool = False) -> list[Label]:
     """Read a sequence file.
 
-    Angles outside (-pi/2, pi/2] are wrapped, which turns the signs of d and beta.
+    Angles outside (-pi/2, pi/2] are wrapped, which turns the signs of d and beta; those beyond
+    10 000 rad are malformed.
 
     Parameters
     ----------

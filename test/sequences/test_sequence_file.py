@@ -79,6 +79,7 @@ def test_an_angle_beyond_the_wrap_is_the_same_line(write):
         ("1 0.2 3 4 #  ", "file name"),
         ("nan 0.2 3 4 # a.png", "not finite"),
         ("1 0.2 inf 4 # a.png", "not finite"),
+        ("1 -1e12 3 4 # a.png", "alpha is -1e"),
         ("1 0.2 3 4 # /etc/passwd", "outside"),
         ("1 0.2 3 4 # ../a.png", "outside"),
         ("1 0.2 3 4 # a/../../b.mp4:3", "outside"),
