@@ -60,6 +60,14 @@ class Belief:
         """Angle of the leading cluster [rad]: the middle of the chart."""
         return float(self.hypotheses.clusters.means[0, StateColumn.ANGLE])
 
+    def aged(self, dt: float) -> Belief:
+        """Return it with what is remembered of a cable `dt` seconds older."""
+        return replace(
+            self,
+            memory=self.memory.aged(dt) if self.memory is not None else None,
+            width_prior=self.width_prior.aged(dt) if self.width_prior is not None else None,
+        )
+
 
 def initial_belief(states: FloatArray, presence: float) -> Belief:
     """Return a belief of equally weighted states (N, 8), all of them one hypothesis."""

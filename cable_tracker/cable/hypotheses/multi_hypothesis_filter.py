@@ -28,7 +28,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.filter_interface import (
     BeliefSummary,
     CableFilter,
@@ -36,6 +36,7 @@ from cable_tracker.cable.filter_interface import (
     resampled_states,
 )
 from cable_tracker.cable.hypotheses.ancestors import (
+    Ancestors,
     draw_ancestors,
     survival_rates,
     surviving_ancestors,
@@ -46,14 +47,15 @@ from cable_tracker.cable.hypotheses.border_displacement import (
     displacement_covariance,
     displacement_factor,
 )
-from cable_tracker.cable.hypotheses.border_jump import RATE, jump_from
+from cable_tracker.cable.hypotheses.border_jump import RATE, BorderJump, jump_from
 from cable_tracker.cable.hypotheses.clusters import Clusters
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses, draw_and_conclude
-from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
+from cable_tracker.cable.hypotheses.frame_noise import FrameNoise, draw_frame_noise
 from cable_tracker.cable.hypotheses.polarity import updated_p_bright
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
 from cable_tracker.cable.hypotheses.presence import PriorPresence, gain_over, goes_on
 from cable_tracker.cable.hypotheses.proposal_config import (
+    ProposalConfig,
     beside_a_known_cable,
     proposal_config,
 )
@@ -61,8 +63,8 @@ from cable_tracker.cable.hypotheses.proposals import ProposalInputs
 from cable_tracker.cable.hypotheses.remembered_cable import remember
 from cable_tracker.cable.hypotheses.rounds import refined_counts
 from cable_tracker.cable.hypotheses.sample import empty_sample
-from cable_tracker.cable.hypotheses.sample_counts import sample_counts
-from cable_tracker.cable.hypotheses.width_prior import WidthPrior, updated_width_prior
+from cable_tracker.cable.hypotheses.sample_counts import SampleCounts, sample_counts
+from cable_tracker.cable.hypotheses.width_prior import updated_width_prior
 from cable_tracker.cable.measure.border_points import MINIMUM_POINTS, frame_scan
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.polarity_prior import polarity_prior
@@ -185,20 +187,14 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
         if belief.refused_time >= self._parameters.search_time:
             belief = self._searching_anew(belief)
-        memory = belief.memory.aged(dt) if belief.memory is not None else None
-        width_prior = belief.width_prior.aged(dt) if belief.width_prior is not None else None
-        births = birth_density_of(self._box, memory, self._parameters.memory_time, self._image_size)
-        expected = self._expected(belief, dt, motion)
-        predicted, existence = self._predict(belief, expected[0], dt, motion, births, width_prior)
-        counts = sample_counts(self._parameters, existence, births, len(detections), self._refined)
-        noise = draw_frame_noise(
-            self._rng,
-            self._parameters.particle_count,
-            counts.births,
-            self._movement.degrees_of_freedom,
+        belief = belief.aged(dt)
+        births = birth_density_of(
+            self._box, belief.memory, self._parameters.memory_time, self._image_size
         )
-        kernels = len(predicted.rates)
-        even = np.full(kernels, 1.0 / kernels)
+        expected = self._expected(belief, dt, motion)
+        predicted, existence = self._predict(belief, births, expected[0], dt, motion)
+        counts = sample_counts(self._parameters, existence, births, len(detections), self._refined)
+        noise = self._draw_noise(counts)
         inputs = ProposalInputs(
             predicted=predicted,
             noise=noise,
@@ -206,19 +202,32 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             model=self._observation.model_for(image),
             polarity=polarity_prior(belief.p_bright),
             reference_angle=belief.reference_angle,
-            ancestors=self._resample(even, counts.survivors, self._rng),
+            ancestors=self._draw_surviving(predicted, counts),
             detected=detections,
             anchors=expected[:1] if belief.presence >= 0.5 else NO_ANCHOR,
         )
-        is_known = belief.known_time >= self._parameters.known_after
-        config = self._known_config if is_known else self._config
         prior = self._prior_presence(belief, expected, existence, dt)
-        found = draw_and_conclude(self._sample, inputs, counts, config, prior)
-        before = replace(belief, memory=memory, width_prior=width_prior)
+        found = draw_and_conclude(self._sample, inputs, counts, self._config_for(belief), prior)
         if not len(found.hypotheses.clusters.masses):
-            return self._spread(before, births)
-        concluded = self._concluded(belief, before, found, dt)
-        return self._followed(belief, concluded, expected[0], dt)
+            return self._spread(belief, births)
+        return self._concluded(belief, found, expected[0], dt)
+
+    def _draw_noise(self, counts: SampleCounts) -> FrameNoise:
+        """Draw the random numbers of a frame."""
+        degrees_of_freedom = self._movement.degrees_of_freedom
+        count = self._parameters.particle_count
+        return draw_frame_noise(self._rng, count, counts.births, degrees_of_freedom)
+
+    def _draw_surviving(self, predicted: PredictedDensity, counts: SampleCounts) -> IndexArray:
+        """Draw about which ancestors the survivors are drawn, each as often as the others."""
+        ancestor_count = len(predicted.rates)
+        even = np.full(ancestor_count, 1.0 / ancestor_count)
+        return self._resample(even, counts.survivors, self._rng)
+
+    def _config_for(self, belief: Belief) -> ProposalConfig:
+        """Return how proposals are made: also by whether the leader is known to be the cable."""
+        is_known = belief.known_time >= self._parameters.known_after
+        return self._known_config if is_known else self._config
 
     def _prior_presence(
         self, belief: Belief, expected: FloatArray, existence: PredictedExistence, dt: float
@@ -240,29 +249,19 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     def _predict(
         self,
         belief: Belief,
+        births: BirthDensity,
         leader: FloatArray,
         dt: float,
         motion: MotionAid | None,
-        births: BirthDensity,
-        width_prior: WidthPrior | None,
     ) -> tuple[PredictedDensity, PredictedExistence]:
-        parameters = self._parameters
-        drawn = draw_ancestors(
-            belief.particles,
-            belief.hypotheses.clusters,
-            min(parameters.ancestor_count, belief.particles.count),
-            self._resample,
-            self._rng,
-        )
-        ancestors, survival = surviving_ancestors(
-            drawn, belief.reference_angle, self._image_size, self._rates, dt
-        )
+        """Return the density of cables before the frame is seen, and the probability of one."""
+        parameters, width_prior = self._parameters, belief.width_prior
+        ancestors, survival = self._draw_ancestors(belief, dt)
         drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
         # Without movement the kernel would be a point: the first frame after a given prior.
         sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
         birth = -math.expm1(-parameters.appearance_rate * dt)
         existence = predict_existence(belief.presence, survival, birth)
-        limits = self._config.limits
         predicted = PredictedDensity(
             kernels=kernel_mixture(
                 np.ascontiguousarray(drifted[:, :POSE_SIZE]),
@@ -278,14 +277,28 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             width_spread=width_prior.spread(parameters) if width_prior is not None else math.inf,
             births=births,
             jumped=max(existence.survived * -math.expm1(-RATE * dt), LEAST_PROBABILITY),
-            jump=jump_from(
-                leader,
-                float(limits.lower[StateColumn.WIDTH]),
-                float(limits.upper[StateColumn.WIDTH]),
-                self._config.image_size[0],
-            ),
+            jump=self._jump_from(leader),
         )
         return predicted, existence
+
+    def _draw_ancestors(self, belief: Belief, dt: float) -> tuple[Ancestors, float]:
+        """Draw the particles that the new ones are drawn about; return the share that survives."""
+        drawn = draw_ancestors(
+            belief.particles,
+            belief.hypotheses.clusters,
+            min(self._parameters.ancestor_count, belief.particles.count),
+            self._resample,
+            self._rng,
+        )
+        return surviving_ancestors(drawn, belief.reference_angle, self._image_size, self._rates, dt)
+
+    def _jump_from(self, leader: FloatArray) -> BorderJump:
+        """Return the density of cables that share one border with the leading one, (8,)."""
+        lower, upper = (
+            float(limit[StateColumn.WIDTH])
+            for limit in (self._config.limits.lower, self._config.limits.upper)
+        )
+        return jump_from(leader, lower, upper, self._config.image_size[0])
 
     def _expected(self, belief: Belief, dt: float, motion: MotionAid | None) -> FloatArray:
         """Return where the clusters are expected, the one that leads first, shape (K, 8)."""
@@ -294,42 +307,47 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         return expected
 
     def _concluded(
-        self,
-        belief: Belief,
-        before: Belief,
-        found: Conclusion,
-        dt: float,
+        self, before: Belief, found: Conclusion, expected: FloatArray, dt: float
     ) -> Belief:
-        """Put the belief together, and remember the cable if it is there."""
-        hypotheses, presence = found.hypotheses, probability_of(float(found.log_odds[0]))
+        """Put the belief together, and remember the cable if it is there.
+
+        Parameters
+        ----------
+        before : Belief
+            Before the frame, carried on to it.
+        found : Conclusion
+            What the frame has shown.
+        expected : FloatArray
+            Where the leading cluster was expected, shape (8,).
+        dt : float
+            Time since the frame before [s].
+        """
+        parameters, hypotheses = self._parameters, found.hypotheses
+        presence = probability_of(float(found.log_odds[0]))
         refused = (
-            presence >= self._parameters.presence_to_track
-            and hypotheses.border_evidence < self._parameters.evidence_to_lose
+            presence >= parameters.presence_to_track
+            and hypotheses.border_evidence < parameters.evidence_to_lose
         )
         memory, width_prior = before.memory, before.width_prior
         leader = hypotheses.clusters.means[0]
         if presence >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS:
-            memory = remember(wrap_state(leader), self._image_size, self._parameters)
+            memory = remember(wrap_state(leader), self._image_size, parameters)
             width = float(leader[StateColumn.WIDTH])
-            width_prior = updated_width_prior(belief.width_prior, width, dt, self._parameters)
+            width_prior = updated_width_prior(width_prior, width, dt, parameters)
+        is_held = presence >= KNOWN_PRESENCE and goes_on(leader, expected, self._config.near)
         return Belief(
             particles=Particles(found.states, found.log_weights),
             hypotheses=hypotheses,
             presence=presence,
             p_bright=updated_p_bright(
-                belief.p_bright, found.p_bright, presence, self._parameters.polarity_memory, dt
+                before.p_bright, found.p_bright, presence, parameters.polarity_memory, dt
             ),
             memory=memory,
             width_prior=width_prior,
             log_odds=found.log_odds,
-            refused_time=belief.refused_time + dt if refused else 0.0,
+            refused_time=before.refused_time + dt if refused else 0.0,
+            known_time=before.known_time + dt if is_held else 0.0,
         )
-
-    def _followed(self, before: Belief, belief: Belief, expected: FloatArray, dt: float) -> Belief:
-        """Return the belief with the time for which the leader has been held for a cable."""
-        leader = belief.hypotheses.clusters.means[0]
-        is_held = belief.presence >= KNOWN_PRESENCE and goes_on(leader, expected, self._config.near)
-        return replace(belief, known_time=before.known_time + dt if is_held else 0.0)
 
     def _spread(self, before: Belief, births: BirthDensity) -> Belief:
         """Return the belief when every particle is impossible: that of a new search."""
