@@ -66,7 +66,8 @@ class ScanKernels(NamedTuple):
         Of one length: the smoothing filter, and its derivative, which answers a ramp of slope one
         with one.
     region : Image
-        The wide smoothing filter, without the fine texture.
+        The wide smoothing filter, without the fine texture; shape (0,) where gradients alone are
+        looked at: all other measures are zero then.
     contrast_lag : int
         Distance of the places whose difference is the contrast [px].
     """
@@ -196,6 +197,15 @@ def _scan_both(
     turned_gradients, turned_smooth = _scan(turned, columns, np.float32(1.0), kernels)
     ordinary = _gradient_scale(gradients, turned_gradients)
     scale = max(ordinary, NOISE_FLOOR)
+    if not len(kernels.region):
+        _multiply(gradients.reshape(-1), np.float32(1.0 / scale))
+        _multiply(turned_gradients.reshape(-1), np.float32(1.0 / scale))
+        return (
+            ScanLines(gradients, smooth, places[0], np.zeros_like(smooth)),
+            ScanLines(turned_gradients, turned_smooth, places[1], np.zeros_like(turned_smooth)),
+            scale,
+            SMALLEST_CONTRAST,
+        )
     contrast_scale = _contrast_scale(smooth, turned_smooth, kernels.contrast_lag)
     contrast_scale = max(contrast_scale, SMALLEST_CONTRAST)
     for values, unit in (
@@ -309,25 +319,28 @@ def _scan(
     modulus = np.empty(width + 2, np.float32)
     along = np.empty(width, np.float32)
     across = np.empty(width, np.float32)
-    gradients = np.empty((len(lines), width, 3), np.float32)
-    levels = np.empty((len(lines), width), np.float32)
+    gradients = np.zeros((len(lines), width, 3), np.float32)
+    levels = np.zeros((len(lines), width), np.float32)
     for line in range(len(lines)):
         row = lines[line]
         _fold_across(pixels, row, gaussian, derivative, smooth[margin:], slope[margin:])
-        _sum_across(pixels, row, region, wide[margin:])
         _mirror_ends(smooth, margin, width)
         _mirror_ends(slope, margin, width)
-        _mirror_ends(wide, margin, width)
         _antisymmetric_along(smooth, margin, derivative, along)
         _symmetric_along(slope, margin, gaussian, across)
-        _symmetric_along(wide, margin, region, levels[line])
         for x in range(width):
             across[x] *= sign
+            gradients[line, x, ALONG] = along[x]
+            gradients[line, x, ACROSS] = across[x]
+        if not len(region):
+            continue
+        _sum_across(pixels, row, region, wide[margin:])
+        _mirror_ends(wide, margin, width)
+        _symmetric_along(wide, margin, region, levels[line])
+        for x in range(width):
             modulus[x + 1] = np.sqrt(along[x] * along[x] + across[x] * across[x])
         _mirror_ends(modulus, 1, width)
         for x in range(width):
-            gradients[line, x, ALONG] = along[x]
-            gradients[line, x, ACROSS] = across[x]
             gradients[line, x, SLOPE] = np.float32(0.5) * (modulus[x + 2] - modulus[x])
     return gradients, levels
 

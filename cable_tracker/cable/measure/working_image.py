@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import cv2
@@ -56,6 +56,8 @@ class WorkingImage:
         Distance between scan lines [px at the reference width].
     light_correction : float
         Share of uneven light that is taken out before gradients are worked out; see `evenly_lit`.
+    gradients_alone : bool
+        Whether nothing else is measured, as by the observation of the thesis.
     """
 
     frame: Image
@@ -63,6 +65,7 @@ class WorkingImage:
     filter_sigma: float
     sample_spacing: float
     light_correction: float = 0.0
+    gradients_alone: bool = False
 
     @property
     def frame_size(self) -> tuple[int, int]:
@@ -106,6 +109,8 @@ class WorkingImage:
             REGION_SIGMA * self.scale,
             max(1, round(CONTRAST_LAG * self.scale)),
         )
+        if self.gradients_alone:
+            kernels = kernels._replace(region=kernels.region[:0])
         picture = evenly_lit(self._reduced(self.frame), self.light_correction)
         return scan_frame(picture, self.line_spacing, kernels)
 
@@ -163,10 +168,13 @@ def make_working_image(
 
 def working_image_for(image: Image, parameters: TrackerParameters) -> WorkingImage:
     """Return the working image of a frame (H, W) that a tracker of these parameters makes."""
-    return make_working_image(
+    working_image = make_working_image(
         image,
         parameters.working_width,
         parameters.filter_sigma,
         parameters.sample_spacing,
         parameters.light_correction,
     )
+    if parameters.observation != "responses":
+        return working_image
+    return replace(working_image, gradients_alone=True)

@@ -23,7 +23,7 @@ from cable_tracker.cable.measure.border_points import (
 )
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.compilation import compiled
+from cable_tracker.compilation import compiled, compiled_inside
 
 SMALLEST_SUM = 1e-3
 """Sums below this are the rounding of float32 pixels [grey levels]."""
@@ -59,26 +59,30 @@ class BorderResponseModel:
         Zero when the borders do not oppose each other, or lie outside the image. `state`: (8,).
         """
         sums, lengths = border_sums(state[None, :], image)
-        if not opposed(sums)[0] or lengths.min() < MINIMUM_POINTS:
+        if not opposed(*sums[0]) or lengths.min() < MINIMUM_POINTS:
             return 0.0
         scale = max(image.scanned.scale, LEAST_SCALE) * image.scale
         return float((np.abs(sums) / lengths).min()) / scale
 
 
+@compiled
 def response_weights(sums: FloatArray, epsilon: float) -> FloatArray:
     """Return the weight of each cable, shape (N,), for sums of responses (N, 2)."""
-    strengths = np.maximum(np.abs(sums).sum(axis=1), epsilon)
-    return np.where(opposed(sums), strengths, epsilon)
+    weights = np.empty(len(sums))
+    for row in range(len(sums)):
+        left, right = sums[row]
+        strength = max(abs(left) + abs(right), epsilon)
+        weights[row] = strength if opposed(left, right) else epsilon
+    return weights
 
 
-def opposed(sums: FloatArray) -> FloatArray:
-    """Tell which cables have borders of opposite sign, as a strip has; shapes (N, 2), (N,).
+@compiled_inside
+def opposed(left: float, right: float) -> bool:
+    """Tell whether the sums along two borders have opposite signs, as those of a strip.
 
     A border in a flat part of the image, black or saturated, has no sign.
     """
-    clear = np.abs(sums).min(axis=1) > SMALLEST_SUM
-    result: FloatArray = clear & (sums[:, 0] * sums[:, 1] < 0.0)
-    return result
+    return min(abs(left), abs(right)) > SMALLEST_SUM and left * right < 0.0
 
 
 def border_sums(states: FloatArray, image: WorkingImage) -> tuple[FloatArray, FloatArray]:

@@ -20,6 +20,7 @@ from cable_tracker.cable.measure.scanned_gradients import (
 
 KERNELS = scan_kernels(1.6, 3.0, 12)
 SPACING = 7
+NO_FILTER = np.empty(0, np.float32)
 
 
 def scan(picture, spacing=SPACING, kernels=KERNELS):
@@ -191,3 +192,14 @@ def test_a_flat_picture_of_any_size_has_no_gradient_and_the_smallest_scales(valu
     for lines in (scanned.rows, scanned.columns):
         np.testing.assert_allclose(lines.gradients, 0.0, atol=2e-3)
         np.testing.assert_allclose(lines.smooth * SMALLEST_CONTRAST, value, atol=1e-3)
+
+
+def test_gradients_alone_are_the_same_gradients_and_nothing_else_is_known(rng):
+    picture = noise(rng)
+    everything, alone = scan(picture), scan(picture, kernels=KERNELS._replace(region=NO_FILTER))
+    assert alone.scale == everything.scale
+    for known, bare in ((everything.rows, alone.rows), (everything.columns, alone.columns)):
+        assert (bare.gradients[..., :SLOPE] == known.gradients[..., :SLOPE]).all()
+        assert (bare.places == known.places).all()
+        for other in (bare.gradients[..., SLOPE], bare.smooth, bare.texture):
+            assert not other.any()
