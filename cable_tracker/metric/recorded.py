@@ -41,12 +41,8 @@ from cable_tracker.metric.vehicle import (
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.instruments import (
-    Instrument,
-    InstrumentChoice,
-    InstrumentMessage,
-    InstrumentSource,
-)
+from cable_tracker.sequences.instrument_source import InstrumentMessage, InstrumentSource
+from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.source import Source
 
 LOOK_AHEAD = 250_000_000

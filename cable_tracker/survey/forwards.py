@@ -31,7 +31,8 @@ from cable_tracker.metric.recorded import (
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.instruments import Instrument, InstrumentChoice, InstrumentMessage
+from cable_tracker.sequences.instrument_source import InstrumentMessage
+from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.source import Source, open_source
 from cable_tracker.survey.frame_table import STATUSES, CrossingSight, FrameTable, Samples
 from cable_tracker.survey.on_disk import Disk

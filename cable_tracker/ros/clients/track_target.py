@@ -8,11 +8,8 @@ from functools import partial
 from typing import ClassVar
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.evaluation.targets.track_target import (
-    TargetFolder,
-    TargetRow,
-    metres_row,
-)
+from cable_tracker.evaluation.targets.target_folder import TargetFolder
+from cable_tracker.evaluation.targets.target_table import TargetRow, metres_row
 from cable_tracker.metric.target_facts import has_bearing, has_place
 from cable_tracker.ros.clients.lockstep import LockstepNodes, track_in_lockstep, write_messages
 from cable_tracker.ros.clients.recorder import RecordedFrame, Recorder

@@ -22,15 +22,11 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.instruments import (
-    TF_STATIC,
-    TF_TYPE,
-    Instrument,
-    InstrumentChoice,
-    InstrumentMessage,
-)
+from cable_tracker.sequences.instrument_source import InstrumentMessage
+from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.messages import MessageFactory, make_header
 from cable_tracker.sequences.source import Source
+from cable_tracker.sequences.static_transforms import TF_STATIC, TF_TYPE
 from cable_tracker.sequences.typestores import typestore
 from cable_tracker.stamps import NANOSECONDS
 

@@ -1,0 +1,188 @@
+"""The messages of the instruments in a bag."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Generator, Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cable_tracker.errors import RecordingError, one_line
+from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_storage
+from cable_tracker.sequences.instruments import Instrument, InstrumentChoice, find_instruments
+from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.static_transforms import TF_STATIC, StaticTransform, read_transform
+from cable_tracker.sequences.stored_message import StoredMessage
+from cable_tracker.sequences.unpacking import deserialise
+from cable_tracker.stamps import NANOSECONDS
+
+
+@dataclass(frozen=True, slots=True)
+class InstrumentMessage:
+    """One message of an instrument.
+
+    Attributes
+    ----------
+    instrument : Instrument
+        Which one.
+    message : Message
+        As rosbags reads it.
+    stamp : int
+        Of its header; the time it was received where there is none [ns].
+    received : int
+        When it was written into the bag [ns].
+    """
+
+    instrument: Instrument
+    message: Message
+    stamp: int
+    received: int
+
+
+@dataclass(slots=True)
+class _Unreadable:
+    """What cannot be read of a topic: why the first message, and when each was received [ns].
+
+    Times, not a count: a bag is read several times, by copies and after jumps.
+    """
+
+    reason: str
+    times: set[int] = field(default_factory=set)
+
+
+class InstrumentSource:
+    """The instruments of one bag.
+
+    Parameters
+    ----------
+    path : Path
+        The bag.
+    image_topic : str
+        Whose calibration is meant.
+    choice : InstrumentChoice
+        What the user wants.
+    storage : BagStorage or None
+        The bag, if it is open already.
+
+    Attributes
+    ----------
+    found : FoundInstruments
+        What is read.
+
+    Raises
+    ------
+    RecordingError
+        The bag cannot be read, or a topic that the user named is not there.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        image_topic: str,
+        choice: InstrumentChoice | None = None,
+        storage: BagStorage | None = None,
+    ) -> None:
+        self.path = path
+        self._is_ros1 = is_ros1(path)
+        self._storage = storage or open_storage(path)
+        try:
+            self.found = find_instruments(self._storage, image_topic, choice or InstrumentChoice())
+        except RecordingError as error:
+            raise RecordingError(f"{path}: {error}") from error
+        self._unreadable: dict[str, _Unreadable] = {}
+
+    def remarks(self) -> tuple[str, ...]:
+        """Say which messages could not be read so far: a sentence for each topic, by name."""
+        return tuple(
+            f"{topic}: {len(found.times)} of its messages cannot be read and are left out (the"
+            f" first: {found.reason}); check how the bag was recorded"
+            for topic, found in sorted(self._unreadable.items())
+        )
+
+    def leave_out(self, instrument: Instrument) -> None:
+        """Do not read an instrument after all."""
+        self.found.topics.pop(instrument, None)
+
+    def messages(
+        self,
+        pauses: Mapping[Instrument, int] | None = None,
+        start: int = 0,
+        *,
+        only: Container[Instrument] = tuple(Instrument),
+    ) -> Generator[InstrumentMessage]:
+        """Yield the messages of the chosen topics of some instruments, in the order of the bag.
+
+        What was received before `start` [ns] is left out, and so is what was received sooner after
+        another message of its instrument than `pauses` says [ns]. A message that cannot be read is
+        left out too, see `remarks`. Where the bag is damaged the messages end, without an error:
+        the source of the frames reports the damage.
+        """
+        instruments = {topic: each for each, topic in self.found.topics.items() if each in only}
+        own = {topic: (pauses or {}).get(each, 0) for topic, each in instruments.items()}
+        for stored, message in self._read(list(instruments), own, start):
+            yield InstrumentMessage(
+                instruments[stored.topic], message, _stamp_of(message, stored.time), stored.time
+            )
+
+    def static_messages(self) -> Iterator[Message]:
+        """Yield the messages of `/tf_static`."""
+        if TF_STATIC in self._storage.topics:
+            for _, message in self._read([TF_STATIC]):
+                yield message
+
+    def static_transforms(self) -> tuple[StaticTransform, ...]:
+        """Read where the frames of the vehicle are; of those said twice, the last counts."""
+        found: dict[str, StaticTransform] = {}
+        for message in self.static_messages():
+            for each in message.transforms:
+                transform = read_transform(each)
+                if transform is not None:
+                    found[transform.child] = transform
+        return tuple(found.values())
+
+    def first(self, instrument: Instrument) -> Message | None:
+        """Read the first message of an instrument; None if there is none."""
+        topic = self.found.topics.get(instrument)
+        if topic is None:
+            return None
+        with closing(self._read([topic])) as messages:
+            found = next(messages, None)
+        return None if found is None else found[1]
+
+    def _read(
+        self, topics: list[str], pauses: Mapping[str, int] | None = None, start: int = 0
+    ) -> Generator[tuple[StoredMessage, Message]]:
+        pauses, last = pauses or {}, dict[str, int]()
+        with closing(self._storage.messages(topics, start)) as messages:
+            iterator: Iterator[StoredMessage] = iter(messages)
+            while True:
+                try:
+                    stored = next(iterator, None)
+                except RecordingError:
+                    return
+                if stored is None:
+                    return
+                before = last.get(stored.topic)
+                # Unpacking takes longer than all else.
+                if before is not None and 0 <= stored.time - before < pauses.get(stored.topic, 0):
+                    continue
+                last[stored.topic] = stored.time
+                try:
+                    message = deserialise(stored, is_ros1=self._is_ros1)
+                # Deserialising foreign bytes raises what the parser happens to raise.
+                except Exception as error:  # noqa: BLE001
+                    self._note_unreadable(stored, error)
+                    continue
+                yield stored, message
+
+    def _note_unreadable(self, stored: StoredMessage, error: Exception) -> None:
+        found = self._unreadable.setdefault(stored.topic, _Unreadable(one_line(error)))
+        found.times.add(stored.time)
+
+
+def _stamp_of(message: Message, received: int) -> int:
+    header = getattr(message, "header", None)
+    if header is None:
+        return received
+    stamp = int(header.stamp.sec) * NANOSECONDS + int(header.stamp.nanosec)
+    return stamp or received
