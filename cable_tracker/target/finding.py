@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -49,14 +49,27 @@ class Finding:
     supports_keeping: bool
 
 
-class TargetEngine(Protocol):
-    """A filter over the outline of one target."""
+class TargetEngine(ABC):
+    """A filter over the outline of one target.
+
+    Parameters
+    ----------
+    parameters : TargetParameters
+        All of them.
+    rng : numpy.random.Generator
+        The only source of randomness.
+    """
+
+    def __init__(self, parameters: TargetParameters, rng: np.random.Generator) -> None:
+        self._parameters = parameters
+        self._rng = rng
 
     @property
+    @abstractmethod
     def particles(self) -> Particles | None:
         """The present belief, in pixels of the working image; None before the first target."""
-        ...
 
+    @abstractmethod
     def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> Finding:
         """Learn a target from its pixels in a frame.
 
@@ -65,8 +78,8 @@ class TargetEngine(Protocol):
         FrameError
             The mask is too small, or does not stand out from its surroundings.
         """
-        ...
 
+    @abstractmethod
     def advance(
         self,
         frame: WorkingFrame,
@@ -87,12 +100,11 @@ class TargetEngine(Protocol):
         others : FloatArray
             Poses of the other targets that are followed, shape (K, 6): they exclude this one.
         """
-        ...
 
     def configure(self, parameters: TargetParameters) -> None:
         """Take other parameters from now on, and keep the belief."""
-        ...
+        self._parameters = parameters
 
     def use(self, rng: np.random.Generator) -> None:
         """Draw from another generator."""
-        ...
+        self._rng = rng

@@ -17,7 +17,7 @@ from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.weights import effective_sample_size, log_sum_exp
-from cable_tracker.target.finding import Finding
+from cable_tracker.target.finding import Finding, TargetEngine
 from cable_tracker.target.measure.first_look import look_first
 from cable_tracker.target.measure.measured_frame import MeasuredFrame, measure_frame
 from cable_tracker.target.measure.outline import Outline, find_outline
@@ -61,7 +61,7 @@ WHOLE_HASTE = 3.0
 """The usual size follows so much faster while the whole contour is seen, in its usual shape."""
 
 
-class PoseFilter:
+class PoseFilter(TargetEngine):
     """See the module.
 
     Parameters
@@ -73,22 +73,13 @@ class PoseFilter:
     """
 
     def __init__(self, parameters: TargetParameters, rng: np.random.Generator) -> None:
-        self._parameters = parameters
-        self._rng = rng
+        super().__init__(parameters, rng)
         self._belief: PoseBelief | None = None
 
     @property
     def particles(self) -> Particles | None:
         """The present belief, in pixels of the working image; None before the first target."""
         return None if self._belief is None else self._belief.particles
-
-    def configure(self, parameters: TargetParameters) -> None:
-        """Take other parameters from now on, and keep the belief."""
-        self._parameters = parameters
-
-    def use(self, rng: np.random.Generator) -> None:
-        """Draw from another generator."""
-        self._rng = rng
 
     def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> Finding:
         """Learn a target from its pixels in a frame.

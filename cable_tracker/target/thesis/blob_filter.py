@@ -23,7 +23,7 @@ from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import multinomial_resampling
 from cable_tracker.particle_filter.weights import effective_sample_size
-from cable_tracker.target.finding import Finding
+from cable_tracker.target.finding import Finding, TargetEngine
 from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
@@ -92,7 +92,7 @@ class Blob:
     contrast: float
 
 
-class BlobFilter:
+class BlobFilter(TargetEngine):
     """See the module.
 
     Parameters
@@ -104,8 +104,7 @@ class BlobFilter:
     """
 
     def __init__(self, parameters: TargetParameters, rng: np.random.Generator) -> None:
-        self._parameters = parameters
-        self._rng = rng
+        super().__init__(parameters, rng)
         self._particles: Particles | None = None
         self._prior: ShapePrior | None = None
         self._estimate = np.zeros(STATE_SIZE)
@@ -116,14 +115,6 @@ class BlobFilter:
     def particles(self) -> Particles | None:
         """The present belief, in pixels of the working image; None before the first target."""
         return self._particles
-
-    def configure(self, parameters: TargetParameters) -> None:
-        """Take other parameters from now on, and keep the belief."""
-        self._parameters = parameters
-
-    def use(self, rng: np.random.Generator) -> None:
-        """Draw from another generator."""
-        self._rng = rng
 
     def start(self, frame: WorkingFrame, mask: BoolArray, *, is_exact: bool) -> Finding:
         """Take the pixels of a target for the prior of its shape.
