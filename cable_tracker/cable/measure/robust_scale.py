@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from cable_tracker.arrays import Image
@@ -42,4 +44,7 @@ def median_of_sizes(sizes: Image) -> float:
             median = int(tried)
         else:
             below = int(tried)
-    return float(np.array([median], np.int32).view(np.float32)[0])
+    for index in range(len(bits)):
+        if bits[index] == median:
+            return float(sizes[index])
+    return math.inf

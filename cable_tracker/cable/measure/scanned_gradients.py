@@ -201,8 +201,8 @@ def _scan_both(
         _multiply(gradients.reshape(-1), np.float32(1.0 / scale))
         _multiply(turned_gradients.reshape(-1), np.float32(1.0 / scale))
         return (
-            ScanLines(gradients, smooth, places[0], np.zeros_like(smooth)),
-            ScanLines(turned_gradients, turned_smooth, places[1], np.zeros_like(turned_smooth)),
+            ScanLines(gradients, smooth, places[0], smooth),
+            ScanLines(turned_gradients, turned_smooth, places[1], turned_smooth),
             scale,
             SMALLEST_CONTRAST,
         )
