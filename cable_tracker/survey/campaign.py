@@ -18,14 +18,8 @@ from cable_tracker.survey.navigation import LocalFrame
 from cable_tracker.survey.outputs.frames import join_frames
 from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap
 from cable_tracker.survey.outputs.report import RecordingRow, write_report
-from cable_tracker.survey.recording import (
-    FRAMES,
-    SurveyedDive,
-    SurveySettings,
-    find_datum,
-    read_surveyed,
-    survey_recording,
-)
+from cable_tracker.survey.recording import FRAMES, SurveySettings, find_datum, survey_recording
+from cable_tracker.survey.surveyed_dive import SurveyedDive, read_surveyed
 
 RECORDINGS, REPORT = "recordings", "report.html"
 

@@ -6,7 +6,8 @@ from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveySettings as Simulated
 from cable_tracker.survey.campaign import run_survey
 from cable_tracker.survey.events import Limits
-from cable_tracker.survey.recording import SurveySettings, read_surveyed
+from cable_tracker.survey.recording import SurveySettings
+from cable_tracker.survey.surveyed_dive import read_surveyed
 
 ALONE = ClusterSettings()
 

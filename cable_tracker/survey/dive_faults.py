@@ -1,0 +1,87 @@
+"""What is wrong with the data of a dive: why it has no route, or why that has gaps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.survey.forwards import (
+    ForwardDive,
+)
+from cable_tracker.survey.frame_table import TRACKING
+from cable_tracker.survey.navigation import (
+    Poses,
+)
+
+LATE = 2.0
+"""Clocks of camera and navigation that differ by more cannot be brought together [s]."""
+
+
+@dataclass(slots=True)
+class CountedRows:
+    """What there is of the rows of a dive.
+
+    Attributes
+    ----------
+    tracked, in_metres, placed, placed_partly : int
+        In how many the cable is claimed, is known in metres, and the vehicle's pose is known.
+    back, ahead : float
+        Least and largest step from one picture to the next, as far as beyond 0 [s].
+    reasons : ndarray
+        How many of the claims have no metres, by the number of the reason, shape (R,).
+    """
+
+    reasons: IndexArray
+    tracked: int = 0
+    in_metres: int = 0
+    placed: int = 0
+    placed_partly: int = 0
+    back: float = 0.0
+    ahead: float = 0.0
+
+
+def count_rows(dive: ForwardDive, places: FloatArray) -> CountedRows:
+    """Go through the rows of a dive, whose vehicle was at places (N, 3)."""
+    rows, kinds = dive.table.rows, len(dive.table.reasons)
+    found = CountedRows(np.zeros(kinds, np.int64))
+    before = rows["stamp"][:1]
+    for part in dive.disk.blocks(len(rows)):
+        some, known = rows[part], np.isfinite(places[part])
+        claimed = some["status"] == TRACKING
+        found.tracked += int(claimed.sum())
+        found.in_metres += int(np.isfinite(some["aside"]).sum())
+        found.placed += int(known.all(axis=1).sum())
+        found.placed_partly += int(known.any(axis=1).sum())
+        steps = np.diff(some["stamp"], prepend=before) / 1e9
+        found.back = min(found.back, float(steps.min()))
+        found.ahead = max(found.ahead, float(steps.max()))
+        found.reasons += np.bincount(some["reason"][claimed], minlength=kinds)
+        before = some["stamp"][-1:].copy()
+    return found
+
+
+def find_faults(dive: ForwardDive, poses: Poses, counted: CountedRows) -> list[str]:
+    """Say why there is no route, or why it has gaps."""
+    rows = dive.table.rows
+    notes = []
+    if not len(poses.stamps):
+        notes.append("there is no odometry: the cable is known in pixels only, and has no route")
+    elif not counted.placed_partly:
+        apart = abs(float(rows["stamp"][0] - poses.stamps[0])) / 1e9
+        notes.append(
+            f"no odometry of the pictures' time: their clocks are {apart:.0f} s apart; set all"
+            " clocks alike"
+        )
+    elif counted.placed < len(rows):
+        share = (len(rows) - counted.placed) / len(rows)
+        notes.append(f"odometry was silent, or on another clock, in {share:.0%} of the frames")
+    if poses.jumps:
+        notes.append(f"odometry began anew or jumped {len(poses.jumps)} times; the way was joined")
+    if counted.back < 0.0 or counted.ahead > LATE:
+        notes.append("the clock of the camera jumps; the tracker starts anew there")
+    for number in np.flatnonzero(counted.reasons[1:]) + 1:
+        share = counted.reasons[number] / counted.tracked
+        notes.append(f"no metres in {share:.0%} of the claims: {dive.table.reasons[number]}")
+    return notes

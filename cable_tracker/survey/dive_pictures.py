@@ -1,0 +1,50 @@
+"""A picture of each event of a dive."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+
+from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.source import Source
+from cable_tracker.survey.surveyed_dive import SurveyedDive
+
+THUMBNAIL = 240
+"""Width of the pictures of events [px]."""
+
+JPEG_QUALITY = 75
+
+
+def write_pictures(recording: Source, folder: Path, surveyed: SurveyedDive) -> None:
+    """Keep a small picture of the frame of each event."""
+    wanted = {
+        event.frame for placed in surveyed.routes for event in placed.events if event.frame >= 0
+    } | {event.frame for event in surveyed.events}
+    if not wanted:
+        return
+    folder.mkdir(exist_ok=True)
+    last = max(wanted)
+    try:
+        for frame in recording.frames(min(wanted)):
+            if frame.index in wanted:
+                _write_thumbnail(folder / f"{frame.index}.jpg", frame)
+            if frame.index >= last:
+                return
+    except RecordingError:
+        # Where it breaks off stands in the notes already.
+        return
+
+
+def _write_thumbnail(path: Path, frame: Frame) -> None:
+    """Write a small picture of a frame; nothing if it cannot be decoded."""
+    try:
+        picture = decode_bgr(frame.image)
+    except FrameError:
+        return
+    height = max(1, round(picture.shape[0] * THUMBNAIL / picture.shape[1]))
+    small = cv2.resize(picture, (THUMBNAIL, height), interpolation=cv2.INTER_AREA)
+    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
+    path.write_bytes(cv2.imencode(".jpg", small, quality)[1].tobytes())

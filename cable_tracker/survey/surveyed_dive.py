@@ -1,0 +1,117 @@
+"""What has come of one recording of a survey, kept in its folder and read back."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cable_tracker.errors import RecordingError
+from cable_tracker.survey.dive_route import DiveRoute, Profile
+from cable_tracker.survey.events import Event, EventKind
+from cable_tracker.survey.merging import PlacedRoute
+
+ROUTES, SUMMARY = "routes.npz", "dive.json"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SurveyedDive:
+    """What has come of one recording.
+
+    Attributes
+    ----------
+    name : str
+        Of the recording.
+    routes : tuple of PlacedRoute
+        One for each connected piece; in the local frame if `on_earth`, else in that of odometry.
+    events : tuple of Event
+        Those that have no route: found and lost, of a recording without metres.
+    on_earth : bool
+        Whether the routes are in the local frame of the datum.
+    notes : tuple of str
+        What the user should know.
+    frames, tracked : int
+        How many there are, and in how many the cable is claimed.
+    seconds : float
+        Length of the recording.
+    """
+
+    name: str
+    routes: tuple[PlacedRoute, ...]
+    events: tuple[Event, ...]
+    on_earth: bool
+    notes: tuple[str, ...]
+    frames: int
+    tracked: int
+    seconds: float
+
+
+def write_summary(folder: Path, surveyed: SurveyedDive) -> None:
+    """Write what has come of a recording into its folder, for `read_surveyed`."""
+    arrays: dict[str, Any] = {}
+    for number, placed in enumerate(surveyed.routes):
+        for name in DiveRoute.__dataclass_fields__:
+            if name != "profile":
+                arrays[f"{number}_{name}"] = getattr(placed.route, name)
+        for name in Profile.__dataclass_fields__:
+            arrays[f"{number}_profile_{name}"] = getattr(placed.route.profile, name)
+    np.savez(folder / ROUTES, **arrays)
+    content = {
+        "name": surveyed.name,
+        "on_earth": surveyed.on_earth,
+        "notes": list(surveyed.notes),
+        "frames": surveyed.frames,
+        "tracked": surveyed.tracked,
+        "seconds": surveyed.seconds,
+        "routes": [[asdict(event) for event in each.events] for each in surveyed.routes],
+        "events": [asdict(event) for event in surveyed.events],
+    }
+    (folder / SUMMARY).write_text(json.dumps(content), encoding="utf-8")
+
+
+def read_surveyed(folder: Path) -> SurveyedDive:
+    """Read what `survey_recording` has written.
+
+    Raises
+    ------
+    RecordingError
+        The folder holds no such thing.
+    """
+    try:
+        content = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+        routes = []
+        with np.load(folder / ROUTES) as arrays:
+            for number, events in enumerate(content["routes"]):
+                routes.append(_placed(content["name"], arrays, number, events))
+        return SurveyedDive(
+            content["name"], tuple(routes), tuple(_event(each) for each in content["events"]),
+            bool(content["on_earth"]), tuple(content["notes"]), int(content["frames"]),
+            int(content["tracked"]), float(content["seconds"]),
+        )  # fmt: skip
+    except (OSError, KeyError, ValueError, TypeError) as error:
+        raise RecordingError(
+            f"{folder}: holds no surveyed dive ({error}); survey the recording again"
+        ) from error
+
+
+def _placed(name: str, arrays: Any, number: int, events: list[dict[str, Any]]) -> PlacedRoute:  # noqa: ANN401
+    profile = Profile(
+        float(arrays[f"{number}_profile_start"]),
+        arrays[f"{number}_profile_seen"],
+        arrays[f"{number}_profile_in_view"],
+    )
+    columns = {
+        field_name: arrays[f"{number}_{field_name}"]
+        for field_name in DiveRoute.__dataclass_fields__
+        if field_name not in ("profile", "start")
+    }
+    route = DiveRoute(start=float(arrays[f"{number}_start"]), profile=profile, **columns)
+    return PlacedRoute(name, route, tuple(_event(each) for each in events))
+
+
+def _event(content: dict[str, Any]) -> Event:
+    x, y = content["place"]
+    return Event(**{**content, "kind": EventKind(content["kind"]), "place": (float(x), float(y))})
