@@ -31,6 +31,7 @@ CABLE_GROUPS: Groups = (
         (
             "working_width", "sample_spacing", "filter_sigma", "light_correction", "epsilon",
             "response_table", "tempering", "missing_cost", "texture_limit",
+            "shadow_evidence",
             "polarity_memory", "border_displacement",
         ),
     ),

@@ -31,7 +31,12 @@ from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs, draw_sample
 from cable_tracker.cable.hypotheses.sample import Sample, log_weights
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
-from cable_tracker.cable.measure.likelihood_ratio import BorderClearness, border_clearness
+from cable_tracker.cable.measure.likelihood_ratio import (
+    BRIGHT,
+    DARK,
+    BorderClearness,
+    border_clearness,
+)
 from cable_tracker.cable.measure.polarity_prior import bright_share
 from cable_tracker.cable.model.geometry import unwrap_state
 from cable_tracker.cable.model.state import STATE_SIZE, WIDTH
@@ -187,10 +192,11 @@ def _leader_and_polarity(
     evidence, length, p_bright = 0.0, 0.0, 0.0
     for row in range(len(weights)):
         log_ratios, weaker = measured.log_ratios[row], measured.weaker_borders[row]
-        share = bright_share(inputs.polarity, log_ratios[0], log_ratios[1])
+        dark = log_ratios[DARK] - sample.shadow_losses[row]
+        share = bright_share(inputs.polarity, log_ratios[BRIGHT], dark)
         p_bright += weights[row] * share
         if clusters.labels[row] == 0:
-            evidence += weights[row] / mass * (weaker[0] if share >= 0.5 else weaker[1])
+            evidence += weights[row] / mass * (weaker[BRIGHT] if share >= 0.5 else weaker[DARK])
             length += weights[row] / mass * measured.visible_lengths[row]
     return evidence, length, p_bright
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from cable_tracker.cable.hypotheses.clusters import RADII
 from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
 from cable_tracker.cable.hypotheses.presence import NEAR
 from cable_tracker.cable.hypotheses.rounds import annealing_power, widening_in
+from cable_tracker.cable.hypotheses.shadows import ShadowRules
 from cable_tracker.cable.model.limits import StateLimits, state_limits
 from cable_tracker.cable.model.state import pose_units
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
@@ -47,6 +49,8 @@ class ProposalConfig(NamedTuple):
         How much of the evidence counts.
     near : FloatArray
         `NEAR` for frames of this size, shape (4,) [px, rad].
+    shadows : ShadowRules
+        What makes a dark strip a shadow.
     """
 
     image_size: tuple[float, float]
@@ -61,6 +65,7 @@ class ProposalConfig(NamedTuple):
     least_refined: float
     rules: CorrectionRules
     near: FloatArray
+    shadows: ShadowRules
 
 
 def proposal_config(
@@ -86,10 +91,19 @@ def proposal_config(
             parameters.thin_width * width / REFERENCE_WIDTH,
         ),
         near=NEAR * units,
+        shadows=ShadowRules(
+            parameters.shadow_evidence,
+            parameters.evidence_limit,
+            NEAR * units,
+            width / REFERENCE_WIDTH,
+        ),
     )
 
 
 def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) -> ProposalConfig:
-    """Return a configuration in which other strips count less: where the cable is, is known."""
+    """Return a configuration in which other strips count less: where the cable is, is known.
+
+    It is not taken for a shadow, either.
+    """
     rules = config.rules._replace(evidence_limit=parameters.evidence_limit_known)
-    return config._replace(rules=rules)
+    return config._replace(rules=rules, shadows=config.shadows._replace(evidence=math.inf))

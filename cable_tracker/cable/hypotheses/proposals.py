@@ -32,6 +32,7 @@ from cable_tracker.cable.hypotheses.predicted_density import (
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.sample import Sample, judge_sample, log_weights
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
+from cable_tracker.cable.hypotheses.shadows import fill_shadow_losses, find_shadows
 from cable_tracker.cable.measure.border_points import FrameScan
 from cable_tracker.cable.measure.likelihood_ratio import RatioModel, measure_into
 from cable_tracker.cable.measure.polarity_prior import PolarityPrior
@@ -84,6 +85,7 @@ def draw_sample(
     _write_in_chart(inputs.detected, inputs.reference_angle, centres)
     peaks = empty_peaks(len(counts.refined) * config.most_refined)
     filled = _draw_first(sample, inputs, counts, config, centres)
+    _look_for_shadows(sample, filled, inputs, config)
     _mix(sample, counts, config, 0, filled, centres, peaks, 0)
     used = 0
     for number in range(len(counts.refined)):
@@ -102,6 +104,7 @@ def draw_sample(
         _complete(sample, inputs, config, filled, stop)
         _mix(sample, counts, config, filled, stop, centres, peaks, used)
         filled = stop
+        _look_for_shadows(sample, filled, inputs, config)
     return filled
 
 
@@ -165,7 +168,26 @@ def _measure(
     sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
 ) -> None:
     measure_into(sample.states, start, stop, inputs.scan, inputs.model, sample.evidence)
+    sample.shadow_losses[start:stop] = 0.0
     judge_sample(sample, start, stop, inputs.polarity, config.limits, config.image_size)
+
+
+@compiled_part
+def _look_for_shadows(
+    sample: Sample, filled: int, inputs: ProposalInputs, config: ProposalConfig
+) -> None:
+    """Judge the particles so far again, after shadows have been found among them."""
+    states, possible = sample.states[:filled], sample.log_likelihoods[:filled] > -np.inf
+    count = find_shadows(states, possible, sample.evidence, config.shadows, sample.shadows)
+    fill_shadow_losses(
+        states,
+        sample.evidence,
+        sample.shadows,
+        count,
+        config.shadows.unit,
+        sample.shadow_losses,
+    )
+    judge_sample(sample, 0, filled, inputs.polarity, config.limits, config.image_size)
 
 
 @compiled_loop

@@ -13,7 +13,13 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.predicted_density import PredictedDensities, empty_densities
-from cable_tracker.cable.measure.likelihood_ratio import CableEvidence, empty_evidence
+from cable_tracker.cable.hypotheses.shadows import Shadows, empty_shadows
+from cable_tracker.cable.measure.likelihood_ratio import (
+    BRIGHT,
+    DARK,
+    CableEvidence,
+    empty_evidence,
+)
 from cable_tracker.cable.measure.polarity_prior import PolarityPrior, marginal_log_ratio
 from cable_tracker.cable.model.geometry import borders_cross_inside
 from cable_tracker.cable.model.limits import StateLimits
@@ -37,6 +43,10 @@ class Sample(NamedTuple):
         impossible.
     mixture : FloatArray
         Density that the particles were drawn from, times their number, shape (N,).
+    shadow_losses : FloatArray
+        What those that are taken for shadows lose of their ratio as dark cables, shape (N,) [nats].
+    shadows : Shadows
+        Room for the shadows among them.
     """
 
     states: FloatArray
@@ -44,6 +54,8 @@ class Sample(NamedTuple):
     evidence: CableEvidence
     log_likelihoods: FloatArray
     mixture: FloatArray
+    shadow_losses: FloatArray
+    shadows: Shadows
 
 
 def empty_sample(count: int) -> Sample:
@@ -54,6 +66,8 @@ def empty_sample(count: int) -> Sample:
         empty_evidence(count),
         np.empty(count),
         np.empty(count),
+        np.zeros(count),
+        empty_shadows(),
     )
 
 
@@ -79,7 +93,8 @@ def judge_sample(
         if not possible:
             sample.log_likelihoods[row] = -math.inf
             continue
-        ratio = marginal_log_ratio(polarity, log_ratios[0], log_ratios[1])
+        dark = log_ratios[DARK] - sample.shadow_losses[row]
+        ratio = marginal_log_ratio(polarity, log_ratios[BRIGHT], dark)
         sample.log_likelihoods[row] = ratio + sample.densities.width_penalties[row]
 
 

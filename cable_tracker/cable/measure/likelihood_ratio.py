@@ -72,6 +72,10 @@ JOINT_STRENGTHS = np.exp(-STRENGTH_STEP * _APART) / np.exp(-STRENGTH_STEP * _APA
 """Prior probability of the classes of the left and the right border, shape (4, 4)."""
 
 
+BRIGHT, DARK = 0, 1
+"""Columns of what is said of cables that are brighter, and darker, than the bottom."""
+
+
 class CableEvidence(NamedTuple):
     """What a frame says about each of N cables, bright ones in column 0, dark ones in column 1.
 
@@ -84,17 +88,31 @@ class CableEvidence(NamedTuple):
         tempered, shape (N, 2).
     visible_lengths : FloatArray
         Length inside the image of the shorter border [distances of the scan lines], shape (N,).
+    bright_borders : FloatArray
+        Tempered log-likelihood ratio of the left and of the right border of a bright cable, each
+        alone, its strength not known, shape (N, 2).
+    outsides : FloatArray
+        Mean grey level outside the left and the right border [scales of the contrast], shape
+        (N, 2); 0 for a border that is not in view.
     """
 
     log_ratios: FloatArray
     weaker_borders: FloatArray
     visible_lengths: FloatArray
+    bright_borders: FloatArray
+    outsides: FloatArray
 
 
 @compiled_part
 def empty_evidence(count: int) -> CableEvidence:
     """Return room for the evidence on some cables."""
-    return CableEvidence(np.empty((count, 2)), np.empty((count, 2)), np.empty(count))
+    return CableEvidence(
+        np.empty((count, 2)),
+        np.empty((count, 2)),
+        np.empty(count),
+        np.empty((count, 2)),
+        np.empty((count, 2)),
+    )
 
 
 class RatioModel(NamedTuple):
@@ -190,7 +208,7 @@ def measure_into(
     evidence: CableEvidence,
 ) -> None:
     """Fill in the evidence on the states from `start` to `stop`."""
-    log_ratios, weaker, visible = evidence
+    log_ratios, weaker, visible = evidence[:3]
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
     crossings, texture, smoother = room_for_crossings(), np.empty((2, 2)), np.zeros(2)
@@ -205,7 +223,9 @@ def measure_into(
             lines = scan.rows if steep else scan.columns
             line = border_line(along, across, offset, -side, depths, scan.scale)
             windows = texture_windows(-side / along, width, scan.scale, model.texture_limit)
-            length = _sum_border(lines, line, windows, model, crossings, sums[border], texture)
+            length, evidence.outsides[cable, border] = _sum_border(
+                lines, line, windows, model, crossings, sums[border], texture
+            )
             smoother[border] = smoothness(texture)
             # A border that runs through the picture has as many points as the picture is high.
             # Points beyond the edge cannot be seen, but a cable without is not believed for free.
@@ -218,9 +238,11 @@ def measure_into(
             longest = max(longest, length)
         smoothest = texture_log_ratio(smoother[0], smoother[1], model.texture_limit)
         for polarity in range(2):
-            ratio, weakest = _over_strengths(sums, polarity * CLASSES, model.tempering, shares)
+            ratio, left, right = _over_strengths(sums, polarity * CLASSES, model.tempering, shares)
             log_ratios[cable, polarity] = ratio + smoothest
-            weaker[cable, polarity] = weakest / (model.tempering * longest)
+            weaker[cable, polarity] = min(left, right) / (model.tempering * longest)
+            if polarity == BRIGHT:
+                evidence.bright_borders[cable, 0], evidence.bright_borders[cable, 1] = left, right
 
 
 class BorderClearness(NamedTuple):
@@ -258,14 +280,14 @@ def border_clearness(states: FloatArray, scan: FrameScan, model: RatioModel) -> 
 @compiled_inside
 def _over_strengths(
     sums: Image, first: int, tempering: float, shares: FloatArray
-) -> tuple[float, float]:
-    """Return the log-likelihood ratio of a cable, and that of its weaker border alone.
+) -> tuple[float, float, float]:
+    """Return the log-likelihood ratio of a cable, and those of its two borders, each alone.
 
     `sums`, shape (2, 8), are those of the ratios along each border, by polarity and class, not
     tempered; the classes of the polarity begin at `first`. `shares` (2, 4) is room for those of the
     classes.
     """
-    total, weakest = 0.0, np.inf
+    total, first_alone, second_alone = 0.0, 0.0, 0.0
     for border in range(2):
         peak = sums[border, first]
         for strength in range(1, CLASSES):
@@ -276,12 +298,13 @@ def _over_strengths(
             shares[border, strength] = share
             mass += share
         total += tempering * peak
-        weakest = min(weakest, tempering * peak + math.log(mass / CLASSES))
+        alone = tempering * peak + math.log(mass / CLASSES)
+        first_alone, second_alone = second_alone, alone
     joint = 0.0
     for left in range(CLASSES):
         for right in range(CLASSES):
             joint += JOINT_STRENGTHS[left, right] * shares[0, left] * shares[1, right]
-    return total + math.log(joint), weakest
+    return total + math.log(joint), first_alone, second_alone
 
 
 @compiled_inside
@@ -293,21 +316,26 @@ def _sum_border(
     crossings: Crossings,
     sums: Image,
     texture: FloatArray,
-) -> float:
-    """Fill in the summed ratios (8,) and the texture (2, 2) of a border; return its length."""
+) -> tuple[float, float]:
+    """Fill in the summed ratios (8,) and the texture (2, 2) of a border.
+
+    Its length in view, and the mean grey level outside it, are returned.
+    """
     sums[:], texture[:] = np.float32(0.0), 0.0
-    count = 0
+    count, outside = 0, 0.0
     for start in range(0, len(lines.places), BLOCK):
         first, found = find_crossings(lines, start, border, crossings)
         measure_responses(lines, first, found, border, crossings)
         measure_contrasts(lines, first, found, border, crossings)
+        for index in range(found):
+            outside += crossings.levels[0, index]
         _add_ratios(found, model, crossings, sums)
         if windows.looked_at:
             add_texture(lines, first, found, windows, crossings, texture)
         count += found
     for index in range(2 * CLASSES):
         sums[index] *= np.float32(border.length)
-    return count * border.length
+    return count * border.length, outside / max(count, 1)
 
 
 @compiled_inside

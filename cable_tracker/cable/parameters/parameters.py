@@ -216,6 +216,14 @@ class TrackerParameters(ParameterSet):
         "Likelihood ratio: most that texture says for a cable, which is smoother than the bottom on"
         " both sides. 0: it is not looked at.",
     )
+    shadow_evidence: float = number(
+        6.0,
+        "nats",
+        0.0,
+        1e3,
+        "A dark strip is the shadow of a brighter one beside it whose outer border says more than"
+        " this; large: never.",
+    )
     polarity_memory: float = number(
         0.98, "per frame", 0.0, 1.0, "How long the cable is remembered as bright or dark."
     )

@@ -1,0 +1,272 @@
+"""A dark strip beside a bright cable is its shadow.
+
+A vehicle's lamp casts the shadow of a pipe beside it, and the two borders of the shadow are often
+clearer than those of an old, overgrown pipe. Of the three borders in a row, the middle one belongs
+to both strips. If they are a cable and its shadow, all three are to be expected; if the dark strip
+is the cable, the outer border of the bright one is there by chance. So the dark strip is the less
+likely of the two, by what the frame says for that outer border alone.
+
+Only what is brighter than the bottom beyond the dark strip casts it: the gap between two dark
+strips is as bright as the bottom.
+
+The constants were chosen on the simulated worlds to tune on (`tune_*`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.cable.measure.likelihood_ratio import BRIGHT, DARK, CableEvidence
+from cable_tracker.cable.model.geometry import border_offset, turn_sign, wrapped_angle
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, WIDTH
+from cable_tracker.compilation import compiled_inside, compiled_loop, compiled_part
+
+MOST_DARK = 3
+"""So many dark strips of a frame are looked at, those with the highest likelihood ratios."""
+
+LEAST_RATIO = 6.0
+"""Strips with a lower log-likelihood ratio are not looked at [nats]."""
+
+LEAST_STEP = 2.0
+"""A cable is so much brighter than the bottom beyond its shadow [scales of the contrast]."""
+
+SHARED_OFFSET, SHARED_ANGLE = 8.0, 0.12
+"""Borders as far apart as this are not one [px at the reference width, rad]."""
+
+LEAST_CLOSENESS = 0.3
+"""Borders that are closer than this, on a scale from 0 to 1, are one."""
+
+RAMP = 4.0
+"""A strip loses all where it lies in a shadow, less within a quarter of its edge."""
+
+
+class ShadowRules(NamedTuple):
+    """What makes a dark strip a shadow.
+
+    Attributes
+    ----------
+    evidence : float
+        See the parameter `shadow_evidence`.
+    limit : float
+        Evidence for a cable counts no more, see `CorrectionRules.evidence_limit`.
+    near : FloatArray
+        Strips that are nearer than this in all components are one, shape (4,) [px, rad].
+    unit : float
+        Pixels of the frame per pixel at the reference width.
+    """
+
+    evidence: float
+    limit: float
+    near: FloatArray
+    unit: float
+
+
+class Shadows(NamedTuple):
+    """Room for the shadows of a frame.
+
+    Attributes
+    ----------
+    poses : FloatArray
+        d, alpha, w, beta, shape (M, 4) [px, rad].
+    ceilings : FloatArray
+        The log-likelihood ratio of a dark strip in a shadow is no higher, shape (M,) [nats].
+    strips : IndexArray
+        Rows of the dark strips that were looked at, shape (`MOST_DARK`,).
+    """
+
+    poses: FloatArray
+    ceilings: FloatArray
+    strips: IndexArray
+
+
+@compiled_part
+def empty_shadows() -> Shadows:
+    """Return room for shadows: every dark strip may have a cable on either side."""
+    most = 2 * MOST_DARK
+    return Shadows(np.empty((most, POSE_SIZE)), np.empty(most), np.empty(MOST_DARK, np.int64))
+
+
+@compiled_loop
+def find_shadows(
+    states: FloatArray,
+    possible: BoolArray,
+    evidence: CableEvidence,
+    rules: ShadowRules,
+    shadows: Shadows,
+) -> int:
+    """Fill in the shadows among N particles, and return how many there are.
+
+    Parameters
+    ----------
+    states : FloatArray
+        Shape (N, 8), in one chart.
+    possible : BoolArray
+        Which of them may be cables, shape (N,).
+    evidence : CableEvidence
+        What the frame says of them; it may have more rows.
+    rules : ShadowRules
+        What makes a shadow.
+    shadows : Shadows
+        Room.
+    """
+    found = 0
+    for number in range(MOST_DARK):
+        strip = _clearest_dark_strip(states, possible, evidence, rules, shadows.strips[:number])
+        if strip < 0:
+            break
+        shadows.strips[number] = strip
+        for border in range(2):
+            step = evidence.outsides[strip, border] - evidence.outsides[strip, 1 - border]
+            if step < LEAST_STEP:
+                continue
+            ceiling = _ceiling_beside(states, possible, evidence, rules, strip, border)
+            if ceiling == math.inf:
+                continue
+            for column in range(POSE_SIZE):
+                shadows.poses[found, column] = states[strip, column]
+            shadows.ceilings[found] = ceiling
+            found += 1
+    return found
+
+
+@compiled_loop
+def _clearest_dark_strip(
+    states: FloatArray,
+    possible: BoolArray,
+    evidence: CableEvidence,
+    rules: ShadowRules,
+    others: IndexArray,
+) -> int:
+    """Return the row of the likeliest dark strip near none of the others; -1 for none."""
+    clearest, most = -1, LEAST_RATIO
+    for row in range(len(states)):
+        ratio = evidence.log_ratios[row, DARK]
+        if ratio <= most or ratio < evidence.log_ratios[row, BRIGHT] or not possible[row]:
+            continue
+        is_new = True
+        for other in others:
+            is_new = is_new and not _is_near(states[row], states[other], rules.near)
+        if is_new:
+            clearest, most = row, ratio
+    return clearest
+
+
+@compiled_inside
+def _is_near(state: FloatArray, other: FloatArray, near: FloatArray) -> bool:
+    return bool(
+        abs(state[DISTANCE] - other[DISTANCE]) < near[DISTANCE]
+        and abs(state[ANGLE] - other[ANGLE]) < near[ANGLE]
+        and abs(state[WIDTH] - other[WIDTH]) < near[WIDTH]
+        and abs(state[SKEW] - other[SKEW]) < near[SKEW]
+    )
+
+
+@compiled_loop
+def _ceiling_beside(
+    states: FloatArray,
+    possible: BoolArray,
+    evidence: CableEvidence,
+    rules: ShadowRules,
+    strip: int,
+    border: int,
+) -> float:
+    """Return the highest ratio of a dark strip beside the likeliest bright one on its border.
+
+    Infinite if there is none, or if the outer border of that one says too little.
+    """
+    side = 2.0 * border - 1.0
+    state = states[strip]
+    angle = state[ANGLE] + side * state[SKEW]
+    offset = border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side)
+    most, outer = LEAST_RATIO, 0.0
+    for row in range(len(states)):
+        ratio = evidence.log_ratios[row, BRIGHT]
+        if ratio <= most or not possible[row]:
+            continue
+        # The left border of a shadow is the right one of the cable.
+        shared, closeness = _shared_border(states[row], angle, offset, -side, rules.unit)
+        if closeness > LEAST_CLOSENESS:
+            most, outer = ratio, evidence.bright_borders[row, 1 - shared]
+    speaks = outer - rules.evidence
+    return min(most, rules.limit) - speaks if speaks > 0.0 else math.inf
+
+
+@compiled_inside
+def _shared_border(
+    state: FloatArray, angle: float, offset: float, side: float, unit: float
+) -> tuple[int, float]:
+    """Return which border of a strip may be a given one, and how close they are, from 1 down to 0.
+
+    Parameters
+    ----------
+    state : FloatArray
+        The strip, shape (8,).
+    angle, offset : float
+        Normal of the given border [rad], and its distance from the image centre [px].
+    side : float
+        On which side of the strip it would lie, in the chart about it: -1 left, 1 right.
+    unit : float
+        See `ShadowRules`.
+    """
+    shifted = state[ANGLE] - angle
+    sign = turn_sign(shifted, wrapped_angle(shifted))
+    own = sign * side
+    its_offset = sign * border_offset(state[DISTANCE], state[WIDTH], state[SKEW], own)
+    apart = (its_offset - offset) / (SHARED_OFFSET * unit)
+    turn = wrapped_angle(shifted + own * state[SKEW]) / SHARED_ANGLE
+    return (1 if own > 0.0 else 0), _falling(apart) * _falling(turn)
+
+
+@compiled_loop
+def fill_shadow_losses(
+    states: FloatArray,
+    evidence: CableEvidence,
+    shadows: Shadows,
+    count: int,
+    unit: float,
+    losses: FloatArray,
+) -> None:
+    """Fill in what dark strips lose of their log-likelihood ratio, shape (N,) [nats].
+
+    Parameters
+    ----------
+    states, evidence : FloatArray, CableEvidence
+        As above.
+    shadows, count : Shadows, int
+        The first so many of them.
+    unit : float
+        See `ShadowRules`.
+    losses : FloatArray
+        At least 0.
+    """
+    for row in range(len(states)):
+        ratio = evidence.log_ratios[row, DARK]
+        losses[row] = 0.0
+        for index in range(count):
+            above = ratio - losses[row] - shadows.ceilings[index]
+            if above > 0.0:
+                inside = _within(states[row], shadows.poses[index], unit)
+                losses[row] += above * min(RAMP * inside, 1.0)
+
+
+@compiled_inside
+def _within(state: FloatArray, pose: FloatArray, unit: float) -> float:
+    """Return how far a strip lies in another, from 1 in its middle down to 0 at its borders."""
+    shifted = state[ANGLE] - pose[ANGLE]
+    wrapped = wrapped_angle(shifted)
+    sign = turn_sign(shifted, wrapped)
+    margin = SHARED_OFFSET * unit
+    apart = (sign * state[DISTANCE] - pose[DISTANCE]) / (0.5 * pose[WIDTH] + margin)
+    turn = wrapped / (2.0 * SHARED_ANGLE)
+    wider = max((state[WIDTH] - pose[WIDTH]) / (pose[WIDTH] + margin), 0.0)
+    return _falling(apart) * _falling(turn) * _falling(wider)
+
+
+@compiled_inside
+def _falling(distance: float) -> float:
+    """Return 1 for no distance, down to 0 for 1 and more, of either sign."""
+    return max(1.0 - distance * distance, 0.0)
