@@ -321,7 +321,10 @@ def _sum_border(
 
     Its length in view, and the mean grey level outside it, are returned.
     """
-    sums[:], texture[:] = np.float32(0.0), 0.0
+    for index in range(2 * CLASSES):
+        sums[index] = np.float32(0.0)
+    for side in range(2):
+        texture[side, 0], texture[side, 1] = 0.0, 0.0
     count, outside = 0, 0.0
     for start in range(0, len(lines.places), BLOCK):
         first, found = find_crossings(lines, start, border, crossings)
