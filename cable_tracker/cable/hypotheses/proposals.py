@@ -168,7 +168,8 @@ def _measure(
     sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
 ) -> None:
     measure_into(sample.states, start, stop, inputs.scan, inputs.model, sample.evidence)
-    sample.shadow_losses[start:stop] = 0.0
+    for row in range(start, stop):
+        sample.shadow_losses[row] = 0.0
     judge_sample(sample, start, stop, inputs.polarity, config.limits, config.image_size)
 
 
@@ -179,7 +180,7 @@ def _look_for_shadows(
     """Judge the particles so far again, after shadows have been found among them."""
     states, possible = sample.states[:filled], sample.log_likelihoods[:filled] > -np.inf
     count = find_shadows(states, possible, sample.evidence, config.shadows, sample.shadows)
-    fill_shadow_losses(
+    changed = fill_shadow_losses(
         states,
         sample.evidence,
         sample.shadows,
@@ -187,7 +188,8 @@ def _look_for_shadows(
         config.shadows.unit,
         sample.shadow_losses,
     )
-    judge_sample(sample, 0, filled, inputs.polarity, config.limits, config.image_size)
+    if changed:
+        judge_sample(sample, 0, filled, inputs.polarity, config.limits, config.image_size)
 
 
 @compiled_loop

@@ -229,8 +229,8 @@ def fill_shadow_losses(
     count: int,
     unit: float,
     losses: FloatArray,
-) -> None:
-    """Fill in what dark strips lose of their log-likelihood ratio, shape (N,) [nats].
+) -> bool:
+    """Fill in what dark strips lose of their log-likelihood ratio; tell whether any has changed.
 
     Parameters
     ----------
@@ -241,16 +241,19 @@ def fill_shadow_losses(
     unit : float
         See `ShadowRules`.
     losses : FloatArray
-        At least 0.
+        At least 0, shape (N,) [nats].
     """
+    changed = False
     for row in range(len(states)):
         ratio = evidence.log_ratios[row, DARK]
-        losses[row] = 0.0
+        before, losses[row] = losses[row], 0.0
         for index in range(count):
             above = ratio - losses[row] - shadows.ceilings[index]
             if above > 0.0:
                 inside = _within(states[row], shadows.poses[index], unit)
                 losses[row] += above * min(RAMP * inside, 1.0)
+        changed = changed or losses[row] != before
+    return changed
 
 
 @compiled_inside
