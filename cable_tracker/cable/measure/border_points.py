@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
+from cable_tracker.cable.measure.gradient_shape import GradientShape, directional_gain
 from cable_tracker.cable.measure.response_bins import PointMeasures
 from cable_tracker.cable.measure.scanned_gradients import ACROSS, ALONG, SLOPE, ScanLines
 from cable_tracker.cable.measure.working_image import WorkingImage
@@ -53,6 +54,8 @@ class FrameScan(NamedTuple):
         Working pixels per pixel of an image of the reference width.
     expected : float
         Points of a border that runs through the picture.
+    shape : GradientShape
+        How strong gradients are in each direction.
     """
 
     rows: ScanLines
@@ -60,6 +63,7 @@ class FrameScan(NamedTuple):
     reduction: float
     scale: float
     expected: float
+    shape: GradientShape
 
 
 def frame_scan(image: WorkingImage) -> FrameScan:
@@ -71,6 +75,7 @@ def frame_scan(image: WorkingImage) -> FrameScan:
         image.reduction,
         image.scale,
         image.size[1] / image.line_spacing,
+        scanned.shape,
     )
 
 
@@ -84,7 +89,7 @@ class BorderLine(NamedTuple):
     length : float
         Length of border that a crossing stands for [distances of the scan lines], at least 1.
     along, across : float32
-        Inward normal along and across the lines.
+        Inward normal along and across the lines, times the gain of responses.
     slope_factor : float32
         Of slopes along the line, to have them along the normal, per px at the reference width.
     outside, behind, deep : float
@@ -184,6 +189,7 @@ def border_line(
     inward: float,
     depths: tuple[float, float, float],
     scale: float,
+    gain: float,
 ) -> BorderLine:
     """Return how a border crosses its scan lines.
 
@@ -199,19 +205,29 @@ def border_line(
         See `contrast_depths`.
     scale : float
         See `FrameScan`.
+    gain : float
+        Responses across the border, and slopes with them, are multiplied by it.
     """
     stretch = inward / along
     return BorderLine(
         offset / along,
         -across / along,
         1.0 / abs(along),
-        np.float32(inward * along),
-        np.float32(inward * across),
-        np.float32(scale / along),
+        np.float32(inward * along * gain),
+        np.float32(inward * across * gain),
+        np.float32(scale / along * gain),
         0.5 - depths[0] * stretch,
         0.5 + depths[1] * stretch,
         0.5 + depths[2] * stretch,
     )
+
+
+@compiled_inside
+def gain_across(steep: bool, along: float, across: float, shape: GradientShape) -> float:
+    """Return the gain of responses across a border, for its normal along and across the lines."""
+    if steep:
+        return directional_gain(shape, along, across)
+    return directional_gain(shape, across, along)
 
 
 @compiled_inside
@@ -372,7 +388,8 @@ def _record_points(
         depths = contrast_depths(width_across(state, scan.reduction), scan.scale)
         steep, along, across, offset = border_normal(state, side, scan.reduction)
         lines = scan.rows if steep else scan.columns
-        crossing = border_line(along, across, offset, -side, depths, scan.scale)
+        gain = gain_across(steep, along, across, scan.shape)
+        crossing = border_line(along, across, offset, -side, depths, scan.scale, gain)
         for start in range(0, len(lines.places), BLOCK):
             first, found = find_crossings(lines, start, crossing, crossings)
             measure_responses(lines, first, found, crossing, crossings)

@@ -28,6 +28,7 @@ from cable_tracker.cable.measure.border_points import (
     contrast_depths,
     find_crossings,
     frame_scan,
+    gain_across,
     measure_contrasts,
     measure_responses,
     room_for_crossings,
@@ -221,7 +222,8 @@ def measure_into(
             side = 2.0 * border - 1.0
             steep, along, across, offset = border_normal(state, side, scan.reduction)
             lines = scan.rows if steep else scan.columns
-            line = border_line(along, across, offset, -side, depths, scan.scale)
+            gain = gain_across(steep, along, across, scan.shape)
+            line = border_line(along, across, offset, -side, depths, scan.scale, gain)
             windows = texture_windows(-side / along, width, scan.scale, model.texture_limit)
             length, evidence.outsides[cable, border] = _sum_border(
                 lines, line, windows, model, crossings, sums[border], texture
@@ -268,7 +270,7 @@ def border_clearness(states: FloatArray, scan: FrameScan, model: RatioModel) -> 
     clear = BorderClearness(np.zeros(count), np.zeros(count))
     evidence = empty_evidence(count)
     # One point is expected: lengths beyond the edge of the frame are neither paid nor counted.
-    in_view = FrameScan(scan.rows, scan.columns, scan.reduction, scan.scale, 1.0)
+    in_view = FrameScan(scan.rows, scan.columns, scan.reduction, scan.scale, 1.0, scan.shape)
     measure_into(states, 0, count, in_view, model, evidence)
     for row in range(count):
         weaker = evidence.weaker_borders[row]

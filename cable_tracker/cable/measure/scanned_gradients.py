@@ -21,6 +21,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
+from cable_tracker.cable.measure.gradient_shape import GradientShape, gradient_shape
 from cable_tracker.cable.measure.robust_scale import robust_scale
 from cable_tracker.compilation import (
     compiled,
@@ -144,12 +145,15 @@ class ScannedFrame:
     contrast_scale : float
         Robust standard deviation of the smoothed picture over a few pixels [grey levels]: what slow
         changes of the light alone make of the inside and the outside of a border.
+    shape : GradientShape
+        How strong gradients are in each direction; round where only gradients are asked for.
     """
 
     rows: ScanLines
     columns: ScanLines
     scale: float
     contrast_scale: float
+    shape: GradientShape
 
 
 def line_indices(length: int, spacing: int) -> IndexArray:
@@ -190,7 +194,7 @@ def _scan_both(
     columns: IndexArray,
     places: tuple[FloatArray, FloatArray],
     kernels: ScanKernels,
-) -> tuple[ScanLines, ScanLines, float, float]:
+) -> tuple[ScanLines, ScanLines, float, float, GradientShape]:
     """Return what `ScannedFrame` holds; `places` of the rows and of the columns."""
     # Rows run down where v runs up.
     gradients, smooth = _scan(pixels, rows, np.float32(-1.0), kernels)
@@ -205,6 +209,7 @@ def _scan_both(
             ScanLines(turned_gradients, turned_smooth, places[1], turned_smooth),
             scale,
             SMALLEST_CONTRAST,
+            GradientShape(1.0, 0.0, 1.0),
         )
     contrast_scale = _contrast_scale(smooth, turned_smooth, kernels.contrast_lag)
     contrast_scale = max(contrast_scale, SMALLEST_CONTRAST)
@@ -224,6 +229,7 @@ def _scan_both(
         ScanLines(turned_gradients, turned_smooth, places[1], turned_texture),
         scale,
         contrast_scale,
+        gradient_shape(gradients, turned_gradients),
     )
 
 

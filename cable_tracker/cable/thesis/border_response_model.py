@@ -108,7 +108,7 @@ def _sum_responses(
             side = 2.0 * border - 1.0
             steep, along, across, offset = border_normal(states[cable], side, scan.reduction)
             lines = scan.rows if steep else scan.columns
-            line = border_line(along, across, offset, 1.0, NO_DEPTHS, scan.scale)
+            line = border_line(along, across, offset, 1.0, NO_DEPTHS, scan.scale, 1.0)
             total, count = np.float32(0.0), 0
             for start in range(0, len(lines.places), BLOCK):
                 first, found = find_crossings(lines, start, line, crossings)

@@ -35,6 +35,9 @@ def literal_points(state: np.ndarray, side: float, image: WorkingImage) -> np.nd
     along, across = (np.cos(normal), np.sin(normal))[:: 1 if steep else -1]
     last = lines.smooth.shape[1] - 1
     outward = side / along
+    shape, across_it = image.scanned.shape, np.array([np.cos(normal), np.sin(normal)])
+    covariance = np.array([[shape.xx, shape.xy], [shape.xy, shape.yy]])
+    gain = 1.0 / np.sqrt(across_it @ covariance @ across_it)
     points = []
     for place, gradients, levels in zip(lines.places, lines.gradients, lines.smooth, strict=True):
         position = (offset - across * place) / along + last / 2
@@ -43,8 +46,8 @@ def literal_points(state: np.ndarray, side: float, image: WorkingImage) -> np.nd
         change_along, change_across, slope = (
             np.interp(position, np.arange(last + 1), channel) for channel in gradients.T
         )
-        response = -side * (along * change_along + across * change_across)
-        slope *= image.scale / along
+        response = -side * gain * (along * change_along + across * change_across)
+        slope *= gain * image.scale / along
         outside, behind, deep = (
             levels[int(np.clip(position + depth * outward + 0.5, 0, last))]
             for depth in (OUTSIDE * image.scale, -BEHIND, -DEEP)
