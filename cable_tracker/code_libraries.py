@@ -116,8 +116,7 @@ class EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
         for library in _needed_by(self):
             _inherit_initialisers(self, library)
             self._final_module.link_in(_linkable(library), preserve=True)
-        with _straight_code_vectorised():
-            self._optimize_final_module()
+        self._optimize_final_module()
         self._final_module.verify()
         self._finalize_final_module()
         self._set_environments()
@@ -128,20 +127,6 @@ class EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
                 environment = lookup_environment(variable.name)
                 if environment is not None:
                     self._codegen.set_env(variable.name, environment)
-
-
-@contextmanager
-def _straight_code_vectorised() -> Iterator[None]:
-    """Let LLVM work out several like things at once outside loops, too. Its lock is held.
-
-    Numba leaves that to its users. The sums along a border, eight side by side, gain most.
-    """
-    before = numba.config.SLP_VECTORIZE
-    numba.config.SLP_VECTORIZE = 1
-    try:
-        yield
-    finally:
-        numba.config.SLP_VECTORIZE = before
 
 
 def _linkable(library: JITCodeLibrary) -> Any:  # noqa: ANN401

@@ -7,7 +7,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Flags
 from numba.core.registry import cpu_target
 
-from cable_tracker.code_libraries import _quickly_compared_flags, _straight_code_vectorised
+from cable_tracker.code_libraries import _quickly_compared_flags
 from cable_tracker.compilation import compiled, compiled_loop, compiled_part
 
 
@@ -172,11 +172,3 @@ def test_numba_compares_options_itself_where_no_entry_is_compiled():
         assert Flags.__eq__ is not before[0]
         raise ValueError("stop")
     assert (Flags.__eq__, Flags.__hash__) == before
-
-
-def test_straight_code_is_vectorised_in_entries_alone():
-    before = numba.config.SLP_VECTORIZE
-    with pytest.raises(ValueError, match="stop"), _straight_code_vectorised():
-        assert numba.config.SLP_VECTORIZE == 1
-        raise ValueError("stop")
-    assert before == numba.config.SLP_VECTORIZE
