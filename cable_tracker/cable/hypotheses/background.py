@@ -19,26 +19,20 @@ from cable_tracker.cable.hypotheses.clusters import Groups, group_means
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs
+from cable_tracker.cable.hypotheses.shared_borders import shares_border
 from cable_tracker.cable.measure.likelihood_ratio import empty_evidence, measure_into
 from cable_tracker.cable.measure.polarity_prior import marginal_log_ratio
 from cable_tracker.cable.model.geometry import (
     borders_cross_inside,
     reach_at,
-    turn_sign,
-    wrapped_angle,
 )
 from cable_tracker.cable.model.initial_state import between
 from cable_tracker.cable.model.limits import StateLimits
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, STATE_SIZE, WIDTH
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled_loop, compiled_part
 
 ALIKE_ANGLE, ALIKE_LOG_WIDTH, ALIKE_SKEW = math.radians(3.0), 0.25, math.radians(1.5)
 """How like a hypothesis strips are: standard deviations of alpha [rad], log w and beta [rad]."""
-
-SHARED_OFFSET, SHARED_ANGLE = 8.0, 0.12
-"""A strip shares a border with a hypothesis if they are nearer than this [px at the reference
-width, rad]."""
 
 BEST_OF_ANY = 3.0
 """The best of the strips of any kind stand so many standard deviations above their mean."""
@@ -149,7 +143,7 @@ def _moments(
     """Return mean and standard deviation over the first strips that share no border with one."""
     used, total, squares = 0, 0.0, 0.0
     for row in range(count):
-        if ratios[row] > -np.inf and not _shares_border(strips[row], mean, image_width):
+        if ratios[row] > -np.inf and not shares_border(strips[row], mean, image_width):
             used, total, squares = used + 1, total + ratios[row], squares + ratios[row] ** 2
     if used < FEWEST_STRIPS:
         return 0.0, SMALLEST_DEVIATION
@@ -171,7 +165,7 @@ def _best(
     best = 0.0
     for row in range(start, stop):
         beside = abs(strips[row, DISTANCE] - mean[DISTANCE]) >= 0.5 * mean[WIDTH]
-        if beside and not _shares_border(strips[row], mean, image_width):
+        if beside and not shares_border(strips[row], mean, image_width):
             best = max(best, ratios[row])
     return best
 
@@ -206,21 +200,3 @@ def _place_like(
     strip[SKEW] = min(max(skew, lower[SKEW]), upper[SKEW])
     reach = reach_at(strip[ANGLE], image_size[0], image_size[1])
     strip[DISTANCE] = (2.0 * noise.elsewhere[row] - 1.0) * reach
-
-
-@compiled_loop
-def _shares_border(strip: FloatArray, mean: FloatArray, image_width: float) -> bool:
-    """Tell whether a border of a strip lies on one of a hypothesis."""
-    shifted = strip[ANGLE] - mean[ANGLE]
-    wrapped = wrapped_angle(shifted)
-    sign = turn_sign(shifted, wrapped)
-    offset, angle, skew = sign * strip[DISTANCE], wrapped + mean[ANGLE], sign * strip[SKEW]
-    nearest = SHARED_OFFSET * image_width / REFERENCE_WIDTH
-    for side in (-1.0, 1.0):
-        for other in (-1.0, 1.0):
-            own, its = offset + 0.5 * side * strip[WIDTH], 0.5 * other * mean[WIDTH]
-            apart = own - mean[DISTANCE] - its
-            turn = angle + side * skew - mean[ANGLE] - other * mean[SKEW]
-            if abs(apart) < nearest and abs(turn) < SHARED_ANGLE:
-                return True
-    return False

@@ -184,7 +184,7 @@ def inherited_log_odds(prior: PriorPresence, mean: FloatArray, near: FloatArray)
     """
     inherited, least = math.nan, 1.0
     for index in range(len(prior.log_odds)):
-        distance = _distance(mean, prior.expected[index], near)
+        distance = largest_difference(mean, prior.expected[index], near)
         if distance < least:
             inherited, least = prior.log_odds[index], distance
     return inherited
@@ -192,11 +192,11 @@ def inherited_log_odds(prior: PriorPresence, mean: FloatArray, near: FloatArray)
 
 def goes_on(mean: FloatArray, expected: FloatArray, near: FloatArray) -> bool:
     """Tell whether a hypothesis, shape (8,), is one that is expected; `near` as above."""
-    return bool(_distance(mean, expected, near) < 1.0)
+    return bool(largest_difference(mean, expected, near) < 1.0)
 
 
 @compiled_inside
-def _distance(state: FloatArray, expected: FloatArray, near: FloatArray) -> float:
+def largest_difference(state: FloatArray, expected: FloatArray, near: FloatArray) -> float:
     """Return the largest difference of d, alpha, w, beta, in the chart about what is expected."""
     shifted = state[ANGLE] - expected[ANGLE]
     wrapped = wrapped_angle(shifted)

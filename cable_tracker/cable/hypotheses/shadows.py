@@ -20,6 +20,13 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.cable.hypotheses.presence import largest_difference
+from cable_tracker.cable.hypotheses.shared_borders import (
+    SHARED_ANGLE,
+    SHARED_OFFSET,
+    closeness_to_border,
+    falling,
+)
 from cable_tracker.cable.measure.likelihood_ratio import BRIGHT, DARK, CableEvidence
 from cable_tracker.cable.model.geometry import border_offset, turn_sign, wrapped_angle
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, WIDTH
@@ -33,9 +40,6 @@ LEAST_RATIO = 6.0
 
 LEAST_STEP = 2.0
 """A cable is so much brighter than the bottom beyond its shadow [scales of the contrast]."""
-
-SHARED_OFFSET, SHARED_ANGLE = 8.0, 0.12
-"""Borders as far apart as this are not one [px at the reference width, rad]."""
 
 LEAST_CLOSENESS = 0.3
 """Borders that are closer than this, on a scale from 0 to 1, are one."""
@@ -149,20 +153,10 @@ def _clearest_dark_strip(
             continue
         is_new = True
         for other in others:
-            is_new = is_new and not _is_near(states[row], states[other], rules.near)
+            is_new = is_new and largest_difference(states[row], states[other], rules.near) >= 1.0
         if is_new:
             clearest, most = row, ratio
     return clearest
-
-
-@compiled_inside
-def _is_near(state: FloatArray, other: FloatArray, near: FloatArray) -> bool:
-    return bool(
-        abs(state[DISTANCE] - other[DISTANCE]) < near[DISTANCE]
-        and abs(state[ANGLE] - other[ANGLE]) < near[ANGLE]
-        and abs(state[WIDTH] - other[WIDTH]) < near[WIDTH]
-        and abs(state[SKEW] - other[SKEW]) < near[SKEW]
-    )
 
 
 @compiled_loop
@@ -188,37 +182,11 @@ def _ceiling_beside(
         if ratio <= most or not possible[row]:
             continue
         # The left border of a shadow is the right one of the cable.
-        shared, closeness = _shared_border(states[row], angle, offset, -side, rules.unit)
+        shared, closeness = closeness_to_border(states[row], angle, offset, -side, rules.unit)
         if closeness > LEAST_CLOSENESS:
             most, outer = ratio, evidence.bright_borders[row, 1 - shared]
     speaks = outer - rules.evidence
     return min(most, rules.limit) - speaks if speaks > 0.0 else math.inf
-
-
-@compiled_inside
-def _shared_border(
-    state: FloatArray, angle: float, offset: float, side: float, unit: float
-) -> tuple[int, float]:
-    """Return which border of a strip may be a given one, and how close they are, from 1 down to 0.
-
-    Parameters
-    ----------
-    state : FloatArray
-        The strip, shape (8,).
-    angle, offset : float
-        Normal of the given border [rad], and its distance from the image centre [px].
-    side : float
-        On which side of the strip it would lie, in the chart about it: -1 left, 1 right.
-    unit : float
-        See `ShadowRules`.
-    """
-    shifted = state[ANGLE] - angle
-    sign = turn_sign(shifted, wrapped_angle(shifted))
-    own = sign * side
-    its_offset = sign * border_offset(state[DISTANCE], state[WIDTH], state[SKEW], own)
-    apart = (its_offset - offset) / (SHARED_OFFSET * unit)
-    turn = wrapped_angle(shifted + own * state[SKEW]) / SHARED_ANGLE
-    return (1 if own > 0.0 else 0), _falling(apart) * _falling(turn)
 
 
 @compiled_loop
@@ -266,10 +234,4 @@ def _within(state: FloatArray, pose: FloatArray, unit: float) -> float:
     apart = (sign * state[DISTANCE] - pose[DISTANCE]) / (0.5 * pose[WIDTH] + margin)
     turn = wrapped / (2.0 * SHARED_ANGLE)
     wider = max((state[WIDTH] - pose[WIDTH]) / (pose[WIDTH] + margin), 0.0)
-    return _falling(apart) * _falling(turn) * _falling(wider)
-
-
-@compiled_inside
-def _falling(distance: float) -> float:
-    """Return 1 for no distance, down to 0 for 1 and more, of either sign."""
-    return max(1.0 - distance * distance, 0.0)
+    return falling(apart) * falling(turn) * falling(wider)
