@@ -1,0 +1,28 @@
+from __future__ import annotations
+
+import os
+
+import pytest
+
+pytest.importorskip("distributed")
+pytestmark = pytest.mark.filterwarnings("default")
+
+import dask  # noqa: E402
+
+from cable_tracker.campaigns.cluster import (  # noqa: E402
+    KEPT_MEMORY,
+    connected,
+    worker_environment,
+)
+from cable_tracker.campaigns.crew import ClusterSettings  # noqa: E402
+
+
+def test_workers_that_are_started_here_keep_freed_memory():
+    with connected(ClusterSettings(workers=1)) as client:
+        (found,) = client.run(lambda: dict(os.environ)).values()
+    assert {name: int(found[name]) for name in KEPT_MEMORY} == KEPT_MEMORY
+
+
+def test_other_variables_of_dask_stay_as_they_are_set():
+    with dask.config.set({"distributed.nanny.pre-spawn-environ": {"OMP_NUM_THREADS": 3}}):
+        assert worker_environment() == {"OMP_NUM_THREADS": 3, **KEPT_MEMORY}
