@@ -178,6 +178,8 @@ def _look_for_shadows(
     sample: Sample, filled: int, inputs: ProposalInputs, config: ProposalConfig
 ) -> None:
     """Judge the particles so far again, after shadows have been found among them."""
+    if config.shadows.evidence == np.inf:
+        return  # The cable is known: no strip is a shadow.
     states, possible = sample.states[:filled], sample.log_likelihoods[:filled] > -np.inf
     count = find_shadows(states, possible, sample.evidence, config.shadows, sample.shadows)
     changed = fill_shadow_losses(

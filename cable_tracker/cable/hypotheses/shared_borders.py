@@ -45,7 +45,7 @@ def closeness_to_border(
     side : float
         On which side of the strip it would lie, in the chart about it: -1 left, 1 right.
     unit : float
-        See `ShadowRules`.
+        Pixels of the frame per pixel at the reference width.
     """
     shifted = state[ANGLE] - angle
     sign = turn_sign(shifted, wrapped_angle(shifted))
