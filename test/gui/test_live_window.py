@@ -14,6 +14,8 @@ from cable_tracker.ros.process.environment import local_environment
 PICTURE = "document.querySelector('.ct-stage canvas')?.frameView?.description"
 NAMESPACE = "/boat"
 FIRST_DOMAIN = 70
+PAGE_TIMEOUT = 300_000
+"""Milliseconds that a page gets to say something, on a busy machine."""
 
 
 @pytest.fixture(scope="module")
@@ -74,14 +76,21 @@ def test_the_node_is_switched_off_and_on(window):
     window.wait_for_function(f"{PICTURE}.status !== 'DISABLED'")
 
 
+def says(page, part, text):
+    """Wait until a part of the page says so; a failure tells what it says instead."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    place = page.locator(f"[data-test={part}]")
+    playwright.expect(place).to_contain_text(text, timeout=PAGE_TIMEOUT)
+
+
 def test_a_node_that_is_gone_is_said_and_found_again(visit, url, node):
     with visit(url) as page:
-        page.locator("[data-test=trouble]").filter(has_text="no node /boat/tracker").wait_for()
+        says(page, "trouble", "no node /boat/tracker")
         with node("tracker", particle_count=33):
             page.wait_for_function(f"{PICTURE}?.parts.cloud?.rows === 33")
-            page.locator("[data-test=status]").filter(has_text="%").wait_for()
-        page.locator("[data-test=trouble]").filter(has_text="no node /boat/tracker").wait_for()
-        page.locator("[data-test=status]").filter(has_text="NOT LIVE, last picture").wait_for()
+            says(page, "status", "%")
+        says(page, "trouble", "no node /boat/tracker")
+        says(page, "status", "NOT LIVE, last picture")
 
 
 @pytest.fixture

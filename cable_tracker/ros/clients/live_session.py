@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -59,6 +60,9 @@ STALL = 2.0
 
 SILENCE = 3.0
 """Diagnostics older than this are no news; they come once a second [s]."""
+
+FRAME_REPORT = "frame_report"
+"""Private topic that every tracker has from its start to its end."""
 
 WATCHED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Pictures for people: losing one is no harm, and a slow viewer must not slow the camera."""
@@ -266,11 +270,22 @@ class LiveSession:
     def _spin(self) -> None:
         try:
             while self._context.ok():
-                self._executor.spin_once(timeout_sec=0.1)
+                self._turn()
         except ExternalShutdownException:
             pass  # `close` has shut the context down.
         finally:
             self._executor.shutdown()
+
+    def _turn(self) -> None:
+        """Handle what is next; an error of one message must not end the watching of the others."""
+        try:
+            self._executor.spin_once(timeout_sec=0.1)
+        except ExternalShutdownException:
+            raise
+        except Exception as error:
+            if not self._context.ok():
+                raise ExternalShutdownException from error
+            self._node.get_logger().error(f"not shown: {traceback.format_exc()}")
 
     def _need_node(self) -> None:
         if not self._is_there:
@@ -308,7 +323,9 @@ class LiveSession:
             for name, namespace in self._node.get_node_names_and_namespaces()
             if name == self.subject.node
         }
-        self._is_there = self.name in found
+        # The graph may keep the name of a process that is gone; its topics go with it.
+        is_alive = bool(self._node.count_publishers(f"{self.name}/{FRAME_REPORT}"))
+        self._is_there = self.name in found and is_alive
         self._others = sorted(found - {self.name})
         if not self._is_there:
             self._silent_since = None
@@ -331,7 +348,7 @@ class LiveSession:
             image_type=image_type,
             state=_of_types(published, ["sensor_msgs/msg/JointState"])[0],
             particles=_of_types(published, ["sensor_msgs/msg/PointCloud2"])[0],
-            report=f"{self.name}/frame_report",
+            report=f"{self.name}/{FRAME_REPORT}",
             truth=self._truth_topic(image),
             start=_of_types(read, [self.start_type[0]])[0],
             contour=_named(published, "geometry_msgs/msg/PolygonStamped", "contour"),

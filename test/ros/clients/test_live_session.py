@@ -5,6 +5,7 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.node import Node
 from sensor_msgs.msg import Image
 
 from cable_tracker.cable.model.initial_state import GivenState
@@ -204,6 +205,22 @@ def test_a_node_that_goes_and_comes_again_is_found_again(world, session, found, 
 
     camera(has_thirty_particles)
     camera(lambda: not session.trouble)
+
+
+def test_a_name_without_topics_is_what_is_left_of_a_node(world, session):
+    world.add(Node("tracker", context=world.context, namespace=world.namespace))
+    watcher = world.me
+    world.spin(lambda: ("tracker", world.namespace) in watcher.get_node_names_and_namespaces())
+    world.pass_time(2.0 * live_session.LOOK_PERIOD)
+    assert f"no node {world.namespace}/tracker" in session.trouble
+
+
+def test_a_listener_that_fails_ends_nothing(session, camera):
+    def fail(snapshot):
+        raise RuntimeError(f"picture {snapshot.number} is not drawn")
+
+    session.listen(fail)
+    camera(lambda: session.latest is not None and session.latest.number >= 3)
 
 
 def test_silence_is_told_with_what_the_node_says(world, session, found, camera):
