@@ -5,10 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock, ClockType
 from rclpy.publisher import Publisher
 from std_msgs.msg import Header
@@ -18,21 +17,16 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.errors import FrameError
 from cable_tracker.node_parameter_tables import CAMERA_START_PARAMETERS
-from cable_tracker.ros import node_parameters, qos
-from cable_tracker.ros.health.diagnostics import (
-    FROZEN_INPUT,
-    FrameStatistics,
-    frame_values,
-    make_diagnostics,
-)
+from cable_tracker.ros import node_parameters
+from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, FrameStatistics
 from cable_tracker.ros.health.mismatch_report import MismatchReport
 from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.inputs.frame_hold import FrameHold
 from cable_tracker.ros.inputs.image_input import AnyImage, CameraFrame, ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
-from cable_tracker.ros.inputs.picture_remarks import remark_on
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.nodes.camera_diagnostics import CameraDiagnostics
 from cable_tracker.ros.process.process_node import ProcessNode
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED
@@ -99,15 +93,15 @@ class CameraNode(ProcessNode):
         self._frame_id = ""
         self._warm_up: WarmUp | None = None
         self._watchdog: Any = None
-        self._diagnostics_period = 1.0
-        self._next_diagnostics = 0.0
         start = node_parameters.declare_all(self, CAMERA_START_PARAMETERS, read_only=True)
         self._input = ImageInput(
             self, str(start["image_transport"]), str(start["image_reliability"]), self._statistics
         )
         self._hold = FrameHold(self._answer, self._has_all_of)
         self._mismatches = MismatchReport(self, self._input_profiles, self._output_profiles)
-        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
+        self._diagnostics = CameraDiagnostics(
+            self, self._statistics, self._watch, self._input, self._mismatches
+        )
 
     # To be implemented by a subclass.
 
@@ -249,14 +243,12 @@ class CameraNode(ProcessNode):
     def _apply_camera_values(self, values: Mapping[str, object]) -> None:
         """Take what is given of `CAMERA_RUNTIME_PARAMETERS`, by name."""
         self._watch.apply(values)
-        self._diagnostics_period = float(
-            cast(float, values.get("diagnostics_period", self._diagnostics_period))
-        )
+        self._diagnostics.apply(values)
         if self._watchdog is not None:
             self._watchdog.timer_period_ns = round(self._watchdog_period() * 1e9)
 
     def _watchdog_period(self) -> float:
-        shortest = min(self._watch.timeout, self._diagnostics_period)
+        shortest = min(self._watch.timeout, self._diagnostics.period)
         if self._instrument_wait():
             shortest = min(shortest, self._instrument_wait())
         return min(max(shortest / 2, FASTEST_WATCH), SLOWEST_WATCH)
@@ -398,24 +390,9 @@ class CameraNode(ProcessNode):
         elif self._warm_up is None and self._watch.falls_silent(now):
             self.get_logger().warning(self._input.words_on_silence(self._watch.timeout))
             self.publish_diagnostics()
-        elif now >= self._next_diagnostics:
+        elif self._diagnostics.is_due(now):
             self.publish_diagnostics()
 
     def publish_diagnostics(self) -> None:
         """Publish status and figures on /diagnostics."""
-        now = time.monotonic()
-        self._next_diagnostics = now + self._diagnostics_period
-        self._mismatches.look()
-        values = frame_values(self._statistics, now) | self._figures()
-        values["picture"] = remark_on(self._watch.picture)
-        values["same picture for [s]"] = f"{self._watch.same_for:.1f}"
-        values["QoS mismatch"] = self._mismatches.words()
-        values["several cameras"] = self._input.several_cameras()
-        for publisher in self._result_publishers():
-            readers = publisher.get_subscription_count()
-            values[f"subscribers of {publisher.topic_name}"] = str(readers)
-        header = make_header(self._factory, self.get_clock().now().nanoseconds, "")
-        name = self.get_fully_qualified_name()
-        self._diagnostics.publish(
-            make_diagnostics(self._factory, header, name, self.status, values)
-        )
+        self._diagnostics.publish(self.status, self._figures(), self._result_publishers())

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from rclpy.node import Node
 from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
@@ -571,24 +570,6 @@ class TestServicesAndStatus:
             call()
             assert words in capfd.readouterr().err
 
-    def test_two_cameras_on_one_topic_are_named(
-        self, world: Any, diagnostics: Callable[..., list[Any]], capfd: pytest.CaptureFixture[str]
-    ) -> None:
-        node = world.tracker(diagnostics_period=0.1)
-        cameras = [
-            world.add(Node(name, context=world.context, namespace=world.namespace))
-            for name in ("port", "starboard")
-        ]
-        cameras[0].create_publisher(Image, "image", 1)
-        world.spin(lambda: world.me.count_publishers(f"{world.namespace}/image") == 1)
-        node.publish_diagnostics()
-        world.spin(lambda: diagnostics(node))
-        assert last_values(diagnostics, node)["several cameras"] == ""
-        cameras[1].create_publisher(Image, "image", 1)
-        names = f"{world.namespace}/port, {world.namespace}/starboard"
-        world.spin(lambda: last_values(diagnostics, node)["several cameras"] == names)
-        assert f"2 nodes publish {world.namespace}/image: {names}" in capfd.readouterr().err
-
     def test_enabling_what_is_enabled_changes_nothing(
         self, world: Any, near: str, track_strip: Callable[..., list[Any]]
     ) -> None:
@@ -614,21 +595,6 @@ class TestServicesAndStatus:
         expected = ["INITIALISING", "TRACKING", "LOST", "INITIALISING", "DISABLED"]
         # The first is sent before there is a subscriber.
         world.spin(lambda: [status for status, _ in diagnostics(node)][-4:] == expected[1:])
-
-    def test_diagnostics_come_with_their_period_and_hold_the_figures(
-        self, world: Any, image_message: Callable[..., Any], diagnostics: Callable[..., list[Any]]
-    ) -> None:
-        node = world.tracker(diagnostics_period=0.1)
-        world.show(node, image_message())
-        node.publish_diagnostics()
-        world.spin(lambda: len(diagnostics(node)) >= 4)
-        # Of the last seconds: later, on a busy machine, there may have been none.
-        assert any(float(values["frame rate [1/s]"]) > 0.0 for _, values in diagnostics(node))
-        values = last_values(diagnostics, node)
-        assert float(values["latency median [ms]"]) > 0.0
-        assert float(values["N_eff"]) >= 1.0
-        assert values["frames tracked"] == "1"
-        assert values["frames dropped"] == "0"
 
     def test_silence_is_stale_input_until_a_frame_comes(
         self, world: Any, image_message: Callable[..., Any], diagnostics: Callable[..., list[Any]]

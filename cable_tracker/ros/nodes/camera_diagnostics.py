@@ -1,0 +1,86 @@
+"""Publishes on /diagnostics how a node with a camera is doing."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping
+from typing import cast
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+
+from cable_tracker.ros import qos
+from cable_tracker.ros.health.diagnostics import FrameStatistics, frame_values, make_diagnostics
+from cable_tracker.ros.health.mismatch_report import MismatchReport
+from cable_tracker.ros.inputs.image_input import ImageInput
+from cable_tracker.ros.inputs.input_watch import InputWatch
+from cable_tracker.ros.inputs.picture_remarks import remark_on
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences.messages import make_header
+
+
+class CameraDiagnostics:
+    """Publishes the node's status and the figures of its input, from time to time or when asked.
+
+    Parameters
+    ----------
+    node : Node
+        The node.
+    statistics : FrameStatistics
+        Of the frames that came in.
+    watch : InputWatch
+        Knows the last picture.
+    camera : ImageInput
+        Knows who publishes its topic.
+    mismatches : MismatchReport
+        Says which endpoints cannot hear which.
+
+    Attributes
+    ----------
+    period : float
+        Time between two messages [s].
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        statistics: FrameStatistics,
+        watch: InputWatch,
+        camera: ImageInput,
+        mismatches: MismatchReport,
+    ) -> None:
+        self._node = node
+        self._statistics = statistics
+        self._watch = watch
+        self._camera = camera
+        self._mismatches = mismatches
+        self._factory = RclpyMessages()
+        self.period = 1.0
+        self._next = 0.0
+        self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
+
+    def apply(self, values: Mapping[str, object]) -> None:
+        """Take the parameter `diagnostics_period` [s], if it is given."""
+        self.period = float(cast(float, values.get("diagnostics_period", self.period)))
+
+    def is_due(self, now: float) -> bool:
+        """Tell whether the next message is due, on the monotonic clock [s]."""
+        return now >= self._next
+
+    def publish(self, status: str, figures: dict[str, str], results: Iterable[Publisher]) -> None:
+        """Publish a status of `LEVELS`, the node's own figures, those of its input and readers."""
+        now = time.monotonic()
+        self._next = now + self.period
+        self._mismatches.look()
+        values = frame_values(self._statistics, now) | figures
+        values["picture"] = remark_on(self._watch.picture)
+        values["same picture for [s]"] = f"{self._watch.same_for:.1f}"
+        values["QoS mismatch"] = self._mismatches.words()
+        values["several cameras"] = self._camera.several_cameras()
+        for publisher in results:
+            readers = publisher.get_subscription_count()
+            values[f"subscribers of {publisher.topic_name}"] = str(readers)
+        header = make_header(self._factory, self._node.get_clock().now().nanoseconds, "")
+        name = self._node.get_fully_qualified_name()
+        self._publisher.publish(make_diagnostics(self._factory, header, name, status, values))

@@ -1,0 +1,43 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from sensor_msgs.msg import Image
+
+
+def test_diagnostics_come_with_their_period_and_hold_the_figures(
+    world: Any, image_message: Callable[..., Any], diagnostics: Callable[..., list[Any]]
+) -> None:
+    node = world.tracker(diagnostics_period=0.1)
+    world.show(node, image_message())
+    node.publish_diagnostics()
+    world.spin(lambda: len(diagnostics(node)) >= 4)
+    # Of the last seconds: later, on a busy machine, there may have been none.
+    assert any(float(values["frame rate [1/s]"]) > 0.0 for _, values in diagnostics(node))
+    values = diagnostics(node)[-1][1]
+    assert float(values["latency median [ms]"]) > 0.0
+    assert float(values["N_eff"]) >= 1.0
+    assert values["frames tracked"] == "1"
+    assert values["frames dropped"] == "0"
+
+
+def test_two_cameras_on_one_topic_are_named(
+    world: Any, diagnostics: Callable[..., list[Any]], capfd: pytest.CaptureFixture[str]
+) -> None:
+    node = world.tracker(diagnostics_period=0.1)
+    cameras = [
+        world.add(Node(name, context=world.context, namespace=world.namespace))
+        for name in ("port", "starboard")
+    ]
+    cameras[0].create_publisher(Image, "image", 1)
+    world.spin(lambda: world.me.count_publishers(f"{world.namespace}/image") == 1)
+    node.publish_diagnostics()
+    world.spin(lambda: diagnostics(node))
+    assert diagnostics(node)[-1][1]["several cameras"] == ""
+    cameras[1].create_publisher(Image, "image", 1)
+    names = f"{world.namespace}/port, {world.namespace}/starboard"
+    world.spin(lambda: diagnostics(node)[-1][1]["several cameras"] == names)
+    assert f"2 nodes publish {world.namespace}/image: {names}" in capfd.readouterr().err
