@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
 
 from cable_tracker.errors import CableTrackerError, FrameError, RecordingError
 from cable_tracker.gui.followers.choice import make_follower, open_for
 from cable_tracker.gui.followers.follower import Follower
 from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener
+from cable_tracker.gui.session import AnySnapshot, AnyStart
+from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.task_thread import TaskThread
 from cable_tracker.gui.tracker_memory import TrackerMemory
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
@@ -34,7 +35,7 @@ LARGEST_DELAY = 0.1
 """A player that is behind by more does not catch up [s]."""
 
 
-class RecordingSession:
+class RecordingSession(SnapshotFeed):
     """Tracks a recording in a thread of its own; a `Player`.
 
     Frames that follow each other are tracked as `cable-tracker track` does, with the same result.
@@ -64,6 +65,7 @@ class RecordingSession:
     """
 
     def __init__(self, request: RecordingRequest, parameters: ParameterSet) -> None:
+        super().__init__()
         self.name = str(request.path)
         self.request = request
         self._resources = ExitStack()
@@ -86,7 +88,6 @@ class RecordingSession:
         self._memory: TrackerMemory[Follower] = TrackerMemory()
         self._position = -1
         self._number = 0
-        self._latest: AnySnapshot | None = None
         self._trouble = ""
         self._is_enabled = True
         self._is_playing = False
@@ -94,7 +95,6 @@ class RecordingSession:
         self._due = 0.0
         self._target: int | None = None
         self._lock = threading.Lock()
-        self._listeners: list[Listener] = []
         self._thread = TaskThread(
             "recording", begin=self._begin, next_time=self._next_time, work=self._work
         )
@@ -107,11 +107,6 @@ class RecordingSession:
         return recorded_vehicle(source, self.request.choice, self.request.vehicle)
 
     # What can be asked at any time
-
-    @property
-    def latest(self) -> AnySnapshot | None:
-        """The newest snapshot."""
-        return self._latest
 
     @property
     def trouble(self) -> str:
@@ -141,17 +136,6 @@ class RecordingSession:
     def parameters(self) -> Mapping[str, ParameterValue]:
         """Return the values in force, by name."""
         return self._follower.parameters()
-
-    def listen(self, listener: Listener) -> Callable[[], None]:
-        """Tell a listener of every snapshot from now on; returns the function that ends it."""
-        with self._lock:
-            self._listeners.append(listener)
-
-        def end() -> None:
-            with self._lock, suppress(ValueError):
-                self._listeners.remove(listener)
-
-        return end
 
     # Commands
 
@@ -346,13 +330,6 @@ class RecordingSession:
     def _snapshot(self, frame: Frame, status: str, reason: str = "") -> AnySnapshot:
         self._number += 1
         return self._follower.show(frame, self._number, status, reason)
-
-    def _publish(self, snapshot: AnySnapshot) -> None:
-        self._latest = snapshot
-        with self._lock:
-            listeners = tuple(self._listeners)
-        for listener in listeners:
-            listener(snapshot)
 
     def _change(self, values: Mapping[str, object]) -> None:
         if self._follower.configure(values):

@@ -6,8 +6,7 @@ import math
 import threading
 import time
 import traceback
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,16 +23,23 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 from rclpy.task import Future
-from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+from sensor_msgs.msg import Image, JointState, PointCloud2
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.initial_state import GivenState, usual_sigma
 from cable_tracker.errors import ParameterError, RosError, one_line
-from cable_tracker.gui.session import AnySnapshot, AnyStart, Listener, Snapshot
+from cable_tracker.gui.session import AnySnapshot, AnyStart, Snapshot
+from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
+from cable_tracker.ros.clients.live_topics import (
+    FRAME_REPORT,
+    IMAGE_TYPES,
+    LiveTopics,
+    find_topics,
+)
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.environment import check_profile
 from cable_tracker.sequences.messages import (
@@ -61,30 +67,11 @@ STALL = 2.0
 SILENCE = 3.0
 """Diagnostics older than this are no news; they come once a second [s]."""
 
-FRAME_REPORT = "frame_report"
-"""Private topic that every tracker has from its start to its end."""
-
 WATCHED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Pictures for people: losing one is no harm, and a slow viewer must not slow the camera."""
 
-IMAGE_TYPES = {"sensor_msgs/msg/Image": Image, "sensor_msgs/msg/CompressedImage": CompressedImage}
 
-
-@dataclass(frozen=True, slots=True)
-class LiveTopics:
-    """Names on the graph, whatever they were remapped to; empty where there is none."""
-
-    image: str
-    image_type: str
-    state: str
-    particles: str
-    report: str
-    truth: str
-    start: str
-    contour: str = ""
-
-
-class LiveSession:
+class LiveSession(SnapshotFeed):
     """Watches the node `tracker` in a namespace; implements `gui.session.Session`.
 
     The node may come later, go, and come again. Its topics are found on the graph, by what the node
@@ -110,12 +97,10 @@ class LiveSession:
     )  # fmt: skip
 
     def __init__(self, namespace: str) -> None:
-        self._namespace = "/" + namespace.strip("/")
-        self.name = f"{self._namespace.rstrip('/')}/{self.subject.node}"
+        super().__init__()
+        place = ("/" + namespace.strip("/")).rstrip("/")
+        self.name = f"{place}/{self.subject.node}"
         self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=True)
-        self._lock = threading.Lock()
-        self._listeners: list[Listener] = []
-        self._latest: AnySnapshot | None = None
         self._status = ""
         self._heard = -math.inf
         self._is_there = False
@@ -151,11 +136,6 @@ class LiveSession:
         self._thread.start()
 
     @property
-    def latest(self) -> AnySnapshot | None:
-        """The newest snapshot."""
-        return self._latest
-
-    @property
     def trouble(self) -> str:
         """What keeps frames from coming."""
         if not self._is_there:
@@ -173,17 +153,6 @@ class LiveSession:
     def is_enabled(self) -> bool:
         """Whether the node takes frames, as far as is known."""
         return self._status != DISABLED
-
-    def listen(self, listener: Listener) -> Callable[[], None]:
-        """Tell a listener of every snapshot from now on; returns the function that ends it."""
-        with self._lock:
-            self._listeners.append(listener)
-
-        def end() -> None:
-            with self._lock:
-                self._listeners.remove(listener)
-
-        return end
 
     def parameters(self) -> dict[str, ParameterValue]:
         """Return the values in force on the node.
@@ -303,11 +272,7 @@ class LiveSession:
 
     def _take(self, snapshot: AnySnapshot) -> None:
         self._silent_since = time.monotonic()
-        with self._lock:
-            self._latest = snapshot
-            listeners = tuple(self._listeners)
-        for listener in listeners:
-            listener(snapshot)
+        self._publish(snapshot)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
@@ -333,34 +298,7 @@ class LiveSession:
             return
         if self._silent_since is None:
             self._silent_since = time.monotonic()
-        self._connect(self._find_topics())
-
-    def _find_topics(self) -> LiveTopics | None:
-        try:
-            node, place = self.subject.node, self._namespace
-            published = self._node.get_publisher_names_and_types_by_node(node, place)
-            read = self._node.get_subscriber_names_and_types_by_node(node, place)
-        except RuntimeError:
-            return None  # It has gone since it was seen.
-        image, image_type = _of_types(read, IMAGE_TYPES)
-        return LiveTopics(
-            image=image,
-            image_type=image_type,
-            state=_of_types(published, ["sensor_msgs/msg/JointState"])[0],
-            particles=_of_types(published, ["sensor_msgs/msg/PointCloud2"])[0],
-            report=f"{self.name}/{FRAME_REPORT}",
-            truth=self._truth_topic(image),
-            start=_of_types(read, [self.start_type[0]])[0],
-            contour=_named(published, "geometry_msgs/msg/PolygonStamped", "contour"),
-        )
-
-    def _truth_topic(self, image: str) -> str:
-        """Return the ground truth beside the image or the node, if it is published."""
-        beside = (f"{image.rpartition('/')[0]}/ground_truth", self._resolved("ground_truth"))
-        return next((name for name in beside if self._node.count_publishers(name)), "")
-
-    def _resolved(self, name: str) -> str:
-        return f"{self._namespace.rstrip('/')}/{name}"
+        self._connect(find_topics(self._node, self.name, self.start_type[0]))
 
     def _connect(self, topics: LiveTopics | None) -> None:
         if topics == self._topics:
@@ -394,20 +332,6 @@ class LiveSession:
 
     def _on_compressed_image(self, message: Message) -> None:
         self._frames.take_image(message.header, read_compressed_image(message))
-
-
-def _of_types(topics: list[tuple[str, list[str]]], types: Any) -> tuple[str, str]:  # noqa: ANN401
-    """Return the first topic of one of some types, and its type."""
-    for name, kinds in topics:
-        for kind in kinds:
-            if kind in types:
-                return name, kind
-    return "", ""
-
-
-def _named(topics: list[tuple[str, list[str]]], kind: str, word: str) -> str:
-    """Return the first topic of a type whose name ends with a word; empty if there is none."""
-    return next((name for name, kinds in topics if kind in kinds and name.endswith(word)), "")
 
 
 class LiveTargetSession(LiveSession):

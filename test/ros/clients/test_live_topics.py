@@ -1,0 +1,35 @@
+from rclpy.parameter import Parameter
+
+from cable_tracker.ros.clients.live_topics import find_topics
+from cable_tracker.ros.nodes.tracker_node import TrackerNode
+
+PRIOR = "geometry_msgs/msg/PoseWithCovarianceStamped"
+
+
+def test_remapped_topics_are_found_by_what_they_carry(world, near):
+    remapped = {"image": "eye/picture", "state": "elsewhere/state", "initial_state": "guess"}
+    rules = [word for name, other in remapped.items() for word in ("-r", f"{name}:={other}")]
+    tracker = world.add(
+        TrackerNode(
+            context=world.context,
+            namespace=world.namespace,
+            parameter_overrides=[Parameter("initial_state", value=near)],
+            cli_args=["--ros-args", *rules],
+        )
+    )
+    tracker.wait_until_warm()
+
+    def found():
+        return find_topics(world.me, tracker.get_fully_qualified_name(), PRIOR)
+
+    world.spin(lambda: (topics := found()) and topics.image and topics.start)
+    topics, place = found(), world.namespace
+    assert (topics.image, topics.image_type) == (f"{place}/eye/picture", "sensor_msgs/msg/Image")
+    assert topics.state == f"{place}/elsewhere/state"
+    assert topics.start == f"{place}/guess"
+    assert topics.report == f"{place}/tracker/frame_report"
+    assert topics.truth == topics.contour == ""
+
+
+def test_a_node_that_is_gone_has_no_topics(world):
+    assert find_topics(world.me, f"{world.namespace}/tracker", PRIOR) is None
