@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -26,6 +26,7 @@ from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 from cable_tracker.simulation.worlds.crisp import simulate_strip
 from cable_tracker.simulation.worlds.ground import photographs_of
+from cable_tracker.simulation.worlds.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -303,6 +304,26 @@ def simulated_sequences(
         chosen |= {name: ScenarioSequence(name, limit) for name in scenarios}
         chosen |= {name: WorldSequence(name, limit) for name in worlds}
     return tuple(chosen.values())
+
+
+def available_worlds(
+    worlds: Iterable[World], limit: int | None = None
+) -> tuple[tuple[JudgedSequence, ...], tuple[str, ...]]:
+    """Return the worlds that can be drawn here, and notes about the others.
+
+    `limit`: use only so many frames of each.
+    """
+    sequences: list[JudgedSequence] = []
+    notes = []
+    for world in worlds:
+        sequence = WorldSequence(world.name, limit)
+        try:
+            sequence.frame_count()
+        except RecordingError as error:
+            notes.append(f"`{world.name}` is left out: {error}")
+        else:
+            sequences.append(sequence)
+    return tuple(sequences), tuple(notes)
 
 
 def scenario_sequences(

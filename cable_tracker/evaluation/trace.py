@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import compress
 
 import numpy as np
 
@@ -150,16 +151,20 @@ class Trace:
 
     def part(self, start: int, stop: int) -> Trace:
         """Return the frames from `start` to before `stop`, counted from the run's first."""
-        cut = slice(start, stop)
+        places = np.arange(len(self))
+        return self.where((start <= places) & (places < stop))
+
+    def where(self, mask: BoolArray) -> Trace:
+        """Return only the frames in which a mask of shape (T,) is true."""
         return Trace(
-            frames=self.frames[cut],
-            stamps=self.stamps[cut],
-            visibility=self.visibility[cut],
-            truths=self.truths[cut],
-            estimates=self.estimates[cut],
-            covariances=self.covariances[cut],
-            statuses=self.statuses[cut],
-            ms=self.ms[cut],
+            frames=self.frames[mask],
+            stamps=self.stamps[mask],
+            visibility=self.visibility[mask],
+            truths=self.truths[mask],
+            estimates=self.estimates[mask],
+            covariances=self.covariances[mask],
+            statuses=tuple(compress(self.statuses, mask)),
+            ms=self.ms[mask],
             image_width=self.image_width,
         )
 

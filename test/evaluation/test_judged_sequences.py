@@ -8,6 +8,7 @@ from cable_tracker.evaluation.judged_sequences import (
     RecordingSequence,
     ScenarioSequence,
     WorldSequence,
+    available_worlds,
     label_lines,
     scenario_sequences,
     simulated_sequences,
@@ -16,6 +17,7 @@ from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.simulation.worlds.catalogue import worlds_of
+from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
 from cable_tracker.simulation.worlds.split import Split
 
 
@@ -146,3 +148,12 @@ def test_a_world_is_judged_by_its_truth():
     frames = list(WorldSequence("tune_clear", 3).frames(0))
     assert len(frames) == 3
     assert all(frame.truth is not None and frame.visibility > 0.5 for frame in frames)
+
+
+def test_worlds_that_need_photographs_are_left_out_with_words(monkeypatch, tmp_path):
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
+    sequences, notes = available_worlds(worlds_of(Split.REPORT), 7)
+    assert sequences
+    assert {sequence.frame_count() for sequence in sequences} == {7}
+    assert not any(sequence.name.startswith("tune") for sequence in sequences)
+    assert any("report_inspection" in note and FOLDER_VARIABLE in note for note in notes)

@@ -89,6 +89,16 @@ def test_a_part_is_the_run_from_there_to_there(trace):
     assert part.frames.tolist() == [2, 3]
 
 
+def test_frames_of_a_mask_are_taken_with_all_that_is_known_of_them(trace):
+    whole = trace("hlsfn")
+    part = whole.where(whole.visible & whole.claimed)
+    assert part.frames.tolist() == [0, 1]
+    assert part.errors[:, 0].tolist() == [0.0, 50.0]
+    assert part.covariances.shape == (2, 4, 4)
+    assert part.statuses == whole.statuses[:2]
+    assert len(whole.where(whole.frames > 9)) == 0
+
+
 @given(st.lists(st.booleans(), max_size=30))
 def test_spans_cover_the_mask_and_nothing_else(flags):
     mask = np.array(flags, bool)

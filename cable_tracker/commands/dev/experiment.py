@@ -29,6 +29,7 @@ from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.ablation_rows import ROW_NAMES
+from cable_tracker.evaluation.experiments.coverage_experiment import CoverageExperiment
 from cable_tracker.evaluation.experiments.experiment_result import (
     TABLE_MARKDOWN,
     ExperimentResult,
@@ -55,7 +56,8 @@ def experiment(  # noqa: PLR0917
         ),
     ] = None,
     frames: Annotated[
-        int | None, typer.Option(help="Of roc: only so many frames of each dive.", min=1)
+        int | None,
+        typer.Option(help="Of roc and coverage: only so many frames of each dive.", min=1),
     ] = None,
     force: ForceOption = False,
     workers: WorkersOption = None,
@@ -70,7 +72,8 @@ def experiment(  # noqa: PLR0917
     100 frames. speed: 5.2.5, time against particles and filter size. ablation: what each part of
     the preset `default` is worth. metres: errors of the metric output. motion: what odometry is
     worth to the filter, sound or broken. roc: useful frames against wrong claims over the
-    thresholds. strips: crisp strips of any width from a cold start.
+    thresholds. strips: crisp strips of any width from a cold start. coverage: how often the truth
+    lies inside the stated covariance.
     """
     if name not in EXPERIMENTS:
         raise ParameterError(f"experiment: {name!r} is none of {' | '.join(EXPERIMENTS)}")
@@ -103,8 +106,10 @@ def _with_rows(chosen: Experiment, rows: list[str] | None) -> Experiment:
 def _with_frames(chosen: Experiment, frames: int | None) -> Experiment:
     if frames is None:
         return chosen
-    if not isinstance(chosen, RocExperiment):
-        raise ParameterError("--frames cuts the dives of the experiment roc; leave it out")
+    if not isinstance(chosen, RocExperiment | CoverageExperiment):
+        raise ParameterError(
+            "--frames cuts the dives of the experiments roc and coverage; leave it out"
+        )
     return replace(chosen, limit=frames)
 
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from cable_tracker.arrays import BoolArray
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.crew import Workers
-from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.experiments.experiment_result import (
     ExperimentResult,
@@ -17,7 +16,7 @@ from cable_tracker.evaluation.experiments.experiment_result import (
     ResultTable,
 )
 from cable_tracker.evaluation.figures import as_png, curves_figure
-from cable_tracker.evaluation.judged_sequences import JudgedSequence, WorldSequence
+from cable_tracker.evaluation.judged_sequences import JudgedSequence, available_worlds
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
@@ -68,26 +67,6 @@ THRESHOLDS = (
 )
 
 
-def available_worlds(
-    split: Split, limit: int | None = None
-) -> tuple[tuple[JudgedSequence, ...], tuple[str, ...]]:
-    """Return the worlds of a split that can be drawn here, and notes about the others.
-
-    `limit`: use only so many frames of each.
-    """
-    sequences: list[JudgedSequence] = []
-    notes = []
-    for world in worlds_of(split):
-        sequence = WorldSequence(world.name, limit)
-        try:
-            sequence.frame_count()
-        except RecordingError as error:
-            notes.append(f"`{world.name}` is left out: {error}")
-        else:
-            sequences.append(sequence)
-    return tuple(sequences), tuple(notes)
-
-
 @dataclass(frozen=True, slots=True)
 class RocExperiment:
     """Follow worlds from cold starts with the preset `default` and one threshold changed.
@@ -109,7 +88,7 @@ class RocExperiment:
     def _available(self) -> tuple[tuple[JudgedSequence, ...], tuple[str, ...]]:
         if self.sequences is not None:
             return self.sequences, ()
-        return available_worlds(Split.REPORT, self.limit)
+        return available_worlds(worlds_of(Split.REPORT), self.limit)
 
     def _campaign(self) -> Campaign:
         filters = tuple(threshold.filter() for threshold in THRESHOLDS)

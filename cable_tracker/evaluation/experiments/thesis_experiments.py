@@ -15,6 +15,7 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.crew import Workers
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
+from cable_tracker.evaluation.experiments.coverage_experiment import CoverageExperiment
 from cable_tracker.evaluation.experiments.experiment_result import (
     ExperimentResult,
     Picture,
@@ -333,6 +334,7 @@ EXPERIMENTS: Mapping[str, Callable[[tuple[int, ...]], Experiment]] = MappingProx
         "motion": MotionExperiment,
         "roc": RocExperiment,
         "strips": StripsExperiment,
+        "coverage": CoverageExperiment,
     }
 )
 """What makes an experiment from its seeds, by the name on the command line."""

@@ -91,15 +91,48 @@ def coverage(traces: Iterable[Trace], nominal: FloatArray) -> FloatArray:
     FloatArray
         Shares for d, alpha, w, beta, shape (P, 4); NaN if no frame is claimed.
     """
+    ratios = _errors_in_sigmas(traces)
+    if not len(ratios):
+        return np.full((len(nominal), COMPONENTS), np.nan)
+    limits = np.array([central_limit(probability) for probability in nominal])
+    shares: FloatArray = (ratios[None, :, :] <= limits[:, None, None]).mean(axis=1)
+    return shares
+
+
+def sigma_factors(traces: Iterable[Trace], probability: float) -> FloatArray:
+    """Return by what sigma is to be multiplied to hold the share of the truths that it should.
+
+    Parameters
+    ----------
+    traces : iterable of Trace
+        Runs whose claimed and visible frames are taken together.
+    probability : float
+        The share, above 0 and below 1.
+
+    Returns
+    -------
+    FloatArray
+        Factors for d, alpha, w, beta, shape (4,): above 1 where sigma is too small; NaN if no frame
+        is claimed.
+    """
+    ratios = _errors_in_sigmas(traces)
+    if not len(ratios):
+        return np.full(COMPONENTS, np.nan)
+    # An observed ratio, because one may be infinite.
+    held: FloatArray = np.quantile(ratios, probability, axis=0, method="higher")
+    return held / central_limit(probability)
+
+
+def central_limit(probability: float) -> float:
+    """Return how many sigma a Gaussian's central interval of that probability reaches."""
+    return NormalDist().inv_cdf((1.0 + probability) / 2.0)
+
+
+def _errors_in_sigmas(traces: Iterable[Trace]) -> FloatArray:
+    """Return absolute errors over sigma of all claimed and visible frames, shape (K, 4)."""
     ratios = [np.full((0, COMPONENTS), np.nan)]
     for trace in traces:
         chosen = trace.claimed & trace.visible
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios.append(np.abs(trace.errors[chosen]) / trace.sigmas[chosen])
-    pooled = np.concatenate(ratios)
-    if not len(pooled):
-        return np.full((len(nominal), COMPONENTS), np.nan)
-    normal = NormalDist()
-    limits = np.array([normal.inv_cdf((1.0 + probability) / 2.0) for probability in nominal])
-    shares: FloatArray = (pooled[None, :, :] <= limits[:, None, None]).mean(axis=1)
-    return shares
+    return np.concatenate(ratios)

@@ -58,7 +58,7 @@ def test_rows_are_only_for_the_ablation(tmp_path):
     result = run("speed", "--row", "thesis", "--output", tmp_path / "out")
     assert str(result.exception).startswith("--row chooses what the experiment ablation runs")
     result = run("speed", "--frames", 5, "--output", tmp_path / "out")
-    assert str(result.exception).startswith("--frames cuts the dives of the experiment roc")
+    assert str(result.exception).startswith("--frames cuts the dives of the experiments")
     assert not any(tmp_path.iterdir())
 
 

@@ -5,13 +5,10 @@ import pytest
 from cable_tracker.evaluation.experiments.roc_experiment import (
     THRESHOLDS,
     RocExperiment,
-    available_worlds,
     claim_shares,
 )
 from cable_tracker.evaluation.metrics.run_metrics import run_metrics
 from cable_tracker.evaluation.runs import RunResult, Start
-from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
-from cable_tracker.simulation.worlds.split import Split
 
 
 def result(trace) -> RunResult:
@@ -32,11 +29,3 @@ def test_thresholds_are_values_that_the_tracker_takes():
 def test_dives_are_cut_where_that_is_wanted():
     short, shorter = (RocExperiment((0,), limit=limit).frame_count() for limit in (4, 2))
     assert short == 2 * shorter
-
-
-def test_worlds_that_need_photographs_are_left_out_with_words(monkeypatch, tmp_path):
-    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
-    sequences, notes = available_worlds(Split.REPORT)
-    assert sequences
-    assert not any(sequence.name.startswith("tune") for sequence in sequences)
-    assert any("report_inspection" in note and FOLDER_VARIABLE in note for note in notes)

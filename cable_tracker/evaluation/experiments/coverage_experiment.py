@@ -1,0 +1,192 @@
+"""Whether sigma and covariance of the preset `default` are as large as its errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.campaigns.crew import Workers
+from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
+from cable_tracker.evaluation.judged_sequences import (
+    JudgedSequence,
+    available_worlds,
+    scenario_sequences,
+)
+from cable_tracker.evaluation.metrics.consistency import (
+    REGION_NEES,
+    coverage,
+    nees,
+    sigma_factors,
+)
+from cable_tracker.evaluation.report import format_number
+from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.tables import chosen
+from cable_tracker.evaluation.trace import COMPONENTS, Trace
+from cable_tracker.simulation.worlds.catalogue import worlds_of
+from cable_tracker.simulation.worlds.split import Split
+
+METHOD = "default"
+SCENARIOS = ("S1", "S2", "S3", "S4", "S5", "S6")
+
+PROBABILITY = 0.95
+"""Of the central intervals, which reach 1.96 sigma, and of the region of all four."""
+
+HEADINGS = (
+    "sequence", "frames", "d [%]", "alpha [%]", "w [%]", "beta [%]", "region [%]", "NEES",
+    "bias of d [px]", "bias of w [px]", "dives below 95 %",
+)  # fmt: skip
+FACTOR_HEADINGS = ("sequence", "d", "alpha", "w", "beta")
+BRIEF_COLUMNS = 7
+
+NOTE = (
+    "Over the frames in which a visible cable is claimed, and rightly: share of the truths inside"
+    " 1.96 sigma, and inside the region of all four that should hold 95 %; median NEES, 3.36 if the"
+    " covariance is honest; bias is the median of estimate minus truth. The last column: dives with"
+    " less than 95 % inside the region, of all in which there is such a frame."
+)
+FACTOR_NOTE = (
+    "The 95th percentile of |error| / sigma over the same frames, over 1.96: above 1 sigma is too"
+    " small, below 1 too large."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class SequenceGroup:
+    """Sequences that have a row together, and one each.
+
+    Attributes
+    ----------
+    name : str
+        What they are called together.
+    sequences : tuple of JudgedSequence
+        At least one.
+    notes : tuple of str
+        What the reader is to know of them.
+    """
+
+    name: str
+    sequences: tuple[JudgedSequence, ...]
+    notes: tuple[str, ...] = ()
+
+
+def reported_groups(limit: int | None = None) -> tuple[SequenceGroup, ...]:
+    """Return the worlds to report on that have a cable, and S1 to S6.
+
+    `limit`: use only so many frames of each.
+    """
+    with_cable = (world for world in worlds_of(Split.REPORT) if world.has_cable)
+    worlds, notes = available_worlds(with_cable, limit)
+    return (
+        SequenceGroup("all `report_*` with a cable", worlds, notes),
+        SequenceGroup("S1 to S6", scenario_sequences(SCENARIOS, limit)),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class CoverageExperiment:
+    """Follow cables with the preset `default` from the true beginning.
+
+    Attributes
+    ----------
+    seeds : tuple of int
+        Each makes another dive of every sequence.
+    groups : tuple of SequenceGroup or None
+        What to follow; None: `reported_groups`.
+    limit : int or None
+        Use only so many frames of each of these.
+    """
+
+    seeds: tuple[int, ...]
+    groups: tuple[SequenceGroup, ...] | None = None
+    limit: int | None = None
+
+    def _available(self) -> tuple[SequenceGroup, ...]:
+        return reported_groups(self.limit) if self.groups is None else self.groups
+
+    def _campaign(self) -> Campaign:
+        sequences = tuple(each for group in self._available() for each in group.sequences)
+        return Campaign((METHOD,), sequences, self.seeds, Start.TRUTH)
+
+    def frame_count(self) -> int | None:
+        """Return how many frames there are to go through."""
+        return self._campaign().frame_count()
+
+    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
+        """Run it."""
+        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+        rows = [row for group in self._available() for row in _rows_of(group, results)]
+        notes = tuple(note for group in self._available() for note in group.notes)
+        shares = tuple((name, *coverage_cells(traces)) for name, traces in rows)
+        factors = tuple((name, *_factor_cells(traces)) for name, traces in rows)
+        return ExperimentResult(
+            "Truths inside the stated covariance, from the truth",
+            (
+                ResultTable(
+                    HEADINGS, shares, "Coverage", "coverage.csv", (NOTE, *notes), BRIEF_COLUMNS
+                ),
+                ResultTable(
+                    FACTOR_HEADINGS,
+                    factors,
+                    "Factor by which sigma would hold 95 %",
+                    "factors.csv",
+                    (FACTOR_NOTE,),
+                ),
+            ),
+        )
+
+
+def _rows_of(
+    group: SequenceGroup, results: Sequence[RunResult]
+) -> list[tuple[str, tuple[Trace, ...]]]:
+    """Return names and rightly claimed frames, of the group and of each sequence in it."""
+    by_name = {
+        each.name: tuple(
+            run.trace.where(run.trace.useful) for run in chosen(results, sequence=each.name)
+        )
+        for each in group.sequences
+    }
+    together = tuple(trace for traces in by_name.values() for trace in traces)
+    return [(group.name, together), *((f"`{name}`", each) for name, each in by_name.items())]
+
+
+def coverage_cells(traces: Sequence[Trace]) -> tuple[str, ...]:
+    """Return the cells of `HEADINGS` but for the name, over all claimed and visible frames.
+
+    Parameters
+    ----------
+    traces : sequence of Trace
+        The frames of one dive each.
+    """
+    dives = [trace.where(trace.claimed & trace.visible) for trace in traces]
+    dives = [dive for dive in dives if len(dive)]
+    errors = np.concatenate([np.empty((0, COMPONENTS)), *(dive.errors for dive in dives)])
+    squares = [nees(dive.errors, dive.covariances) for dive in dives]
+    pooled = np.concatenate([np.empty(0), *squares])
+    shares = (*coverage(dives, np.array([PROBABILITY]))[0], _share_in_region(pooled))
+    biases = (_median(errors[:, column]) for column in (StateColumn.DISTANCE, StateColumn.WIDTH))
+    below = sum(_share_in_region(each) < PROBABILITY for each in squares)
+    return (
+        str(len(errors)),
+        *(format_number(100.0 * float(share), "%") for share in shares),
+        format_number(_median(pooled), ""),
+        *(format_number(bias, "px") for bias in biases),
+        f"{below} of {len(dives)}",
+    )
+
+
+def _share_in_region(squares: FloatArray) -> float:
+    return float((squares <= REGION_NEES).mean()) if len(squares) else math.nan
+
+
+def _factor_cells(traces: Sequence[Trace]) -> tuple[str, ...]:
+    return tuple(format_number(float(each), "") for each in sigma_factors(traces, PROBABILITY))
+
+
+def _median(values: FloatArray) -> float:
+    return float(np.median(values)) if len(values) else math.nan
