@@ -73,6 +73,12 @@ class Attitude:
     pitch: float = 0.0
     sigma: float = 0.0
 
+    @property
+    def rotation(self) -> FloatArray:
+        """From base_link to the level frame, shape (3, 3)."""
+        rotation: FloatArray = rotations_of(np.array([[self.roll, self.pitch, 0.0]]))[0]
+        return rotation
+
     def is_finite(self) -> bool:
         """Tell whether every number is finite, and sigma not negative."""
         return bool(np.isfinite((self.roll, self.pitch, self.sigma)).all()) and self.sigma >= 0.0

@@ -18,7 +18,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import Borders, project_borders, states_from_borders
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.metric.calibration import CameraModel
-from cable_tracker.metric.frames import Attitude, Mounting, rotations_of
+from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.motion import PoseChange, rotations_by
 from cable_tracker.metric.sigma_points import mean_and_covariance, sigma_points
 
@@ -83,7 +83,7 @@ def _homographies(
     to_later = rotation.T @ turned @ rotation
     arms = np.einsum("nij,nj->ni", turned, position - translations) - position
     shifts = arms @ rotation
-    level = rotations_of(np.array([[flight.attitude.roll, flight.attitude.pitch, 0.0]]))[0]
+    level = flight.attitude.rotation
     down = (level @ rotation).T @ np.array([0.0, 0.0, -1.0])
     clearances = np.maximum(heights + float((level @ position)[2]), LEAST_CLEARANCE)
     planes = to_later + shifts[:, :, None] * down / clearances[:, None, None]

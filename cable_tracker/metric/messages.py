@@ -87,12 +87,6 @@ def read_attitude(message: Message, least_sigma: float) -> Attitude:
     return Attitude(roll, pitch, max(sigma, least_sigma))
 
 
-def yaw_of(quaternion: Message) -> float:
-    """Return the yaw of a Quaternion [rad]."""
-    q = quaternion
-    return math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
-
-
 def read_rates_of_turn(message: Message) -> FloatArray | None:
     """Read the rates of turn of a sensor_msgs/Imu that is mounted like base_link, (3,) [rad/s].
 

@@ -222,7 +222,13 @@ def _yaw(orientation: Message) -> float:
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     if not math.isfinite(norm) or abs(norm - 1.0) > 0.1:
         raise FrameError("the orientation of the initial state is no unit quaternion")
-    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    return yaw_of(orientation)
+
+
+def yaw_of(quaternion: Message) -> float:
+    """Return the yaw of a Quaternion [rad]."""
+    q = quaternion
+    return math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
 
 
 def read_prior(message: Message) -> GivenState:

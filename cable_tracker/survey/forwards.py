@@ -8,19 +8,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.detection.hough import HoughDetector
-from cable_tracker.detection.search_region import scaled_state
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.frames import rotations_of
 from cable_tracker.metric.homography import Overflight
 from cable_tracker.metric.recorded import (
     Pauses,
@@ -33,10 +28,12 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instrument_source import InstrumentMessage
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
+from cable_tracker.sequences.messages import yaw_of
 from cable_tracker.sequences.source import Source, open_source
-from cable_tracker.survey.frame_table import STATUSES, CrossingSight, FrameTable, Samples
+from cable_tracker.survey.crossing_search import CrossingSearch
+from cable_tracker.survey.frame_metres import put_metres, put_profile, put_view
+from cable_tracker.survey.frame_table import STATUSES, FrameRow, FrameTable, Samples
 from cable_tracker.survey.on_disk import Disk
-from cable_tracker.survey.visibility import border_profile
 from cable_tracker.trackers import make_tracker
 
 POSE_WIDTH = 4
@@ -72,18 +69,6 @@ POSE_PAUSE = 90_000_000
 
 CALIBRATION_PAUSE = 1_000_000_000
 """The same of the calibration [ns]."""
-
-CROSSING_STRIDE = 0.5
-"""Between two pictures that are searched for lines across the cable [s]."""
-
-CROSSING_WIDTH = 160
-"""They are searched in a picture of this width [px]: where a line is does not matter to a pixel."""
-
-LEAST_CROSSING = math.radians(25.0)
-"""What runs less across is not told from the cable's own borders, ropes and furrows beside it."""
-
-LEAST_SCORE = 0.3
-"""Lines across that are seen less clearly do not count."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,8 +220,7 @@ class _Run:
         self._pause = round(1e9 / settings.most_rate) if aided else 0
         self._due: int | None = None
         self.passed_over = 0
-        self._finder = HoughDetector()
-        self._next_search = -(2**62)
+        self._crossings = CrossingSearch(dive.table)
         self._measured = self._posed = -(2**62)
 
     def close(self) -> None:
@@ -283,11 +267,11 @@ class _Run:
         flight = self._metres.instruments.overflight(estimate)
         if isinstance(flight, Overflight):
             self._dive.flight = flight
-            self._put_view(row, flight, estimate)
+            put_view(row, flight, estimate)
         if isinstance(result, CrossTrack) and isinstance(flight, Overflight):
-            self._put_metres(row, result)
+            put_metres(row, result)
             put_profile(row, flight, grey, estimate.state)
-            self._search_crossings(flight, grey, estimate)
+            self._crossings.search(flight, grey, estimate)
 
     def _note(self, given: InstrumentMessage) -> None:
         message = given.message
@@ -303,111 +287,14 @@ class _Run:
             if fix is not None:
                 self._dive.fixes.add(given.stamp, fix)
 
-    @staticmethod
-    def _put_view(row: FrameRow, flight: Overflight, estimate: CableEstimate) -> None:
-        width, _ = estimate.image_size
-        points = np.array([[0.0, 0.0], [-(width - 1) / 2, 0.0], [(width - 1) / 2, 0.0]])
-        ground = on_ground(flight, points)
-        row["look"] = ground[0, 0]
-        row["half_view"] = abs(ground[1, 1] - ground[2, 1]) / 2
-        row["altitude"] = flight.height
-        row["roll"], row["pitch"] = flight.attitude.roll, flight.attitude.pitch
-
-    def _put_metres(self, row: FrameRow, result: CrossTrack) -> None:
-        sigma = result.standard_deviations()
-        row["offset"], row["sigma_offset"] = result.offset, sigma[0]
-        row["heading"], row["sigma_heading"] = result.heading, sigma[2]
-        row["diameter"] = result.diameter
-        share = float(row["look"]) / result.look_ahead
-        mix = np.array([[1.0 - share, share, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
-        covariance = mix @ result.covariance @ mix.T
-        row["aside"] = result.offset + share * (result.offset_ahead - result.offset)
-        row["aside_variance"], row["aside_heading"] = covariance[0]
-        row["heading_variance"] = covariance[1, 1]
-
-    def _search_crossings(self, flight: Overflight, grey: Image, estimate: CableEstimate) -> None:
-        if estimate.stamp < self._next_search:
-            return
-        self._next_search = estimate.stamp + round(CROSSING_STRIDE * 1e9)
-        state, (width, height) = estimate.state, estimate.image_size
-        own = np.array([math.cos(state.angle), math.sin(state.angle)])
-        scale = max(width / CROSSING_WIDTH, 1.0)
-        for found in self._finder.detect(_reduced(grey, scale)):
-            other = scaled_state(found.state, scale)
-            across = abs(_as_line(other.angle - state.angle))
-            if found.score < LEAST_SCORE or across < LEAST_CROSSING:
-                continue
-            normal = np.array([math.cos(other.angle), math.sin(other.angle)])
-            place = np.linalg.solve(np.array([own, normal]), [state.distance, other.distance])
-            if abs(place[0]) > width / 2 or abs(place[1]) > height / 2:
-                continue
-            along = np.array([-normal[1], normal[0]])
-            near, far = on_ground(flight, np.array([place - 5.0 * along, place + 5.0 * along]))
-            middle = (near + far) / 2
-            angle = math.atan2(far[1] - near[1], far[0] - near[0])
-            self._dive.table.crossings.append(
-                CrossingSight(len(self._dive.table) - 1, float(middle[0]), _as_line(angle))
-            )
-
-
-def _reduced(grey: Image, scale: float) -> Image:
-    """Return a picture whose sides are so many times smaller."""
-    if scale <= 1.0:
-        return grey
-    size = (round(grey.shape[1] / scale), max(1, round(grey.shape[0] / scale)))
-    return cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
-
-
-FrameRow = np.void
-"""A row of `FrameTable`."""
-
-
-def put_profile(row: FrameRow, flight: Overflight, grey: Image, state: CableState) -> bool:
-    """Note where along a cable its borders can be seen; False: too little of it is inside."""
-    profile = border_profile(grey, state)
-    if profile is None:
-        return False
-    along, scores = profile
-    sine, cosine = math.sin(state.angle), math.cos(state.angle)
-    points = np.column_stack(
-        (state.distance * cosine - along * sine, state.distance * sine + along * cosine)
-    )
-    row["profile_ahead"] = on_ground(flight, points)[:, 0]
-    row["profile_score"] = scores
-    return True
-
-
-def _as_line(angle: float) -> float:
-    """Return the angle of a line without direction, in [-pi/2, pi/2] [rad]."""
-    return math.remainder(angle, math.pi)
-
-
-def on_ground(flight: Overflight, points: FloatArray) -> FloatArray:
-    """Return where points of the image (N, 2) [px] lie at the cable's height, (N, 2) [m].
-
-    In the level frame; the lens counts as a pinhole. NaN at and above the horizon.
-    """
-    matrix = np.linalg.inv(flight.image_matrix())
-    level = rotations_of(np.array([[flight.attitude.roll, flight.attitude.pitch, 0.0]]))[0]
-    turned = level @ flight.mounting.rotation @ matrix
-    rays = np.column_stack((points, np.ones(len(points)))) @ turned.T
-    centre = level @ flight.mounting.position
-    with np.errstate(divide="ignore", invalid="ignore"):
-        reach = -(flight.height + centre[2]) / rays[:, 2]
-        ground: FloatArray = centre[:2] + reach[:, None] * rays[:, :2]
-    ground[~(rays[:, 2] < 0.0)] = np.nan
-    return ground
-
 
 def read_pose(message: object) -> list[float]:
     """Read x, y, yaw of a nav_msgs/Odometry, and its speed [m, rad, m/s]."""
     odometry: Any = message
     p, q = odometry.pose.pose.position, odometry.pose.pose.orientation
-    x, y, z, w = (float(value) for value in (q.x, q.y, q.z, q.w))
-    yaw = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
     twist = odometry.twist.twist
     speed = math.hypot(float(twist.linear.x), float(twist.linear.y), float(twist.linear.z))
-    return [float(p.x), float(p.y), yaw, speed]
+    return [float(p.x), float(p.y), yaw_of(q), speed]
 
 
 def read_fix(message: object) -> list[float] | None:

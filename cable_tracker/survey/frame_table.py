@@ -62,6 +62,9 @@ NOT_AGAIN, HIDDEN, SEEN = range(3)
 
 Rows = npt.NDArray[Any]
 
+FrameRow = np.void
+"""A row of `FrameTable`."""
+
 
 def is_claimed(rows: Rows) -> npt.NDArray[np.bool_]:
     """Tell for rows (N,) whether they say where the cable is: the tracker, or a second look."""

@@ -17,12 +17,13 @@ from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.metric.frames import Attitude, rotations_of
+from cable_tracker.metric.frames import Attitude
 from cable_tracker.metric.homography import Overflight, move_states
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.survey.forwards import ForwardDive, FrameRow, put_profile
-from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING, Rows
+from cable_tracker.survey.forwards import ForwardDive
+from cable_tracker.survey.frame_metres import put_profile
+from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING, FrameRow, Rows
 from cable_tracker.survey.route import LEAST_WEIGHT, Course
 from cable_tracker.survey.smoothing import SURE_ENOUGH
 from cable_tracker.survey.visibility import border_step_of, find_beside
@@ -178,7 +179,7 @@ def place_in_image(
 
 def _to_image(flight: Overflight) -> FloatArray:
     """Return what takes the ground, seen from above, to the image, shape (3, 3)."""
-    level = rotations_of(np.array([[flight.attitude.roll, flight.attitude.pitch, 0.0]]))[0]
+    level = flight.attitude.rotation
     centre = level @ flight.mounting.position
     ground = np.array(
         [[0.0, 1.0, -centre[0]], [-1.0, 0.0, -centre[1]], [0.0, 0.0, -(flight.height + centre[2])]]

@@ -11,7 +11,7 @@ from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.homography import Overflight
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.survey.forwards import on_ground
+from cable_tracker.survey.frame_metres import on_ground
 from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING
 from cable_tracker.survey.looks import look_steps
 from cable_tracker.survey.route import Course

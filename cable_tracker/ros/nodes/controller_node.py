@@ -17,11 +17,11 @@ from cable_tracker.example_controller.controller import (
     SearchSettings,
 )
 from cable_tracker.example_controller.line_of_sight import Cable, GuidanceSettings
-from cable_tracker.metric.messages import METRES_KEYS, yaw_of
+from cable_tracker.metric.messages import METRES_KEYS
 from cable_tracker.node_parameter_tables import CONTROLLER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
-from cable_tracker.sequences.messages import Message, stamp_of
+from cable_tracker.sequences.messages import Message, stamp_of, yaw_of
 from cable_tracker.stamps import NANOSECONDS
 
 

@@ -1,0 +1,75 @@
+"""Finds lines across the cable: other cables, pipes and ropes."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.detection.hough import HoughDetector
+from cable_tracker.detection.search_region import scaled_state
+from cable_tracker.metric.homography import Overflight
+from cable_tracker.survey.frame_metres import on_ground
+from cable_tracker.survey.frame_table import CrossingSight, FrameTable
+
+CROSSING_STRIDE = 0.5
+"""Between two pictures that are searched for lines across the cable [s]."""
+
+CROSSING_WIDTH = 160
+"""They are searched in a picture of this width [px]: where a line is does not matter to a pixel."""
+
+LEAST_CROSSING = math.radians(25.0)
+"""What runs less across is not told from the cable's own borders, ropes and furrows beside it."""
+
+LEAST_SCORE = 0.3
+"""Lines across that are seen less clearly do not count."""
+
+
+class CrossingSearch:
+    """Searches pictures now and then for lines across the cable, and notes them in the table.
+
+    Parameters
+    ----------
+    table : FrameTable
+        Its last row is that of the picture.
+    """
+
+    def __init__(self, table: FrameTable) -> None:
+        self._table = table
+        self._finder = HoughDetector()
+        self._next_search = -(2**62)
+
+    def search(self, flight: Overflight, grey: Image, estimate: CableEstimate) -> None:
+        """Look for lines across a cable, unless the last picture that was searched is too near."""
+        if estimate.stamp < self._next_search:
+            return
+        self._next_search = estimate.stamp + round(CROSSING_STRIDE * 1e9)
+        state, (width, height) = estimate.state, estimate.image_size
+        own = np.array([math.cos(state.angle), math.sin(state.angle)])
+        scale = max(width / CROSSING_WIDTH, 1.0)
+        for found in self._finder.detect(_reduced(grey, scale)):
+            other = scaled_state(found.state, scale)
+            across = abs(math.remainder(other.angle - state.angle, math.pi))
+            if found.score < LEAST_SCORE or across < LEAST_CROSSING:
+                continue
+            normal = np.array([math.cos(other.angle), math.sin(other.angle)])
+            place = np.linalg.solve(np.array([own, normal]), [state.distance, other.distance])
+            if abs(place[0]) > width / 2 or abs(place[1]) > height / 2:
+                continue
+            along = np.array([-normal[1], normal[0]])
+            near, far = on_ground(flight, np.array([place - 5.0 * along, place + 5.0 * along]))
+            middle = (near + far) / 2
+            angle = math.remainder(math.atan2(far[1] - near[1], far[0] - near[0]), math.pi)
+            sight = CrossingSight(len(self._table) - 1, float(middle[0]), angle)
+            self._table.crossings.append(sight)
+
+
+def _reduced(grey: Image, scale: float) -> Image:
+    """Return a picture whose sides are so many times smaller."""
+    if scale <= 1.0:
+        return grey
+    size = (round(grey.shape[1] / scale), max(1, round(grey.shape[0] / scale)))
+    return cv2.resize(grey, size, interpolation=cv2.INTER_AREA)

@@ -1,0 +1,72 @@
+"""What one picture says in metres, as it stands in its row of the table."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.homography import Overflight
+from cable_tracker.survey.frame_table import FrameRow
+from cable_tracker.survey.visibility import border_profile
+
+
+def put_view(row: FrameRow, flight: Overflight, estimate: CableEstimate) -> None:
+    """Note from where the camera looks, and how far it sees to either side."""
+    width, _ = estimate.image_size
+    points = np.array([[0.0, 0.0], [-(width - 1) / 2, 0.0], [(width - 1) / 2, 0.0]])
+    ground = on_ground(flight, points)
+    row["look"] = ground[0, 0]
+    row["half_view"] = abs(ground[1, 1] - ground[2, 1]) / 2
+    row["altitude"] = flight.height
+    row["roll"], row["pitch"] = flight.attitude.roll, flight.attitude.pitch
+
+
+def put_metres(row: FrameRow, result: CrossTrack) -> None:
+    """Note where the cable is beside the vehicle, and at the place where the camera looks."""
+    sigma = result.standard_deviations()
+    row["offset"], row["sigma_offset"] = result.offset, sigma[0]
+    row["heading"], row["sigma_heading"] = result.heading, sigma[2]
+    row["diameter"] = result.diameter
+    share = float(row["look"]) / result.look_ahead
+    mix = np.array([[1.0 - share, share, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
+    covariance = mix @ result.covariance @ mix.T
+    row["aside"] = result.offset + share * (result.offset_ahead - result.offset)
+    row["aside_variance"], row["aside_heading"] = covariance[0]
+    row["heading_variance"] = covariance[1, 1]
+
+
+def put_profile(row: FrameRow, flight: Overflight, grey: Image, state: CableState) -> bool:
+    """Note where along a cable its borders can be seen; False: too little of it is inside."""
+    profile = border_profile(grey, state)
+    if profile is None:
+        return False
+    along, scores = profile
+    sine, cosine = math.sin(state.angle), math.cos(state.angle)
+    points = np.column_stack(
+        (state.distance * cosine - along * sine, state.distance * sine + along * cosine)
+    )
+    row["profile_ahead"] = on_ground(flight, points)[:, 0]
+    row["profile_score"] = scores
+    return True
+
+
+def on_ground(flight: Overflight, points: FloatArray) -> FloatArray:
+    """Return where points of the image (N, 2) [px] lie at the cable's height, (N, 2) [m].
+
+    In the level frame; the lens counts as a pinhole. NaN at and above the horizon.
+    """
+    matrix = np.linalg.inv(flight.image_matrix())
+    level = flight.attitude.rotation
+    turned = level @ flight.mounting.rotation @ matrix
+    rays = np.column_stack((points, np.ones(len(points)))) @ turned.T
+    centre = level @ flight.mounting.position
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reach = -(flight.height + centre[2]) / rays[:, 2]
+        ground: FloatArray = centre[:2] + reach[:, None] * rays[:, :2]
+    ground[~(rays[:, 2] < 0.0)] = np.nan
+    return ground

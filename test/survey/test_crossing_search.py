@@ -1,0 +1,67 @@
+import math
+from types import SimpleNamespace
+
+import cv2
+import numpy as np
+import pytest
+
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.metric.calibration import CameraModel, DistortionModel
+from cable_tracker.metric.frames import Attitude, Mounting
+from cable_tracker.metric.homography import Overflight
+from cable_tracker.survey.crossing_search import CROSSING_STRIDE, CrossingSearch
+from cable_tracker.survey.frame_table import FrameTable
+
+CAMERA = CameraModel((320, 240), DistortionModel.PLUMB_BOB, (300.0, 300.0), (159.5, 119.5))
+FLIGHT = Overflight(CAMERA, Mounting(), Attitude(), 3.0, 0.02)
+SECOND = 1_000_000_000
+
+
+def picture(*lines):
+    """Draw bright strips between points from the image centre, y up [px]."""
+    noise = np.random.default_rng(2).normal(0.0, 3.0, (240, 320))
+    drawn = np.full((240, 320), 70, np.uint8)
+    for (x0, y0), (x1, y1) in lines:
+        cv2.line(drawn, (160 + x0, 120 - y0), (160 + x1, 120 - y1), 170, 24, cv2.LINE_AA)
+    return np.clip(drawn + noise, 0, 255).astype(np.uint8)
+
+
+CABLE = (0, -150), (0, 150)
+ACROSS = (-200, 40), (200, 40)
+BESIDE = (60, -150), (90, 150)
+
+
+@pytest.fixture
+def search():
+    """Search pictures that come with so many seconds between them; return what was seen."""
+
+    def run(*pictures, pause=1.0):
+        table = FrameTable()
+        crossings = CrossingSearch(table)
+        for number, grey in enumerate(pictures):
+            table.append()
+            estimate = SimpleNamespace(
+                stamp=round(number * pause * SECOND),
+                state=CableState(0.0, 0.0, 24.0),
+                image_size=(320, 240),
+            )
+            crossings.search(FLIGHT, grey, estimate)
+        return table.crossings
+
+    return run
+
+
+def test_a_line_across_is_noted_with_its_place_and_direction(search):
+    (sight,) = search(picture(CABLE, ACROSS))
+    assert sight.row == 0
+    assert sight.ahead == pytest.approx(0.4, abs=0.05)
+    assert abs(sight.angle) == pytest.approx(math.pi / 2, abs=0.05)
+
+
+def test_the_cable_and_what_lies_along_it_are_not_across(search):
+    assert search(picture(CABLE, BESIDE)) == []
+
+
+def test_pictures_are_searched_now_and_then(search):
+    pictures = [picture(CABLE, ACROSS)] * 4
+    assert {sight.row for sight in search(*pictures, pause=0.5 * CROSSING_STRIDE)} == {0, 2}

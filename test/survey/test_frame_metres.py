@@ -1,0 +1,25 @@
+import math
+
+import numpy as np
+import pytest
+
+from cable_tracker.metric.calibration import CameraModel, DistortionModel
+from cable_tracker.metric.frames import Attitude, Mounting
+from cable_tracker.metric.homography import Overflight
+from cable_tracker.survey.frame_metres import on_ground
+
+CAMERA = CameraModel((320, 240), DistortionModel.PLUMB_BOB, (300.0, 300.0), (159.5, 119.5))
+
+
+def test_a_camera_that_looks_straight_down_sees_by_similar_triangles():
+    flight = Overflight(CAMERA, Mounting(x=0.5, z=-0.25), Attitude(), 1.75, 0.02)
+    ground = on_ground(flight, np.array([[0.0, 0.0], [30.0, 0.0], [0.0, 60.0]]))
+    assert ground == pytest.approx(np.array([[0.5, 0.0], [0.5, -0.15], [0.8, 0.0]]))
+
+
+def test_at_and_above_the_horizon_there_is_no_ground():
+    flight = Overflight(CAMERA, Mounting(pitch=math.radians(10.0)), Attitude(), 2.0, 0.02)
+    horizon = 300.0 * math.tan(math.radians(10.0))
+    ground = on_ground(flight, np.array([[0.0, horizon - 1.0], [0.0, horizon + 1.0]]))
+    assert ground[0, 0] > 100.0
+    assert np.isnan(ground[1]).all()
