@@ -2,33 +2,21 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from itertools import islice
 from pathlib import Path
-from typing import Any
-
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped
-from rclpy.context import Context
-from rclpy.node import Node
-from sensor_msgs.msg import CompressedImage, JointState
 
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.targets.chase_table import (
     PLOT,
     SUMMARY,
     TABLE,
-    ChaseRow,
     ChaseSummary,
     summarise_chase,
     write_chase,
 )
-from cable_tracker.metric.target_facts import has_place
-from cable_tracker.ros import qos
 from cable_tracker.ros.clients.lockstep import (
     EVERY_FRAME,
     EVERY_MEASUREMENT,
@@ -41,14 +29,10 @@ from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEO
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
-from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED, ReleasedCommands
-from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
-from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
-from cable_tracker.sequences.encodings import decode_bgr
-from cable_tracker.sequences.messages import read_compressed_image, report_facts, stamp_of
+from cable_tracker.ros.rigs.chase_recorder import ChaseRecorder, record_to_the_end
+from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED
 from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
-from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.video import VideoWriter
 
@@ -80,124 +64,6 @@ class ChaseRequest:
 def file_names() -> tuple[str, ...]:
     """Return the names of the files that a run writes."""
     return TABLE, SUMMARY, PLOT, VIDEO
-
-
-class ChaseRecorder(Node):  # type: ignore[misc]
-    """Keeps what is true and what is told of every frame.
-
-    Parameters
-    ----------
-    context : Context
-        Of this process.
-    namespace : str
-        Of the nodes.
-    """
-
-    def __init__(self, context: Context, namespace: str) -> None:
-        super().__init__("chase_recorder", context=context, namespace=namespace)
-        self.truths: dict[int, Any] = {}
-        self.states: dict[int, Any] = {}
-        self.places: dict[int, Any] = {}
-        self.reports: dict[int, Any] = {}
-        self.heard = 0
-        self.overlays: list[Any] = []
-        self._told = ToldReadiness()
-        self._commands = ReleasedCommands(self)
-        self._open: list[int] = []
-        self._recorded = 0
-        pose = PoseWithCovarianceStamped
-        for kind, topic, kept in (
-            (pose, "ground_truth/target", self.truths),
-            (JointState, "state", self.states),
-            (pose, "relative_pose", self.places),
-            (DiagnosticArray, "target_tracker/frame_report", self.reports),
-        ):
-            self.create_subscription(kind, topic, self._keep(kept), qos.EVERYTHING)
-
-        def keep_overlay(message: Any) -> None:  # noqa: ANN401
-            self.heard += 1
-            self.overlays.append(message)
-
-        overlay = "target_tracker/overlay/compressed"
-        self.create_subscription(CompressedImage, overlay, keep_overlay, qos.EVERYTHING)
-        self.create_subscription(
-            DiagnosticArray, "diagnostics", self._on_diagnostics, qos.EVERYTHING
-        )
-
-    def _keep(self, kept: dict[int, Any]) -> Callable[[Any], None]:
-        # A plain function: rclpy wants to see a callback's signature.
-        def keep(message: Any) -> None:  # noqa: ANN401
-            self.heard += 1
-            kept[stamp_of(message.header)] = message
-
-        return keep
-
-    def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
-        for status in message.status:
-            if not is_guidance(status):
-                self._told.hear(status)
-
-    def is_ready(self) -> bool:
-        """Tell whether the tracker is warm, and knows both the follower and us."""
-        told = self._told
-        both = told.has_readers(2, "state", "relative_pose")
-        return told.is_warm and both and told.has_readers(1, "frame_report", "compressed")
-
-    def is_answered(self) -> bool:
-        """Tell whether all that is told about the frames that have come has come, too."""
-        return all(self._is_answered(stamp) for stamp in self.truths)
-
-    def release(self) -> None:
-        """Let the simulator go on when all about the frames so far has been recorded."""
-        known = self._recorded + len(self._open)
-        self._open += islice(self.truths, known, None)
-        still_open = [stamp for stamp in self._open if not self._is_answered(stamp)]
-        self._recorded += len(self._open) - len(still_open)
-        self._open = still_open
-        self._commands.release(self._recorded)
-
-    def _is_answered(self, stamp: int) -> bool:
-        if stamp not in self.states or stamp not in self.reports:
-            return False
-        facts = report_facts(self.reports[stamp])
-        is_placed = bool(self.states[stamp].position) and has_place(facts)
-        return stamp in self.places or not is_placed
-
-    def rows(self) -> list[ChaseRow]:
-        """Return the table of the run."""
-        stamps = sorted(self.truths.keys() & self.states.keys())
-        return [self._row(stamp, stamps[0]) for stamp in stamps]
-
-    def _row(self, stamp: int, first: int) -> ChaseRow:
-        truth, told = self.truths[stamp].pose, self.places.get(stamp)
-        true = _vector(truth.pose.position)
-        distance = math.hypot(*true)
-        known, sigma, off = math.nan, math.nan, math.nan
-        if told is not None:
-            place = _vector(told.pose.pose.position)
-            known = math.hypot(*place)
-            off = math.dist(place, true)
-            covariance = told.pose.covariance
-            along = [value / known for value in place]
-            variance = sum(
-                along[i] * along[j] * float(covariance[6 * i + j])
-                for i in range(3)
-                for j in range(3)
-            )
-            sigma = math.sqrt(max(variance, 0.0))
-        return ChaseRow(
-            time=(stamp - first) / NANOSECONDS,
-            distance=distance,
-            is_visible=float(truth.covariance[0]) == 0.0,
-            is_claimed=bool(self.states[stamp].position),
-            range=known,
-            range_sigma=sigma,
-            off=off,
-        )
-
-
-def _vector(point: Any) -> tuple[float, float, float]:  # noqa: ANN401
-    return float(point.x), float(point.y), float(point.z)
 
 
 def run_chase(
@@ -258,53 +124,6 @@ def run_chase(
         summary = summarise_chase(rows, request.distance)
         write_chase(folder, rows, summary)
     return summary
-
-
-def record_to_the_end(
-    recorder: ChaseRecorder,
-    is_running: Callable[[], bool],
-    spin: Callable[[], str],
-    video: VideoWriter,
-    advance: Callable[[int], None],
-) -> None:
-    """Listen until the simulator has ended, all of its frames have come, and each is answered.
-
-    Parameters
-    ----------
-    recorder : ChaseRecorder
-        Listens.
-    is_running : callable
-        Tells whether the simulator is.
-    spin : callable
-        Runs a callback of the recorder; returns what has gone wrong, or nothing.
-    video : VideoWriter
-        Takes the overlays.
-    advance : callable
-        Called with the number of frames that have come since the last call.
-
-    Raises
-    ------
-    RosError
-        Something has gone wrong, or nothing comes.
-    """
-    silence, quiet, seen = SilenceWatch(), QuietWatch(), 0
-    while not (quiet.is_quiet and recorder.is_answered()):
-        complaint = spin()
-        quiet.turn(recorder.heard)
-        recorder.release()
-        if is_running():
-            quiet = QuietWatch()
-        overlays, recorder.overlays = recorder.overlays, []
-        for message in overlays:
-            picture = decode_bgr(read_compressed_image(message))
-            video.add(picture, stamp_of(message.header))
-        if len(recorder.states) > seen:
-            advance(len(recorder.states) - seen)
-            seen = len(recorder.states)
-            silence.hear()
-        complaint = complaint or silence.complaint()
-        if complaint:
-            raise RosError(complaint)
 
 
 def _parameters(request: ChaseRequest) -> dict[str, dict[str, ParameterValue]]:
