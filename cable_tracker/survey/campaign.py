@@ -13,8 +13,8 @@ from cable_tracker.campaigns.runner import run_campaign
 from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.campaigns.task import Outcome, TaskState, fingerprint_of_files
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
+from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.merging import MergedRoute, merge
-from cable_tracker.survey.navigation import LocalFrame
 from cable_tracker.survey.outputs.frames import join_frames
 from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap
 from cable_tracker.survey.outputs.report import RecordingRow, write_report

@@ -7,13 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.survey.forwards import (
-    ForwardDive,
-)
+from cable_tracker.survey.forwards import ForwardDive
 from cable_tracker.survey.frame_table import TRACKING
-from cable_tracker.survey.navigation import (
-    Poses,
-)
+from cable_tracker.survey.navigation import Poses
 
 LATE = 2.0
 """Clocks of camera and navigation that differ by more cannot be brought together [s]."""

@@ -13,6 +13,7 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute
 from cable_tracker.survey.forwards import ForwardDive
 from cable_tracker.survey.frame_table import TRACKING, CrossingSight
+from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.route import LEAST_WEIGHT, SPACING, Course
 
 
@@ -137,7 +138,7 @@ class _Maker:
         route = self.route
         along = float(np.clip(along, 0.0, route.along[-1]))
         end = along if end is None else float(np.clip(end, along, route.along[-1]))
-        x, y = (float(np.interp(along, route.along, column)) for column in route.places.T)
+        x, y = interpolated(along, route.along, route.places).tolist()
         point = min(round(along / SPACING), len(route.along) - 1)
         row = int(route.rows[point])
         frame = int(self.dive.table.rows["frame"][row])

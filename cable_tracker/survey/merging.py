@@ -14,6 +14,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.survey.dive_route import DiveRoute
 from cable_tracker.survey.events import Event, EventKind, moved, runs
+from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.route import SPACING
 
 REACH = 5.0
@@ -285,19 +286,15 @@ def _events_of(route: MergedRoute, group: Sequence[PlacedRoute]) -> list[Event]:
     events = []
     for placed in group:
         for event in placed.events:
-            places = np.array([event.place, _place_at(placed.route, event.end)])
+            last = interpolated(event.end, placed.route.along, placed.route.places)
+            places = np.array([event.place, last])
             way, _ = _seen_from(route.places, places)
             start, end = sorted(
                 float(np.interp(each, np.arange(len(route.along)), route.along)) for each in way
             )
-            x, y = (float(np.interp(start, route.along, column)) for column in route.places.T)
+            x, y = interpolated(start, route.along, route.places).tolist()
             events.append(moved(event, start, end, (x, y)))
     return _joined(sorted(events, key=lambda each: (each.kind.value, each.along)))
-
-
-def _place_at(route: DiveRoute, along: float) -> tuple[float, float]:
-    x, y = (float(np.interp(along, route.along, column)) for column in route.places.T)
-    return x, y
 
 
 def _joined(events: Sequence[Event]) -> list[Event]:

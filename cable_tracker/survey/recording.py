@@ -23,15 +23,11 @@ from cable_tracker.survey.forwards import (
     track_forwards,
 )
 from cable_tracker.survey.frame_table import TRACKING
+from cable_tracker.survey.georeference import Georeference, georeference
+from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.looks import look_steps
 from cable_tracker.survey.merging import PlacedRoute
-from cable_tracker.survey.navigation import (
-    Georeference,
-    LocalFrame,
-    Poses,
-    georeference,
-    joined_poses,
-)
+from cable_tracker.survey.navigation import Poses, joined_poses
 from cable_tracker.survey.on_disk import Disk
 from cable_tracker.survey.outputs.frames import write_frames
 from cable_tracker.survey.route import Course, make_routes

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from cable_tracker.survey.events import Event, EventKind
+from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.merging import MergedRoute
-from cable_tracker.survey.navigation import LocalFrame
 from cable_tracker.survey.outputs.maps import SurveyMap
 from cable_tracker.survey.outputs.report import RecordingRow, write_report
 

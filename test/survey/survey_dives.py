@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.survey.forwards import ForwardDive
-from cable_tracker.survey.frame_table import PROFILE_BINS, TRACKING
+from cable_tracker.survey.frame_table import PROFILE_BINS, TRACKING, Samples
 from cable_tracker.survey.navigation import Poses, joined_poses
 from cable_tracker.survey.on_disk import Disk
 
@@ -97,3 +97,18 @@ def true_aside(pose: np.ndarray, bend: float) -> tuple[float, float]:
 
 def poses_of(dive: ForwardDive) -> Poses:
     return joined_poses(dive.poses)
+
+
+def way(count: int = 400, turn: float = 0.0) -> np.ndarray:
+    """x, y, yaw of a gentle bend, 10 times a second at 0.5 m/s."""
+    yaw = turn + 0.2 * np.sin(np.arange(count) / 60.0)
+    steps = 0.05 * np.column_stack((np.cos(yaw), np.sin(yaw)))
+    return np.column_stack((np.cumsum(steps, axis=0), yaw))
+
+
+def odometry(places: np.ndarray, stamps=None) -> Samples:
+    samples = Samples(4)
+    for k, (x, y, yaw) in enumerate(places):
+        stamp = START + k * 100_000_000 if stamps is None else stamps[k]
+        samples.add(stamp, [x, y, yaw, 0.5])
+    return samples

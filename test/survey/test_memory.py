@@ -11,7 +11,7 @@ from survey_dives import Plan, make_dive
 from cable_tracker.survey.dive_route import DiveRoute
 from cable_tracker.survey.forwards import ForwardDive
 from cable_tracker.survey.frame_table import ROW, FrameTable, Samples
-from cable_tracker.survey.navigation import LocalFrame
+from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.on_disk import Disk
 from cable_tracker.survey.outputs.frames import write_frames
 from cable_tracker.survey.recording import SurveySettings, analyse

@@ -9,8 +9,8 @@ import shapely
 from survey_dives import Plan, make_dive
 
 from cable_tracker.survey.campaign import whole
+from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.merging import merge
-from cable_tracker.survey.navigation import LocalFrame
 from cable_tracker.survey.outputs.frames import join_frames, write_frames
 from cable_tracker.survey.outputs.maps import EARTH, WRITERS, SurveyMap, _LayerWriter, write_events
 from cable_tracker.survey.outputs.report import RecordingRow, write_report

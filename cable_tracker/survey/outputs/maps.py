@@ -18,8 +18,9 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import one_line
 from cable_tracker.sequences.estimates import format_stamp
 from cable_tracker.survey.events import Event
+from cable_tracker.survey.interpolation import interpolated
+from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.merging import MergedRoute
-from cable_tracker.survey.navigation import LocalFrame
 
 EARTH = "EPSG:4326"
 """Longitude and latitude, WGS 84."""
@@ -95,7 +96,7 @@ def kilometre_points(route: MergedRoute) -> tuple[FloatArray, FloatArray]:
     while route.along[-1] < 5 * step and step > 10.0:
         step /= 10.0
     along = np.arange(0.0, route.along[-1] + 1e-6, step)
-    places = np.column_stack([np.interp(along, route.along, column) for column in route.places.T])
+    places = interpolated(along, route.along, route.places)
     return along, places
 
 

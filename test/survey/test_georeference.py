@@ -1,0 +1,58 @@
+import numpy as np
+from survey_dives import odometry, way
+
+from cable_tracker.survey.frame_table import Samples
+from cable_tracker.survey.georeference import georeference
+from cable_tracker.survey.local_frame import LocalFrame
+from cable_tracker.survey.navigation import joined_poses
+
+SECOND = 1_000_000_000
+
+FRAME = LocalFrame(54.0, 7.9)
+
+
+def fixes_of(places: np.ndarray, sigma: float, rng) -> Samples:
+    fixes = Samples(5)
+    for k in range(0, len(places), 10):
+        noisy = places[k : k + 1, :2] + sigma * rng.standard_normal((1, 2))
+        latitude, longitude = FRAME.to_degrees(noisy)[0]
+        stamp = SECOND + k * SECOND // 10
+        fixes.add(stamp, [latitude, longitude, 0.0, sigma**2, sigma**2])
+    return fixes
+
+
+def test_a_dive_is_turned_and_shifted_onto_the_earth():
+    rng = np.random.default_rng(1)
+    true = way(3000, turn=0.8) + np.array([100.0, 50.0, 0.0])
+    poses = joined_poses(odometry(way(3000)))
+    earth = georeference(poses, fixes_of(true, 0.5, rng), FRAME)
+    found, variances = earth.apply(poses.places[:, :2], poses.stamps)
+    errors = np.hypot(*(found - true[:, :2]).T)
+    assert errors.mean() < 0.3
+    assert np.mean(errors**2 < 5.99 * variances) > 0.8
+
+
+def test_odometry_that_drifts_is_held_by_the_fixes():
+    rng = np.random.default_rng(2)
+    true = way(3000)
+    drifted = true.copy()
+    drifted[:, 1] += 0.01 * np.arange(3000) / 10
+    earth = georeference(joined_poses(odometry(drifted)), fixes_of(true, 0.3, rng), FRAME)
+    poses = joined_poses(odometry(drifted))
+    found, _ = earth.apply(poses.places[:, :2], poses.stamps)
+    assert np.hypot(*(found - true[:, :2]).T).max() < 0.6
+
+
+def test_fixes_far_off_do_not_count():
+    true = way(2000)
+    fixes = fixes_of(true, 0.3, np.random.default_rng(3))
+    latitude, longitude = FRAME.to_degrees(np.array([[400.0, 400.0]]))[0]
+    fixes.add(SECOND + 50 * SECOND + 5, [latitude, longitude, 0.0, 0.09, 0.09])
+    earth = georeference(joined_poses(odometry(true)), fixes, FRAME)
+    assert earth.left_out == 1
+
+
+def test_too_few_fixes_lay_nothing_on_the_earth():
+    true = way(15)
+    fixes = fixes_of(true, 0.3, np.random.default_rng(4))
+    assert georeference(joined_poses(odometry(true)), fixes, FRAME) is None
