@@ -5,31 +5,24 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 
-from cable_tracker.errors import CableTrackerError, FrameError, RecordingError
+from cable_tracker.errors import CableTrackerError, RecordingError
 from cable_tracker.gui.followers.choice import make_follower, open_for
-from cable_tracker.gui.followers.follower import Follower
 from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.gui.session import AnySnapshot, AnyStart
+from cable_tracker.gui.session import AnyStart
 from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.task_thread import TaskThread
-from cable_tracker.gui.tracker_memory import TrackerMemory
+from cable_tracker.gui.tracked_recording import TrackedRecording
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
-from cable_tracker.sequences.estimates import REFUSED
-from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.source import Source
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, ParameterValue
 
 LONGEST_PAUSE = 1.0
 """A longer one between two frames of a recording is shortened to this [s]."""
-
-LONGEST_RUN = 25
-"""Frames on the way to one a little further on are tracked, up to so many."""
 
 LARGEST_DELAY = 0.1
 """A player that is behind by more does not catch up [s]."""
@@ -73,7 +66,7 @@ class RecordingSession(SnapshotFeed):
             source = stack.enter_context(open_for(request, parameters))
             self._frames = FrameAccess(source)
             vehicle = self._instruments_of(source, parameters)
-            self._follower = make_follower(source, request, parameters, vehicle)
+            follower = make_follower(source, request, parameters, vehicle)
             try:
                 self._frames.frame(0)
             except IndexError as error:
@@ -83,13 +76,10 @@ class RecordingSession(SnapshotFeed):
                 *(vehicle.notes if vehicle else ()),
             )
             self._resources = stack.pop_all()
-        self.subject = self._follower.subject
+        self.subject = follower.subject
         self.table: Sequence[ParameterSpec] = self.subject.session_table(is_live=False)
-        self._memory: TrackerMemory[Follower] = TrackerMemory()
-        self._position = -1
-        self._number = 0
+        self._tracked = TrackedRecording(self._frames, follower, self._publish)
         self._trouble = ""
-        self._is_enabled = True
         self._is_playing = False
         self._speed = 1.0
         self._due = 0.0
@@ -116,7 +106,7 @@ class RecordingSession(SnapshotFeed):
     @property
     def is_enabled(self) -> bool:
         """Whether the tracker takes frames."""
-        return self._is_enabled
+        return self._tracked.is_enabled
 
     @property
     def frame_count(self) -> int | None:
@@ -135,7 +125,7 @@ class RecordingSession(SnapshotFeed):
 
     def parameters(self) -> Mapping[str, ParameterValue]:
         """Return the values in force, by name."""
-        return self._follower.parameters()
+        return self._tracked.follower.parameters()
 
     # Commands
 
@@ -143,7 +133,7 @@ class RecordingSession(SnapshotFeed):
         """Let frames follow each other; from the start again if it stands at the end."""
         count = self._frames.count
         with self._lock:
-            place = self._target if self._target is not None else self._position
+            place = self._target if self._target is not None else self._tracked.position
             if count is not None and place >= count - 1:
                 self._target = 0
             self._due = 0.0
@@ -159,7 +149,7 @@ class RecordingSession(SnapshotFeed):
         """Pause, and go some frames forwards, or backwards if negative."""
         with self._lock:
             self._is_playing = False
-            start = self._target if self._target is not None else self._position
+            start = self._target if self._target is not None else self._tracked.position
             self._target = self._within(start + count)
         self._thread.wake()
 
@@ -183,7 +173,7 @@ class RecordingSession(SnapshotFeed):
         ParameterError
             A value is refused; nothing has changed.
         """
-        self._thread.call(lambda: self._change(values))
+        self._thread.call(lambda: self._tracked.change(values))
 
     def initialise(self, start: AnyStart) -> None:
         """Start from what the user says: the next frame, or this one if it stands still.
@@ -193,20 +183,20 @@ class RecordingSession(SnapshotFeed):
         FrameError
             It is not finite, or lies outside the picture.
         """
-        self._thread.call(lambda: self._initialise(start))
+        self._thread.call(lambda: self._tracked.initialise(start, is_still=not self._is_playing))
 
     def reset(self) -> None:
         """Forget everything, from the next frame on, or from this one if it stands still."""
-        self._thread.call(self._reset)
+        self._thread.call(lambda: self._tracked.reset(is_still=not self._is_playing))
 
     def enable(self, wanted: bool) -> None:
         """Let the tracker take frames, or not. Switching on starts anew, as on the node."""
-        self._thread.call(lambda: self._enable(wanted))
+        self._thread.call(lambda: self._tracked.enable(wanted, is_still=not self._is_playing))
 
     def close(self) -> None:
         """End the thread and close the recording."""
         self._thread.close()
-        self._follower.close()
+        self._tracked.follower.close()
         self._resources.close()
 
     def _within(self, frame: int) -> int:
@@ -217,11 +207,8 @@ class RecordingSession(SnapshotFeed):
 
     def _begin(self) -> None:
         """Show the first frame at once: the first time on a machine, compiling takes a while."""
-        frame = self._frames.frame(0)
-        with suppress(FrameError):
-            self._follower.look(frame)
-        self._publish(self._snapshot(frame, WARMING_UP))
-        self._follower.warm_up()
+        self._tracked.show_first()
+        self._tracked.follower.warm_up()
         self._go_to(0)
 
     def _next_time(self) -> float | None:
@@ -240,13 +227,13 @@ class RecordingSession(SnapshotFeed):
     def _play_on(self) -> None:
         if self._has_next():
             begin = max(self._due, time.monotonic() - LARGEST_DELAY)
-            self._go_to(self._position + 1)
+            self._go_to(self._tracked.position + 1)
             self._due = begin + self._pause_before_next() / self._speed
 
     def _has_next(self) -> bool:
         """Tell whether there is another frame; if not, stand still."""
         try:
-            self._frames.frame(self._position + 1)
+            self._frames.frame(self._tracked.position + 1)
         except IndexError:
             self._is_playing = False
             return False
@@ -257,10 +244,10 @@ class RecordingSession(SnapshotFeed):
 
     def _pause_before_next(self) -> float:
         """Return the time from this frame to the next in the recording [s]; 0 at its end."""
-        now = self._frames.frame(self._position)
+        now = self._frames.frame(self._tracked.position)
         if not self._has_next():
             return 0.0
-        pause = (self._frames.frame(self._position + 1).stamp - now.stamp) / NANOSECONDS
+        pause = (self._frames.frame(self._tracked.position + 1).stamp - now.stamp) / NANOSECONDS
         return min(max(0.0, pause), LONGEST_PAUSE)
 
     def _stop(self, error: CableTrackerError) -> None:
@@ -268,100 +255,12 @@ class RecordingSession(SnapshotFeed):
         self._is_playing = False
 
     def _go_to(self, target: int) -> None:
-        """Track a frame, and before it those that an unbroken run would have tracked."""
-        if target == self._position:
-            return
         try:
-            self._frames.frame(target)
-            first = self._position + 1
-            if target != first or target == 0 or not self._is_enabled:
-                first = self._recall(target)
-            for number in range(first, target + 1):
-                if self._thread.is_closing or (self._target is not None and number < target):
-                    # Another frame is wanted by now.
-                    self._memory.interrupt()
-                    self._position = number - 1
-                    return
-                self._track(self._frames.frame(number), is_shown=number == target)
-        except IndexError:
-            last = (self._frames.count or 0) - 1
-            if 0 <= last < target:
-                self._go_to(last)
-            return
+            if self._tracked.go_to(target, self._is_interrupted):
+                self._trouble = ""
         except RecordingError as error:
             self._stop(error)
-            return
-        self._trouble = ""
 
-    def _recall(self, target: int) -> int:
-        """Take the tracker from before a frame; returns the frame that it needs next."""
-        if not self._is_enabled:
-            return target
-        remembered = self._memory.recall(target)
-        if remembered is not None:
-            self._follower.close()
-            self._follower, first = remembered
-            return first
-        if 0 <= self._position < target <= self._position + LONGEST_RUN:
-            return self._position + 1
-        self._memory.interrupt()
-        self._follower.reset()
-        if target == 0:
-            self._follower.begin()
-        return target
-
-    def _track(self, frame: Frame, *, is_shown: bool = True) -> None:
-        self._position = frame.index
-        try:
-            self._follower.look(frame)
-            if not self._is_enabled:
-                self._publish(self._snapshot(frame, DISABLED))
-                return
-            self._memory.note(frame.index, self._follower)
-            snapshot = self._follower.follow(frame, self._number + 1)
-        except FrameError as error:
-            if is_shown:
-                self._publish(self._snapshot(frame, REFUSED, str(error)))
-            return
-        if is_shown:
-            self._number += 1
-            self._publish(snapshot)
-
-    def _snapshot(self, frame: Frame, status: str, reason: str = "") -> AnySnapshot:
-        self._number += 1
-        return self._follower.show(frame, self._number, status, reason)
-
-    def _change(self, values: Mapping[str, object]) -> None:
-        if self._follower.configure(values):
-            self._memory.forget()
-
-    def _initialise(self, start: AnyStart) -> None:
-        if self._is_playing or not self._is_enabled:
-            self._follower.initialise(start)
-            self._memory.forget_from(self._position + 1)
-            return
-        # Refused here if at all, before anything is forgotten.
-        self._follower.initialise(start)
-        self._follower.reset()
-        self._follower.initialise(start)
-        self._track_again()
-
-    def _reset(self) -> None:
-        self._follower.reset()
-        if self._is_playing or not self._is_enabled:
-            self._memory.forget_from(self._position + 1)
-        else:
-            self._track_again()
-
-    def _enable(self, wanted: bool) -> None:
-        if wanted and not self._is_enabled:
-            self._follower.reset()
-        self._is_enabled = wanted
-        self._memory.forget_from(self._position + 1)
-        if not self._is_playing:
-            self._track_again()
-
-    def _track_again(self) -> None:
-        """Track the frame that is shown once more, with a tracker that knows nothing of it."""
-        self._memory.forget_from(self._position)
-        self._track(self._frames.frame(self._position))
+    def _is_interrupted(self, is_target: bool) -> bool:
+        """Tell whether another frame is wanted by now than the one on the way."""
+        return self._thread.is_closing or (self._target is not None and not is_target)

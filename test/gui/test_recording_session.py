@@ -16,8 +16,9 @@ from cable_tracker.evaluation.tracking.track_recording import (
     track_recording,
 )
 from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.gui.recording_session import LONGEST_RUN, RecordingSession
+from cable_tracker.gui.recording_session import RecordingSession
 from cable_tracker.gui.session import Player
+from cable_tracker.gui.tracked_recording import LONGEST_RUN
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
@@ -171,7 +172,7 @@ def test_going_back_gives_the_same_metres_again(watch, surveyed_dive):
 def test_a_closed_session_reads_no_more_of_the_instruments(watch, surveyed_dive):
     watched = watch(surveyed_dive)
     watched.at(0)
-    feed = watched.session._follower._metres._feed
+    feed = watched.session._tracked.follower._metres._feed
     watched.session.close()
     assert feed._messages.gi_frame is None
 

@@ -1,0 +1,122 @@
+from types import SimpleNamespace
+
+import pytest
+
+from cable_tracker.gui.tracked_recording import LONGEST_RUN, TrackedRecording
+from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
+
+LAST = 99
+
+
+class Frames:
+    """A recording of 100 frames."""
+
+    count = LAST + 1
+
+    @staticmethod
+    def frame(index):
+        if not 0 <= index <= LAST:
+            raise IndexError(index)
+        return SimpleNamespace(index=index)
+
+
+class Path:
+    """Follows by noting which frames it has been given since it knew nothing."""
+
+    particles = None
+
+    def __init__(self, way=()):
+        self.way = way
+
+    def copy(self):
+        return Path(self.way)
+
+    def reset(self):
+        self.way = ()
+
+    def begin(self):
+        self.way = ("start",)
+
+    def look(self, frame):
+        pass
+
+    def close(self):
+        pass
+
+    def follow(self, frame, number):
+        self.way += (frame.index,)
+        return number, frame.index, self.way
+
+    def show(self, frame, number, status, reason=""):
+        return number, frame.index, status
+
+
+@pytest.fixture
+def run():
+    """A recording at its first frame, and what has been published."""
+    shown = []
+    tracked = TrackedRecording(Frames(), Path(), shown.append)
+    tracked.show_first()
+    assert shown == [(1, 0, WARMING_UP)]
+    assert tracked.go_to(0, never)
+    return tracked, shown
+
+
+def never(is_target):
+    return False
+
+
+def test_frames_on_the_way_are_tracked_and_only_the_last_is_shown(run):
+    tracked, shown = run
+    assert tracked.go_to(LONGEST_RUN, never)
+    assert shown[-1] == (3, LONGEST_RUN, ("start", *range(LONGEST_RUN + 1)))
+
+
+def test_far_away_the_tracker_starts_anew_and_comes_back_as_it_was(run):
+    tracked, shown = run
+    assert tracked.go_to(LONGEST_RUN + 1, never)
+    assert shown[-1][2] == (LONGEST_RUN + 1,)
+    assert tracked.go_to(0, never)
+    assert shown[-1][2] == ("start", 0)
+
+
+def test_behind_the_end_it_is_the_last_frame(run):
+    tracked, shown = run
+    assert tracked.go_to(LAST + 9, never)
+    assert (tracked.position, shown[-1][1]) == (LAST, LAST)
+    assert not tracked.go_to(LAST + 9, never)
+    assert not tracked.go_to(LAST, never)
+
+
+def test_it_stops_on_the_way_where_another_frame_is_wanted(run):
+    tracked, shown = run
+    count = len(shown)
+    asked = []
+
+    def after_three(is_target):
+        asked.append(is_target)
+        return len(asked) > 3
+
+    assert not tracked.go_to(10, after_three)
+    assert (tracked.position, len(shown), asked) == (3, count, [False] * 4)
+
+
+def test_what_is_still_is_tracked_again_after_a_reset(run):
+    tracked, shown = run
+    tracked.go_to(2, never)
+    tracked.reset(is_still=True)
+    assert shown[-1][1:] == (2, (2,))
+    count = len(shown)
+    tracked.reset(is_still=False)
+    assert len(shown) == count
+    tracked.go_to(3, never)
+    assert shown[-1][1:] == (3, (3,))
+
+
+def test_a_disabled_tracker_takes_no_frames(run):
+    tracked, shown = run
+    tracked.enable(False, is_still=False)
+    tracked.go_to(7, never)
+    assert shown[-1][1:] == (7, DISABLED)
+    tracked.enable(True, is_still=True)
+    assert shown[-1][1:] == (7, (7,))
