@@ -18,12 +18,8 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
-from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
-from rclpy.subscription import Subscription
 from rclpy.task import Future
-from sensor_msgs.msg import Image, JointState, PointCloud2
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import FloatArray
@@ -34,12 +30,7 @@ from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
-from cable_tracker.ros.clients.live_topics import (
-    FRAME_REPORT,
-    IMAGE_TYPES,
-    LiveTopics,
-    find_topics,
-)
+from cable_tracker.ros.clients.live_topics import FRAME_REPORT, LiveConnection, find_topics
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.environment import check_profile
 from cable_tracker.sequences.messages import (
@@ -47,8 +38,6 @@ from cable_tracker.sequences.messages import (
     Message,
     make_centreline,
     make_header,
-    read_compressed_image,
-    read_image,
 )
 from cable_tracker.sequences.target_messages import make_polygon
 from cable_tracker.target.model.start import TargetStart
@@ -66,9 +55,6 @@ STALL = 2.0
 
 SILENCE = 3.0
 """Diagnostics older than this are no news; they come once a second [s]."""
-
-WATCHED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-"""Pictures for people: losing one is no harm, and a slow viewer must not slow the camera."""
 
 
 class LiveSession(SnapshotFeed):
@@ -106,9 +92,6 @@ class LiveSession(SnapshotFeed):
         self._is_there = False
         self._others: list[str] = []
         self._silent_since: float | None = None
-        self._topics: LiveTopics | None = None
-        self._subscriptions: list[Subscription] = []
-        self._prior: Publisher | None = None
         self._factory = RclpyMessages()
         self._frames = self.frames(self._take)
         check_profile()
@@ -123,6 +106,7 @@ class LiveSession(SnapshotFeed):
             raise RosError(
                 f"ROS does not start ({one_line(error)}); look at its environment"
             ) from error
+        self._connection = LiveConnection(self._node, self._frames, self.start_type[1])
         self._parameters = AsyncParameterClient(self._node, self.name)
         self._reset = self._node.create_client(Trigger, f"{self.name}/reset")
         self._enable = self._node.create_client(SetBool, f"{self.name}/enable")
@@ -141,7 +125,8 @@ class LiveSession(SnapshotFeed):
         if not self._is_there:
             others = f"; there is {', '.join(self._others)}" if self._others else ""
             return f"no node {self.name}{others}; waiting for it"
-        if self._topics is not None and not self._topics.image:
+        topics = self._connection.topics
+        if topics is not None and not topics.image:
             return f"{self.name} is there, and waits for no images yet"
         if self._silent_since is not None and time.monotonic() - self._silent_since > STALL:
             is_news = time.monotonic() - self._heard <= SILENCE
@@ -207,7 +192,7 @@ class LiveSession(SnapshotFeed):
         """
         self._need_node()
         # Another thread, which looks for the node's topics, may replace it.
-        publisher = self._prior
+        publisher = self._connection.start
         if publisher is None:
             raise RosError(f"{self.name} takes no initial state yet; wait until it has warmed up")
         latest = self._latest
@@ -294,44 +279,11 @@ class LiveSession(SnapshotFeed):
         self._others = sorted(found - {self.name})
         if not self._is_there:
             self._silent_since = None
-            self._connect(None)
+            self._connection.change(None)
             return
         if self._silent_since is None:
             self._silent_since = time.monotonic()
-        self._connect(find_topics(self._node, self.name, self.start_type[0]))
-
-    def _connect(self, topics: LiveTopics | None) -> None:
-        if topics == self._topics:
-            return
-        for subscription in self._subscriptions:
-            self._node.destroy_subscription(subscription)
-        if self._prior is not None:
-            self._node.destroy_publisher(self._prior)
-        self._subscriptions, self._prior, self._topics = [], None, topics
-        if topics is None:
-            return
-        image_type = IMAGE_TYPES.get(topics.image_type, Image)
-        on_image = self._on_image if image_type is Image else self._on_compressed_image
-        for kind, topic, callback in (
-            (image_type, topics.image, on_image),
-            (JointState, topics.truth, self._frames.take_truth),
-            (PolygonStamped, topics.contour, self._frames.take_contour),
-            (PointCloud2, topics.particles, self._frames.take_cloud),
-            (DiagnosticArray, topics.report, self._frames.take_report),
-            (JointState, topics.state, self._frames.take_state),
-        ):
-            if topic:
-                self._subscriptions.append(
-                    self._node.create_subscription(kind, topic, callback, WATCHED)
-                )
-        if topics.start:
-            self._prior = self._node.create_publisher(self.start_type[1], topics.start, qos.RESULTS)
-
-    def _on_image(self, message: Message) -> None:
-        self._frames.take_image(message.header, read_image(message))
-
-    def _on_compressed_image(self, message: Message) -> None:
-        self._frames.take_image(message.header, read_compressed_image(message))
+        self._connection.change(find_topics(self._node, self.name, self.start_type[0]))
 
 
 class LiveTargetSession(LiveSession):

@@ -1,15 +1,28 @@
-"""Names of a tracker node's topics, found on the graph whatever they were remapped to."""
+"""Topics of a tracker node, found on the graph whatever they were remapped to, and listened to."""
 
 from __future__ import annotations
 
 from collections.abc import Container
 from dataclasses import dataclass
+from typing import Any
 
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PolygonStamped
 from rclpy.node import Node
-from sensor_msgs.msg import CompressedImage, Image
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+
+from cable_tracker.ros import qos
+from cable_tracker.ros.clients.live_frames import LiveFrames
+from cable_tracker.sequences.messages import Message, read_compressed_image, read_image
 
 FRAME_REPORT = "frame_report"
 """Private topic that every tracker has from its start to its end."""
+
+WATCHED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""Pictures for people: losing one is no harm, and a slow viewer must not slow the camera."""
 
 IMAGE_TYPES = {"sensor_msgs/msg/Image": Image, "sensor_msgs/msg/CompressedImage": CompressedImage}
 
@@ -73,3 +86,66 @@ def _of_types(topics: list[tuple[str, list[str]]], types: Container[str]) -> tup
 def _named(topics: list[tuple[str, list[str]]], kind: str, word: str) -> str:
     """Return the first topic of a type whose name ends with a word; empty if there is none."""
     return next((name for name, kinds in topics if kind in kinds and name.endswith(word)), "")
+
+
+class LiveConnection:
+    """Hands what a node's topics say on, and publishes where it takes a start.
+
+    Parameters
+    ----------
+    node : Node
+        Listens.
+    frames : LiveFrames
+        Takes the messages.
+    start_type : type
+        Message type of the topic that takes a start.
+
+    Attributes
+    ----------
+    topics : LiveTopics or None
+        Those that are listened to.
+    start : Publisher or None
+        None while the node takes no start.
+    """
+
+    def __init__(self, node: Node, frames: LiveFrames, start_type: type[Any]) -> None:
+        self._node = node
+        self._frames = frames
+        self._start_type = start_type
+        self._subscriptions: list[Subscription] = []
+        self.topics: LiveTopics | None = None
+        self.start: Publisher | None = None
+
+    def change(self, topics: LiveTopics | None) -> None:
+        """Listen to these topics from now on; None: to none."""
+        if topics == self.topics:
+            return
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
+        if self.start is not None:
+            self._node.destroy_publisher(self.start)
+        self._subscriptions, self.start, self.topics = [], None, topics
+        if topics is None:
+            return
+        image_type = IMAGE_TYPES.get(topics.image_type, Image)
+        on_image = self._on_image if image_type is Image else self._on_compressed_image
+        for kind, topic, callback in (
+            (image_type, topics.image, on_image),
+            (JointState, topics.truth, self._frames.take_truth),
+            (PolygonStamped, topics.contour, self._frames.take_contour),
+            (PointCloud2, topics.particles, self._frames.take_cloud),
+            (DiagnosticArray, topics.report, self._frames.take_report),
+            (JointState, topics.state, self._frames.take_state),
+        ):
+            if topic:
+                self._subscriptions.append(
+                    self._node.create_subscription(kind, topic, callback, WATCHED)
+                )
+        if topics.start:
+            self.start = self._node.create_publisher(self._start_type, topics.start, qos.RESULTS)
+
+    def _on_image(self, message: Message) -> None:
+        self._frames.take_image(message.header, read_image(message))
+
+    def _on_compressed_image(self, message: Message) -> None:
+        self._frames.take_image(message.header, read_compressed_image(message))
