@@ -26,7 +26,7 @@ def test_the_bootstrap_filter_asks_no_detector():
 
 def test_nothing_proposes_nothing():
     image = make_working_image(np.zeros((20, 20), np.uint8), 320)
-    assert NoProposer().propose(image).shape == (0, 4)
+    assert NoProposer().propose(image, is_searching=True).shape == (0, 4)
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -51,8 +51,8 @@ def test_the_detector_proposes_cables_as_wide_as_the_parameters_allow():
     image = make_working_image(picture, 320)
     wide = TrackerParameters(width_maximum=240.0)
     narrow = TrackerParameters(width_maximum=150.0)
-    assert (make_proposer(wide).propose(image)[:, 2] > 200.0).any()
-    assert not (make_proposer(narrow).propose(image)[:, 2] > 150.0).any()
+    assert (make_proposer(wide).propose(image, is_searching=False)[:, 2] > 200.0).any()
+    assert not (make_proposer(narrow).propose(image, is_searching=False)[:, 2] > 150.0).any()
 
 
 def test_the_detector_that_is_named_is_the_one_that_is_asked():

@@ -175,9 +175,9 @@ class _NotingProposer:
         self._asked = asked
         self.seen: WorkingImage | None = None
 
-    def propose(self, image: WorkingImage) -> FloatArray:
+    def propose(self, image: WorkingImage, *, is_searching: bool) -> FloatArray:
         self.seen = image
-        return self._asked.propose(image)
+        return self._asked.propose(image, is_searching=is_searching)
 
 
 def moment_of(parameters: TrackerParameters, shown: Footage, frames: int) -> Moment:
@@ -257,7 +257,8 @@ class FilterSteps:
         states = self._moment.particles.states
         proposer = make_proposer(self._parameters)
         return {
-            "detector": lambda: proposer.propose(image),
+            "detector": lambda: proposer.propose(image, is_searching=False),
+            "detector, searching": lambda: proposer.propose(image, is_searching=True),
             "measure": lambda: observation.measure(states, image),
         }
 

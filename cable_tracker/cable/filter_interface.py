@@ -86,6 +86,13 @@ class CableFilter(ABC, Generic[BeliefType]):
     def converted(self, belief: ParticleBelief) -> BeliefType:
         """Return the belief of any filter as this one's, with as many particles as wanted."""
 
+    def is_searching(self, belief: BeliefType) -> bool:
+        """Tell whether it is more likely than not that no cable is followed.
+
+        A filter that does not know it follows one.
+        """
+        return False
+
     @abstractmethod
     def step(
         self,

@@ -183,7 +183,8 @@ class CableTracker:
         elif self._status.is_search_due(self._filter.search_time):
             before = self._filter.first_belief()
             self._status = self._status.searched()
-        detections = self._proposer.propose(image)
+        is_searching = self._filter.is_searching(before)
+        detections = self._proposer.propose(image, is_searching=is_searching)
         self._belief = self._filter.step(before, image, dt, detections, motion)
         return self._filter.summary(self._belief, image)
 

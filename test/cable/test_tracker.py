@@ -102,6 +102,28 @@ def test_the_covariance_is_of_the_size_of_the_errors(dive):
     assert (ratio < 3.0).all()
 
 
+class NotingProposer:
+    """Proposes nothing, and notes what it is told."""
+
+    def __init__(self):
+        self.told = []
+
+    def propose(self, image, *, is_searching):
+        self.told.append(is_searching)
+        return np.empty((0, 4))
+
+
+def test_a_proposer_is_told_whether_a_cable_is_searched_for(draw_strip):
+    proposer = NotingProposer()
+    tracker = CableTracker(TrackerParameters(), proposer)
+    empty, strip = np.full((120, 160), 90, np.uint8), draw_strip(STRIP, (160, 120))
+    run(tracker, repeated(empty, 3))
+    assert proposer.told == [True] * 3
+    tracker.initialise(GivenState.around(STRIP))
+    run(tracker, repeated(strip, 5, first=START + 3 * FRAME))
+    assert proposer.told[4:] == [False] * 4
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_a_random_start_finds_the_cable_and_says_so_only_then(draw_strip, seed):
     estimates = run(

@@ -2,26 +2,22 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.detection.line_pair_proposer import (
-    ANGLE_BINS,
-    ANGLE_MARGIN,
     MOST_CABLES,
+    MOST_FAINT,
     STRONG,
     VOTE_CAP,
     VOTE_SPREAD,
     LinePairProposer,
     accumulated_votes,
     accumulator_layout,
-    clearness_of,
-    strongest_lines,
 )
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
+from cable_tracker.detection.vote_peaks import ANGLE_BINS, ANGLE_MARGIN
 
 CABLES = [
     CableState(12.0, 0.2, 24.0, 0.03),
@@ -32,8 +28,9 @@ CABLES = [
 ]
 
 
-def propose(image, working_width=320) -> np.ndarray:
-    return LinePairProposer().propose(make_working_image(image, working_width))
+def propose(image, working_width=320, is_searching=False) -> np.ndarray:
+    picture = make_working_image(image, working_width)
+    return LinePairProposer().propose(picture, is_searching=is_searching)
 
 
 def nearest(proposals, truth) -> np.ndarray:
@@ -57,6 +54,43 @@ def test_a_cable_in_the_picture_is_proposed(draw_strip, rng, cable, dark):
     assert found[3] == pytest.approx(cable.skew, abs=0.07)
 
 
+@pytest.fixture
+def ripples():
+    """A sandy bottom whose ripples are far clearer than what lies on it."""
+    y, x = np.mgrid[:240, :320]
+    grain = np.random.default_rng(5).normal(0.0, 6.0, (240, 320))
+    return 100.0 + 18.0 * np.sin(0.35 * x + 0.5 * y + 0.8 * np.sin(0.05 * x)) + grain
+
+
+FAINT = CableState(25.0, -0.15, 56.0, 0.02)
+
+
+def is_near(proposals, cable) -> bool:
+    closest = nearest(proposals, cable)
+    return bool((np.abs(closest - cable.to_array()[:4]) < [12.0, 0.1, 20.0, 0.15]).all())
+
+
+def test_a_step_below_the_grain_of_the_bottom_is_found_in_a_search(draw_strip, rng):
+    strip = draw_strip(FAINT, (320, 240), strip=104.0, ground=100.0)
+    picture = (strip + rng.normal(0.0, 8.0, strip.shape)).astype(np.float32)
+    assert is_near(propose(picture, is_searching=True), FAINT)
+    assert not is_near(propose(picture), FAINT)
+
+
+def test_a_smooth_strip_on_ripples_of_its_brightness_is_found_in_a_search(draw_strip, ripples, rng):
+    inside = draw_strip(FAINT, (320, 240), strip=1.0, ground=0.0)
+    smooth = 100.0 + rng.normal(0.0, 3.0, inside.shape)
+    picture = (inside * smooth + (1.0 - inside) * ripples).astype(np.float32)
+    assert is_near(propose(picture, is_searching=True), FAINT)
+    assert not is_near(propose(picture), FAINT)
+
+
+def test_what_is_proposed_otherwise_comes_first_in_a_search(draw_strip):
+    picture = draw_strip(CABLES[0], (320, 240))
+    usual = propose(picture)
+    np.testing.assert_array_equal(propose(picture, is_searching=True)[: len(usual)], usual)
+
+
 def test_two_cables_are_both_proposed(draw_strip):
     pictures = [draw_strip(cable, (320, 240)) for cable in (CABLES[0], CABLES[1])]
     proposals = propose(np.maximum(*pictures))
@@ -74,7 +108,8 @@ def test_lengths_are_those_of_the_frame_not_of_the_reduced_picture(draw_strip):
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("size", [(16, 16), (16, 200), (300, 16), (160, 120)])
 @pytest.mark.parametrize("kind", ["black", "white", "noise", "one edge"])
-def test_whatever_the_picture_proposals_are_plausible_cables(rng, size, kind):
+@pytest.mark.parametrize("is_searching", [False, True])
+def test_whatever_the_picture_proposals_are_plausible_cables(rng, size, kind, is_searching):
     width, height = size
     pictures = {
         "black": np.zeros((height, width)),
@@ -82,9 +117,9 @@ def test_whatever_the_picture_proposals_are_plausible_cables(rng, size, kind):
         "noise": rng.uniform(0, 255, (height, width)),
         "one edge": np.where(np.arange(width) < width // 2, 0.0, 255.0) * np.ones((height, 1)),
     }
-    proposals = propose(pictures[kind].astype(np.uint8))
+    proposals = propose(pictures[kind].astype(np.uint8), is_searching=is_searching)
     assert proposals.shape[1:] == (4,)
-    assert len(proposals) <= MOST_CABLES
+    assert len(proposals) <= MOST_CABLES + 2 * MOST_FAINT
     assert np.isfinite(proposals).all()
     assert (proposals[:, 2] > 0.0).all()
     assert (np.abs(proposals[:, 3]) <= DEFAULT_LIMITS.most_skew).all()
@@ -131,37 +166,6 @@ def test_every_strong_ridge_votes_near_its_direction(rng, size):
     np.testing.assert_array_equal(votes[-margin:], votes[margin : 2 * margin])
 
 
-def test_a_line_across_ripples_is_clearer_than_the_ripples(rng):
-    votes = rng.exponential(1.0, (30, 41)).astype(np.float32)
-    votes[10] += 30.0 * rng.random(41).astype(np.float32)
-    votes[20, 15] += 20.0
-    clear = clearness_of(votes)
-    assert votes[10].max() > votes[20, 15]
-    assert np.unravel_index(clear.argmax(), clear.shape) == (20, 15)
-    assert (clear >= 0.0).all()
-
-
-@given(row=st.floats(4.0, 20.0), column=st.floats(4.0, 36.0))
-def test_a_peak_is_told_between_its_bins(row, column):
-    rows, columns = np.mgrid[:30, :41]
-    votes = np.exp(-0.5 * ((rows - row) ** 2 + (columns - column) ** 2) / 1.5**2)
-    angles, offsets, supports = strongest_lines(votes.astype(np.float32), 3.0, 20, 24)
-    assert angles[0] == pytest.approx((row - ANGLE_MARGIN) * 2 * np.pi / ANGLE_BINS, abs=0.02)
-    assert offsets[0] == pytest.approx((column - 20) * 3.0, abs=0.6)
-    assert supports[0] == supports.max() > 0.0
-
-
-def test_the_clearest_lines_come_first_and_no_more_than_asked_for(rng):
-    votes = rng.exponential(1.0, (40, 31)).astype(np.float32)
-    few, many = (strongest_lines(votes, 3.0, 15, most)[2] for most in (5, 1000))
-    assert (np.diff(many) <= 0.0).all()
-    np.testing.assert_array_equal(few, many[:5])
-
-
-def test_a_frame_without_votes_has_no_lines():
-    assert all(len(each) == 0 for each in strongest_lines(np.zeros((40, 31)), 3.0, 15, 24))
-
-
 @pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 2, -1.2])
 def test_every_scan_line_votes_once_for_each_border_it_crosses(draw_strip, angle):
     image = make_working_image(draw_strip(CableState(5.0, angle, 40.0), (320, 240)), 320)
@@ -184,10 +188,11 @@ def test_wide_thin_and_skewed_cables_are_proposed_where_the_limits_let_them(
     cable = CableState(8.0, 0.1, width, np.deg2rad(skew) * (width > 100.0))
     image = make_working_image(draw_strip(cable), 320)
     wide = LinePairProposer(PairLimits(3.0, 240.0, np.deg2rad(30.0)))
-    found = nearest(wide.propose(image), cable)
+    found = nearest(wide.propose(image, is_searching=False), cable)
     assert found[0] == pytest.approx(cable.distance, abs=5.0)
     assert found[2] == pytest.approx(width, abs=6.0)
     assert found[3] == pytest.approx(cable.skew, abs=0.05)
-    narrow = LinePairProposer(PairLimits(8.0, 120.0, np.deg2rad(15.0))).propose(image)
+    limited = LinePairProposer(PairLimits(8.0, 120.0, np.deg2rad(15.0)))
+    narrow = limited.propose(image, is_searching=True)
     assert ((narrow[:, 2] >= 8.0) & (narrow[:, 2] <= 120.0)).all()
     assert (np.abs(narrow[:, 3]) <= np.deg2rad(15.0)).all()

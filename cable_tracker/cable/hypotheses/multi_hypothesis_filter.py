@@ -176,6 +176,10 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         indices = self._resample(belief.particles.weights, count, self._rng)
         return resampled_belief(belief, indices)
 
+    def is_searching(self, belief: Belief) -> bool:
+        """Tell whether the presence says so."""
+        return belief.presence < KNOWN_PRESENCE
+
     def step(
         self,
         belief: Belief,
@@ -204,7 +208,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             reference_angle=belief.reference_angle,
             ancestors=self._draw_surviving(predicted, counts),
             detected=detections,
-            anchors=expected[:1] if belief.presence >= 0.5 else NO_ANCHOR,
+            anchors=NO_ANCHOR if self.is_searching(belief) else expected[:1],
         )
         prior = self._prior_presence(belief, expected, existence, dt)
         found = draw_and_conclude(self._sample, inputs, counts, self._config_for(belief), prior)

@@ -86,7 +86,7 @@ class CableEvidence(NamedTuple):
         Tempered log-likelihood ratio, cable against no cable, shape (N, 2).
     weaker_borders : FloatArray
         Mean log-likelihood ratio per point of the weaker border, its strength not known, not
-        tempered, shape (N, 2).
+        tempered, with half of what the texture says, shape (N, 2).
     visible_lengths : FloatArray
         Length inside the image of the shorter border [distances of the scan lines], shape (N,).
     bright_borders : FloatArray
@@ -242,7 +242,8 @@ def measure_into(
         for polarity in range(2):
             ratio, left, right = _over_strengths(sums, polarity * CLASSES, model.tempering, shares)
             log_ratios[cable, polarity] = ratio + smoothest
-            weaker[cable, polarity] = min(left, right) / (model.tempering * longest)
+            weakest = min(left, right) + 0.5 * smoothest
+            weaker[cable, polarity] = weakest / (model.tempering * longest)
             if polarity == BRIGHT:
                 evidence.bright_borders[cable, 0], evidence.bright_borders[cable, 1] = left, right
 

@@ -77,6 +77,25 @@ def test_a_strip_beside_the_smooth_one_shares_one_border_with_it_and_gains_nothi
     assert texture_evidence(image, beside) == pytest.approx(0.0, abs=1e-9)
 
 
+def test_what_texture_says_counts_for_either_border_in_the_evidence(bottom, inside):
+    smooth = 100.0 + 0.1 * (bottom - 100.0)
+    picture = make_working_image(inside * smooth + (1.0 - inside) * bottom, SIZE[0])
+    with_texture, without = (
+        BorderLikelihoodRatio(TrackerParameters(texture_limit=limit)) for limit in (LIMIT, 0.0)
+    )
+    more = np.subtract(
+        *(
+            each.measure(STRIP.to_array()[None], picture).log_ratios
+            for each in (with_texture, without)
+        )
+    )
+    gained, plain = (each.evidence(STRIP.to_array(), picture) for each in (with_texture, without))
+    # The shorter border is as long as the picture is high, and a little longer for its slope.
+    points = picture.size[1] / picture.line_spacing
+    tempering = with_texture.model_for(picture).tempering
+    assert gained - plain == pytest.approx(0.5 * more[0, 0] / (tempering * points), rel=0.15)
+
+
 def test_thin_strips_have_no_inside_to_look_at(bottom, draw_strip):
     thin = CableState(20.0, 0.3, 9.0, 0.0)
     inside = draw_strip(thin, SIZE, strip=255.0, ground=0.0).astype(np.float32) / 255.0

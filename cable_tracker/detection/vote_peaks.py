@@ -1,0 +1,140 @@
+"""The clearest lines among votes for angles and offsets.
+
+The angles go over the full turn, so that the two borders of a cable have opposite normals.
+"""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.compilation import compiled, compiled_fast_loop, compiled_inside
+
+ANGLE_BINS = 120
+"""Bins of an accumulator over a full turn."""
+
+BIN = 2.0 * math.pi / ANGLE_BINS
+DIRECTIONS = np.stack((np.cos(np.arange(ANGLE_BINS) * BIN), np.sin(np.arange(ANGLE_BINS) * BIN)))
+
+ANGLE_MARGIN = 2
+"""The angle goes round: so many bins of the other end let peaks at the seam be seen whole."""
+
+PEAK_WINDOW = np.ones((2 * ANGLE_MARGIN + 1, 3), np.uint8)
+"""A peak is the highest among these bins of angle and offset about it."""
+
+SHARED_SPREAD = 0.5
+"""Share of the spread of all votes in what the votes at one angle are judged by."""
+
+LEAST_HEIGHT = np.float32(1e-12)
+"""Lower cells are no peaks: what does not stand above the others at its angle is 0."""
+
+NO_SPREAD = np.float32(1e-6)
+"""Added to a spread: a frame without strong gradients has none."""
+
+
+def empty_votes(middle: int) -> Image:
+    """Return no votes, float32, shape (ANGLE_BINS + 2 ANGLE_MARGIN, 2 middle + 1).
+
+    The first and last rows are to repeat the other end, see `repeat_ends`.
+    """
+    return np.zeros((ANGLE_BINS + 2 * ANGLE_MARGIN, 2 * middle + 1), np.float32)
+
+
+def repeat_ends(votes: Image) -> None:
+    """Copy the rows of either end beyond the other."""
+    votes[:ANGLE_MARGIN] = votes[ANGLE_BINS : ANGLE_BINS + ANGLE_MARGIN]
+    votes[-ANGLE_MARGIN:] = votes[ANGLE_MARGIN : 2 * ANGLE_MARGIN]
+
+
+def strongest_lines(
+    votes: Image, offset_bin: float, middle: int, most: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return angles, offsets and clearness of the highest peaks, best first.
+
+    The votes for a line are judged by those for the others at its angle: among ripples, one more
+    line along them is nothing. Angle and offset are those of the vertex between the bins.
+
+    Parameters
+    ----------
+    votes : Image
+        As of `empty_votes`, the ends repeated.
+    offset_bin, middle : float, int
+        Width of a bin of offsets [px], and number of the bin of offset zero.
+    most : int
+        Number of lines at most.
+    """
+    smooth = np.asarray(cv2.GaussianBlur(np.asarray(votes, np.float32), (3, 3), 0))
+    clear = clearness_of(smooth)
+    peaks = _peaks(clear, np.asarray(cv2.dilate(clear, PEAK_WINDOW)))
+    rows, columns, heights = peaks[:, np.argsort(-peaks[2], kind="stable")[:most]]
+    return (rows - ANGLE_MARGIN) * BIN, (columns - middle) * offset_bin, heights
+
+
+@compiled
+def clearness_of(votes: Image) -> Image:
+    """Return how far votes stand above the others at their angle, in spreads; at least 0."""
+    rows, columns = votes.shape
+    clear = np.empty((rows, columns), np.float32)
+    means, spreads, sums, squares = np.empty(rows), np.empty(rows), 0.0, 0.0
+    for row in range(rows):
+        mean, variance = _moments(votes[row])
+        means[row] = mean
+        spreads[row] = math.sqrt(variance)
+        sums += mean
+        squares += variance + mean * mean
+    # The mean of the variances and the variance of the means.
+    of_all = max(squares / rows - (sums / rows) ** 2, 0.0)
+    for row in range(rows):
+        spread = spreads[row] + SHARED_SPREAD * math.sqrt(of_all) + NO_SPREAD
+        for column in range(columns):
+            clear[row, column] = max((votes[row, column] - means[row]) / spread, 0.0)
+    return clear
+
+
+@compiled_fast_loop
+def _moments(values: Image) -> tuple[float, float]:
+    """Return mean and variance of values (N,)."""
+    total, squares = np.float32(0.0), np.float32(0.0)
+    for index in range(len(values)):
+        total += values[index]
+    mean = total / np.float32(len(values))
+    for index in range(len(values)):
+        deviation = values[index] - mean
+        squares += deviation * deviation
+    return float(mean), float(squares) / len(values)
+
+
+@compiled
+def _peaks(clear: Image, highest: Image) -> FloatArray:
+    """Return row, column and height of the cells that are the highest near them, shape (3, P).
+
+    Row and column are those of the vertices of parabolas through a cell and its neighbours.
+    """
+    rows, columns = clear.shape
+    places, count = np.empty(rows * columns, np.int64), 0
+    for row in range(ANGLE_MARGIN, rows - ANGLE_MARGIN):
+        for column in range(columns):
+            if clear[row, column] >= max(highest[row, column], LEAST_HEIGHT):
+                places[count] = row * columns + column
+                count += 1
+    peaks = np.empty((3, count))
+    for index in range(count):
+        row, column = places[index] // columns, places[index] % columns
+        here = clear[row, column]
+        left, right = clear[row, max(column - 1, 0)], clear[row, min(column + 1, columns - 1)]
+        peaks[0, index] = row + _vertex(clear[row - 1, column], here, clear[row + 1, column])
+        peaks[1, index] = column + _vertex(left, here, right)
+        peaks[2, index] = here
+    return peaks
+
+
+@compiled_inside
+def _vertex(before: float, here: float, after: float) -> float:
+    """Return where the parabola through three values is highest, from -0.5 to 0.5."""
+    bend = 2.0 * here - before - after
+    if bend <= 0.0:
+        return 0.0
+    return min(max(0.5 * (after - before) / bend, -0.5), 0.5)

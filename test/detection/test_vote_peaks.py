@@ -1,0 +1,44 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cable_tracker.detection.vote_peaks import (
+    ANGLE_BINS,
+    ANGLE_MARGIN,
+    clearness_of,
+    strongest_lines,
+)
+
+
+def test_a_line_across_ripples_is_clearer_than_the_ripples(rng):
+    votes = rng.exponential(1.0, (30, 41)).astype(np.float32)
+    votes[10] += 30.0 * rng.random(41).astype(np.float32)
+    votes[20, 15] += 20.0
+    clear = clearness_of(votes)
+    assert votes[10].max() > votes[20, 15]
+    assert np.unravel_index(clear.argmax(), clear.shape) == (20, 15)
+    assert (clear >= 0.0).all()
+
+
+@given(row=st.floats(4.0, 20.0), column=st.floats(4.0, 36.0))
+def test_a_peak_is_told_between_its_bins(row, column):
+    rows, columns = np.mgrid[:30, :41]
+    votes = np.exp(-0.5 * ((rows - row) ** 2 + (columns - column) ** 2) / 1.5**2)
+    angles, offsets, supports = strongest_lines(votes.astype(np.float32), 3.0, 20, 24)
+    assert angles[0] == pytest.approx((row - ANGLE_MARGIN) * 2 * np.pi / ANGLE_BINS, abs=0.02)
+    assert offsets[0] == pytest.approx((column - 20) * 3.0, abs=0.6)
+    assert supports[0] == supports.max() > 0.0
+
+
+def test_the_clearest_lines_come_first_and_no_more_than_asked_for(rng):
+    votes = rng.exponential(1.0, (40, 31)).astype(np.float32)
+    few, many = (strongest_lines(votes, 3.0, 15, most)[2] for most in (5, 1000))
+    assert (np.diff(many) <= 0.0).all()
+    np.testing.assert_array_equal(few, many[:5])
+
+
+def test_a_frame_without_votes_has_no_lines():
+    assert all(len(each) == 0 for each in strongest_lines(np.zeros((40, 31)), 3.0, 15, 24))
