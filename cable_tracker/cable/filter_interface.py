@@ -45,6 +45,8 @@ class BeliefSummary:
         How clearly the image shows the weaker border.
     supports_claim, supports_keeping : bool
         Whether the frame speaks for claiming a cable, and for going on to claim one.
+    supports_new_claim : bool
+        Whether it speaks for claiming one that nothing was known of.
     presence : float or None
         Probability that a cable is in view, 0 to 1; None if the filter does not know it.
     hypotheses : tuple of Hypothesis
@@ -57,6 +59,7 @@ class BeliefSummary:
     evidence: float
     supports_claim: bool
     supports_keeping: bool
+    supports_new_claim: bool
     presence: float | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
 

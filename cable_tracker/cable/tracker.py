@@ -176,8 +176,8 @@ class CableTracker:
         before = self._belief
         if self._given is not None:
             before, dt = self._given_belief(self._filter, self._given), 0.0
+            self._status = StatusMachine().expecting(is_certain=self._given.is_certain)
             self._given = None
-            self._status = StatusMachine().expecting()
         elif before is None:
             before = self._filter.first_belief()
         elif self._status.is_search_due(self._filter.search_time):
@@ -208,8 +208,10 @@ class CableTracker:
     def _estimate(self, summary: BeliefSummary, dt: float, event: str) -> CableEstimate:
         assert self._frame is not None
         converged = self._has_converged(summary.covariance, self._frame.size[0])
+        is_new = self._status.is_unacquainted(self._parameters.memory_time)
+        supports_claim = summary.supports_new_claim if is_new else summary.supports_claim
         self._status = self._status.after(
-            supports_claim=converged and summary.supports_claim,
+            supports_claim=converged and supports_claim,
             supports_keeping=converged and summary.supports_keeping,
             dt=dt,
             parameters=self._parameters,

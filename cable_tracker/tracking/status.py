@@ -51,16 +51,25 @@ class StatusMachine:
         How long the frames have spoken against the present status without a break [s].
     unclaimed_time : float
         How long no target has been claimed, or since the last start from random [s].
+    is_told : bool
+        Whether a target was given by who knows of it, and none has been claimed since.
     """
 
     status: TrackingStatus = TrackingStatus.INITIALISING
     contrary_time: float = 0.0
     unclaimed_time: float = 0.0
+    is_told: bool = False
 
     @property
     def is_confirming(self) -> bool:
         """Whether a target is seen but not claimed yet, so that a search would lose it."""
         return self.status is not TrackingStatus.TRACKING and self.contrary_time > 0.0
+
+    def is_unacquainted(self, memory_time: float) -> bool:
+        """Tell whether a claim would be of something new: none was given, or seen for so long."""
+        if self.unclaimed_time > memory_time:
+            return True
+        return self.status is TrackingStatus.INITIALISING and not self.is_told
 
     def is_search_due(self, search_time: float) -> bool:
         """Tell whether nothing has been claimed or seen for so long that a search starts anew."""
@@ -108,9 +117,15 @@ class StatusMachine:
             return StatusMachine(TrackingStatus.TRACKING)
         return replace(self, contrary_time=contrary, unclaimed_time=unclaimed)
 
-    def expecting(self) -> StatusMachine:
-        """Return the status after a given initial state: one good frame confirms it."""
-        return replace(self, contrary_time=math.inf)
+    def expecting(self, *, is_certain: bool = True) -> StatusMachine:
+        """Return the status after a given initial state: one good frame confirms it.
+
+        Parameters
+        ----------
+        is_certain : bool
+            Whether who gave it knows of the target, and does not guess.
+        """
+        return replace(self, contrary_time=math.inf, is_told=is_certain)
 
     def searched(self) -> StatusMachine:
         """Return the same status with the search begun anew."""

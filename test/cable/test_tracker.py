@@ -311,6 +311,34 @@ def test_no_cable_is_ever_claimed_in_a_flat_picture(value):
         assert_sound(estimate, 500)
 
 
+def statuses_with_high_demands(picture, given=None):
+    """Statuses where no evidence is enough for what nothing was known of."""
+    tracker = make_tracker(TrackerParameters(evidence_to_find=100.0))
+    if given is not None:
+        tracker.initialise(given)
+    return {estimate.status for estimate in run(tracker, repeated(picture, 20))}
+
+
+def test_what_nothing_was_known_of_needs_more_evidence_than_what_was_given(draw_strip):
+    picture = draw_strip(STRIP, (160, 120))
+    assert statuses_with_high_demands(picture) == {INITIALISING}
+    assert statuses_with_high_demands(picture, GivenState.around(STRIP, is_guess=True)) == {
+        INITIALISING
+    }
+    assert statuses_with_high_demands(picture, GivenState.around(STRIP)) == {TRACKING}
+
+
+def test_a_cable_that_was_followed_is_claimed_again_with_less_evidence(draw_strip, noise_picture):
+    strip = draw_strip(STRIP, (160, 120))
+    pictures = [strip] * 10 + [noise_picture(k) for k in range(15)] + [strip] * 20
+    tracker = make_tracker(TrackerParameters(evidence_to_find=100.0))
+    tracker.initialise(GivenState.around(STRIP))
+    frames = [(picture, START + k * FRAME, None) for k, picture in enumerate(pictures)]
+    statuses = [estimate.status for estimate in run(tracker, frames)]
+    assert statuses[9] is statuses[-1] is TRACKING
+    assert LOST in statuses
+
+
 def test_who_is_told_of_a_cable_that_is_not_there_claims_none(noise_picture):
     tracker = told(STRIP)
     frames = [(noise_picture(k), START + k * FRAME, None) for k in range(30)]

@@ -368,14 +368,18 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         parameters, hypotheses = self._parameters, belief.hypotheses
         mean, covariance = self._leading_estimate(hypotheses)
         evidence, visible = hypotheses.border_evidence, hypotheses.visible_length >= MINIMUM_POINTS
+        is_claimable = (
+            visible
+            and belief.presence >= parameters.presence_to_track
+            and evidence >= parameters.evidence_to_track
+        )
         return BeliefSummary(
             mean=mean,
             covariance=covariance,
             effective_sample_size=hypotheses.effective_size,
             evidence=evidence,
-            supports_claim=visible
-            and belief.presence >= parameters.presence_to_track
-            and evidence >= parameters.evidence_to_track,
+            supports_claim=is_claimable,
+            supports_new_claim=is_claimable and evidence >= parameters.evidence_to_find,
             supports_keeping=visible
             and belief.presence >= parameters.presence_to_lose
             and evidence >= parameters.evidence_to_lose,

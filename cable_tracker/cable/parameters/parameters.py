@@ -342,6 +342,14 @@ class TrackerParameters(ParameterSet):
     evidence_to_track: float = number(
         0.15, "", -10.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
     )
+    evidence_to_find: float = number(
+        0.45,
+        "",
+        -10.0,
+        100.0,
+        "Evidence above which a cable is claimed that nothing was known of: at the start of a"
+        " search, and after `memory_time` without a claim (multi_hypothesis filter).",
+    )
     evidence_to_lose: float = number(
         -0.05, "", -10.0, 100.0, "Evidence below which a cable is given up."
     )

@@ -121,12 +121,14 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
         particles = belief.particles
         mean, covariance = cable_mean_and_covariance(particles.states, particles.weights)
         evidence = self._observation.evidence(mean, image)
+        is_clear = evidence >= self._parameters.evidence_to_track
         return BeliefSummary(
             mean=mean,
             covariance=covariance,
             effective_sample_size=effective_sample_size(particles.log_weights),
             evidence=evidence,
-            supports_claim=evidence >= self._parameters.evidence_to_track,
+            supports_claim=is_clear,
+            supports_new_claim=is_clear,
             supports_keeping=evidence >= self._parameters.evidence_to_lose,
             hypotheses=(Hypothesis(1.0, CableState.from_array(mean)),),
         )

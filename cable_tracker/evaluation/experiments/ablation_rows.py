@@ -26,7 +26,13 @@ RANDOM_START = (
     "initial_distance_rate_range", "initial_angle_rate_range",
 )  # fmt: skip
 
-CLAIMS = ("evidence_to_track", "evidence_to_lose", "confirmation_time", "loss_time")
+CLAIMS = (
+    "evidence_to_track",
+    "evidence_to_find",
+    "evidence_to_lose",
+    "confirmation_time",
+    "loss_time",
+)
 
 EVIDENCE_IN_FULL: Mapping[str, ParameterValue] = MappingProxyType(
     {"evidence_repeated": 1.0, "evidence_limit": 1e6, "evidence_limit_known": 1e6}

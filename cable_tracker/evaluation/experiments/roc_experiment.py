@@ -29,7 +29,7 @@ PRESENCES = (0.3, 0.6, 0.8, 0.9, 0.95, 0.98, 0.995)
 """Values of `presence_to_track`, with the evidence asked for as in `default`."""
 
 EVIDENCES = (-5.0, -1.0, 0.0, 0.2, 1.0, 2.0)
-"""Values of `evidence_to_track`, with the presence asked for as in `default`."""
+"""Values of `evidence_to_track` and `evidence_to_find`, the presence asked for as in `default`."""
 
 LOSING = 0.53
 """`presence_to_lose` over `presence_to_track`, as in `default`."""
@@ -56,7 +56,10 @@ class _Threshold:
         if self.parameter == "presence_to_track":
             others = {"presence_to_lose": LOSING * self.value}
         else:
-            others = {"evidence_to_lose": self.value - HYSTERESIS}
+            others = {
+                "evidence_to_find": self.value,
+                "evidence_to_lose": self.value - HYSTERESIS,
+            }
         values = {self.parameter: self.value, **others}
         return ConfiguredFilter(self.name, preset("default").replaced(values))
 

@@ -36,7 +36,8 @@ def advice(
     presence = [row.presence for row in rows if row.presence is not None]
     evidence = [row.evidence for row in rows if row.evidence is not None]
     is_likely = bool(presence) and max(presence) >= parameters.presence_to_track
-    is_clear = bool(evidence) and max(evidence) >= parameters.evidence_to_track
+    asking, needed = _evidence_for_a_claim(parameters)
+    is_clear = bool(evidence) and max(evidence) >= needed
     if presence and not is_likely:
         lines.append(
             f"presence: at most {max(presence):.0%}, presence_to_track asks for"
@@ -44,8 +45,8 @@ def advice(
         )
     if evidence and not is_clear:
         lines.append(
-            f"evidence: the weaker border reached {max(evidence):.2g}, evidence_to_track asks for"
-            f" {parameters.evidence_to_track:g}; try a lower one, or learn a response table from"
+            f"evidence: the weaker border reached {max(evidence):.2g}, {asking} asks for"
+            f" {needed:g}; try a lower one, or learn a response table from"
             " labelled frames of yours (cable-tracker label, learn)"
         )
     if is_likely and is_clear:
@@ -56,6 +57,14 @@ def advice(
     lines += _width_advice(widths, parameters)
     lines.append("docs/troubleshooting.md says what else to try; cable-tracker gui shows why")
     return lines
+
+
+def _evidence_for_a_claim(parameters: TrackerParameters) -> tuple[str, float]:
+    """Return the parameter that a first claim needs most evidence for, and its value."""
+    tracked, found = parameters.evidence_to_track, parameters.evidence_to_find
+    if parameters.filter == "multi_hypothesis" and found > tracked:
+        return "evidence_to_find", found
+    return "evidence_to_track", tracked
 
 
 def _width_advice(widths: Sequence[tuple[float, int]], parameters: TrackerParameters) -> list[str]:

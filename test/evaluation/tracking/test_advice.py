@@ -1,4 +1,5 @@
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.tracking.advice import advice
 from cable_tracker.sequences.estimates import EstimateRow
 
@@ -26,6 +27,8 @@ def test_what_was_too_low_is_said_with_what_is_asked_for():
     said = words(rows(), [], PARAMETERS)
     assert "presence: at most 30%, presence_to_track asks for 95%" in said
     assert "evidence: the weaker border reached -2" in said
+    assert "evidence_to_find asks for 0.45" in said
+    assert "evidence_to_track asks for 1.6" in words(rows(), [], preset("thesis"))
     assert "evidence" not in words(rows(evidence=3.0), [], PARAMETERS)
     assert "presence:" not in words(rows(presence=1.0), [], PARAMETERS)
 
