@@ -1,35 +1,86 @@
 """How far borders may lie from where the likelihood sees them.
 
-Growth, shadow and the roundness of a cable shift each border as a whole, by the same in frame
-after frame; particles agree on the wrong place then.
+Growth, shadow, sand and the roundness of a cable shift a border as a whole, by the same in frame
+after frame; particles agree on the wrong place then. Mostly it is one border of the two, and what
+the frame shows of that one says how far.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
+from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 
-CLEAR_EVIDENCE, EVIDENCE_STEP, LARGEST_FACTOR = 1.7, 0.4, 4.0
-"""Borders with less evidence are displaced farther: by `border_displacement` more for each step
-that it is less than that of clear ones, up to the factor."""
+CLEAR_EVIDENCE, HALVING_EVIDENCE = 1.8, 0.25
+"""A border is displaced by `border_displacement` where its mean log-likelihood ratio per point is
+the first, by half of it for each second more, and by twice as much for each less."""
 
-BORDER_TURN = float(np.deg2rad(0.4))
+USUAL_MOST, MOST_OF_WIDTH, FARTHEST = 4.0, 0.25, 12.0
+"""The most is a quarter of the width, within these limits [`border_displacement`, for a width in
+pixels of the reference width]: with more, the borders of sigma points would change places."""
+
+BORDER_TURN = math.radians(0.4)
 """Turn of a border that is displaced by one pixel of the reference width [rad]."""
 
+ROUND_BORDER = 0.5
+"""Both borders of a cable lie inside its silhouette by so many times `border_displacement`, if it
+is round: its light falls off towards it."""
 
-def displacement_covariance(parameters: TrackerParameters, image_width: int) -> FloatArray:
-    """Return the covariance (8, 8) of what the likelihood does not know."""
-    border = parameters.border_displacement * image_width / REFERENCE_WIDTH
+POSE_OF_BORDERS = np.array(
+    [[0.5, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, 0.5], [-1.0, 1.0, 0.0, 0.0], [0.0, 0.0, -0.5, 0.5]]
+)
+"""What d, alpha, w, beta change by with the offsets of the left and the right border, and with
+their turns: d and alpha are means of the two, w is the difference, beta half of it."""
+
+
+def displaced_covariance(
+    covariance: FloatArray,
+    border_evidences: FloatArray,
+    width: float,
+    parameters: TrackerParameters,
+    image_width: int,
+) -> FloatArray:
+    """Return the covariance (8, 8) of an estimate whose borders may be displaced.
+
+    Tempering widens the particles because neighbouring points of a border err alike. Displacements
+    are what they have in common, so the particles count as wide as they would be without.
+
+    Parameters
+    ----------
+    covariance : FloatArray
+        Of the particles, shape (8, 8).
+    border_evidences : FloatArray
+        Mean log-likelihood ratios per point of the left and of the right border, shape (2,).
+    width : float
+        Of the cable [px].
+    parameters : TrackerParameters
+        `border_displacement` and `tempering`.
+    image_width : int
+        Of the frames [px].
+    """
+    unit = image_width / REFERENCE_WIDTH
+    factors = displacement_factors(border_evidences, width / unit)
+    border = parameters.border_displacement * unit
     turn = parameters.border_displacement * BORDER_TURN
-    variances = np.zeros(STATE_SIZE)
-    # d and alpha are means of the two borders, w is their difference, beta half of it.
-    variances[:POSE_SIZE] = [border**2 / 2, turn**2 / 2, 2 * border**2, turn**2 / 2]
-    return np.diag(variances)
+    sigmas = np.concatenate((factors * border, factors * turn))
+    scales = np.ones(STATE_SIZE)
+    scales[:POSE_SIZE] = math.sqrt(parameters.tempering)
+    displaced: FloatArray = covariance * np.outer(scales, scales)
+    displaced[:POSE_SIZE, :POSE_SIZE] += POSE_OF_BORDERS * sigmas**2 @ POSE_OF_BORDERS.T
+    displaced[WIDTH, WIDTH] += (2.0 * ROUND_BORDER * border) ** 2
+    return displaced
 
 
-def displacement_factor(evidence: float) -> float:
-    """Return how many times `border_displacement` a border with some evidence is displaced."""
-    return min(max(1.0 + (CLEAR_EVIDENCE - evidence) / EVIDENCE_STEP, 1.0), LARGEST_FACTOR)
+def displacement_factors(border_evidences: FloatArray, width: float) -> FloatArray:
+    """Return how many times `border_displacement` borders with some evidence are displaced.
+
+    `width` is that of the cable [px at the reference width].
+    """
+    largest = min(max(MOST_OF_WIDTH * width, USUAL_MOST), FARTHEST)
+    doublings = (CLEAR_EVIDENCE - border_evidences) / HALVING_EVIDENCE
+    factors: FloatArray = np.exp2(np.minimum(doublings, math.log2(largest)))
+    return factors

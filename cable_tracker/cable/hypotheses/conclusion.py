@@ -36,6 +36,8 @@ from cable_tracker.cable.measure.likelihood_ratio import (
     DARK,
     BorderClearness,
     border_clearness,
+    empty_evidence,
+    measure_into,
 )
 from cable_tracker.cable.measure.polarity_prior import bright_share
 from cable_tracker.cable.model.geometry import unwrap_state
@@ -64,6 +66,9 @@ class Hypotheses(NamedTuple):
     visible_length : float
         Length inside the image of the shorter border, over the leading cluster [distances of the
         scan lines].
+    border_evidences : FloatArray
+        Mean log-likelihood ratios per point of the left and of the right border of its mean,
+        shape (2,).
     """
 
     clusters: Clusters
@@ -71,6 +76,7 @@ class Hypotheses(NamedTuple):
     effective_size: float
     border_evidence: float
     visible_length: float
+    border_evidences: FloatArray
 
 
 class Conclusion(NamedTuple):
@@ -148,6 +154,7 @@ def conclude(
         effective_sample_size(corrected),
         border_evidence,
         visible_length,
+        _border_evidences(clusters.means, inputs),
     )
     margins, standard_scores = _above(background, clusters, weights, sample)
     clear = border_clearness(clusters.means, inputs.scan, inputs.model)
@@ -179,7 +186,7 @@ def _nothing(states: FloatArray, log_posterior: FloatArray) -> Conclusion:
     none = np.empty(0)
     clusters = Clusters(labels, none, np.empty((0, STATE_SIZE)), labels[:0], 1.0)
     covariance = np.zeros((STATE_SIZE, STATE_SIZE))
-    hypotheses = Hypotheses(clusters, covariance, 0.0, 0.0, 0.0)
+    hypotheses = Hypotheses(clusters, covariance, 0.0, 0.0, 0.0, np.zeros(2))
     return Conclusion(states, log_posterior, hypotheses, none, 0.0)
 
 
@@ -199,6 +206,16 @@ def _leader_and_polarity(
             evidence += weights[row] / mass * (weaker[BRIGHT] if share >= 0.5 else weaker[DARK])
             length += weights[row] / mass * measured.visible_lengths[row]
     return evidence, length, p_bright
+
+
+@compiled_part
+def _border_evidences(means: FloatArray, inputs: ProposalInputs) -> FloatArray:
+    """Return how clearly the frame shows the borders of the first mean, (2,), in its polarity."""
+    evidence = empty_evidence(1)
+    measure_into(means, 0, 1, inputs.scan, inputs.model, evidence)
+    is_bright = evidence.log_ratios[0, BRIGHT] >= evidence.log_ratios[0, DARK]
+    own: FloatArray = evidence.border_evidence[0, BRIGHT if is_bright else DARK]
+    return own
 
 
 @compiled_part

@@ -43,10 +43,7 @@ from cable_tracker.cable.hypotheses.ancestors import (
 )
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
 from cable_tracker.cable.hypotheses.births import BirthDensity, birth_density_of, draw_births
-from cable_tracker.cable.hypotheses.border_displacement import (
-    displacement_covariance,
-    displacement_factor,
-)
+from cable_tracker.cable.hypotheses.border_displacement import displaced_covariance
 from cable_tracker.cable.hypotheses.border_jump import RATE, BorderJump, jump_from
 from cable_tracker.cable.hypotheses.clusters import Clusters
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses, draw_and_conclude
@@ -150,7 +147,6 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self._config = proposal_config(parameters, self._movement.degrees_of_freedom, image_size)
         self._known_config = beside_a_known_cable(self._config, parameters)
         self._sample = empty_sample(parameters.particle_count)
-        self._displacement = displacement_covariance(parameters, width)
 
     def first_belief(self) -> Belief:
         """Return the belief of a search: the prior, without a history."""
@@ -392,10 +388,14 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         leader, covariance = hypotheses.clusters.means[0], hypotheses.covariance
         mean = wrap_state(leader)
         turns = round((leader[StateColumn.ANGLE] - mean[StateColumn.ANGLE]) / math.pi)
-        if turns % 2:
-            covariance = turned_covariance(covariance)
-        factor = displacement_factor(hypotheses.border_evidence)
-        return mean, covariance + factor**2 * self._displacement
+        displaced = displaced_covariance(
+            covariance,
+            hypotheses.border_evidences,
+            float(leader[StateColumn.WIDTH]),
+            self._parameters,
+            self._image_size[0],
+        )
+        return mean, turned_covariance(displaced) if turns % 2 else displaced
 
 
 def _reported(clusters: Clusters) -> tuple[Hypothesis, ...]:

@@ -92,6 +92,9 @@ class CableEvidence(NamedTuple):
     bright_borders : FloatArray
         Tempered log-likelihood ratio of the left and of the right border of a bright cable, each
         alone, its strength not known, shape (N, 2).
+    border_evidence : FloatArray
+        Mean log-likelihood ratio per point of the left and of the right border, each alone, not
+        tempered, by polarity, shape (N, 2, 2).
     outsides : FloatArray
         Mean grey level outside the left and the right border [scales of the contrast], shape
         (N, 2); 0 for a border that is not in view.
@@ -101,6 +104,7 @@ class CableEvidence(NamedTuple):
     weaker_borders: FloatArray
     visible_lengths: FloatArray
     bright_borders: FloatArray
+    border_evidence: FloatArray
     outsides: FloatArray
 
 
@@ -112,6 +116,7 @@ def empty_evidence(count: int) -> CableEvidence:
         np.empty((count, 2)),
         np.empty(count),
         np.empty((count, 2)),
+        np.empty((count, 2, 2)),
         np.empty((count, 2)),
     )
 
@@ -242,8 +247,10 @@ def measure_into(
         for polarity in range(2):
             ratio, left, right = _over_strengths(sums, polarity * CLASSES, model.tempering, shares)
             log_ratios[cable, polarity] = ratio + smoothest
-            weakest = min(left, right) + 0.5 * smoothest
-            weaker[cable, polarity] = weakest / (model.tempering * longest)
+            points = model.tempering * longest
+            weaker[cable, polarity] = (min(left, right) + 0.5 * smoothest) / points
+            evidence.border_evidence[cable, polarity, 0] = left / points
+            evidence.border_evidence[cable, polarity, 1] = right / points
             if polarity == BRIGHT:
                 evidence.bright_borders[cable, 0], evidence.bright_borders[cable, 1] = left, right
 

@@ -1,10 +1,66 @@
-from __future__ import annotations
+"""How far borders may lie from where the likelihood sees them."""
 
 import numpy as np
+import pytest
 
-from cable_tracker.cable.hypotheses.border_displacement import displacement_factor
+from cable_tracker.cable.hypotheses.border_displacement import (
+    BORDER_TURN,
+    displaced_covariance,
+    displacement_factors,
+)
+from cable_tracker.cable.parameters.presets import preset
+
+WIDTH = 640
 
 
-def test_fainter_borders_are_displaced_farther_within_limits():
-    factors = [displacement_factor(evidence) for evidence in (3.0, 1.7, 1.3, 0.9, 0.0, -5.0)]
-    np.testing.assert_allclose(factors, [1.0, 1.0, 2.0, 3.0, 4.0, 4.0])
+def displaced(left, right, covariance=None, width=80.0, **changes):
+    """Return what is stated for two evidences, two pixels to a pixel of the reference width."""
+    parameters = preset("default").replaced({"border_displacement": 1.0, **changes})
+    before = np.zeros((8, 8)) if covariance is None else covariance
+    return displaced_covariance(before, np.array([left, right]), width, parameters, WIDTH)
+
+
+def test_a_border_is_displaced_twice_as_far_for_each_step_of_less_evidence():
+    factors = displacement_factors(np.array([2.3, 1.8, 1.55, 1.3, 0.0, -50.0]), 40.0)
+    np.testing.assert_allclose(factors, [0.25, 1.0, 2.0, 4.0, 10.0, 10.0])
+
+
+@pytest.mark.parametrize(("width", "most"), [(1.0, 4.0), (16.0, 4.0), (32.0, 8.0), (200.0, 12.0)])
+def test_a_border_is_displaced_by_a_quarter_of_the_width_within_limits(width, most):
+    np.testing.assert_allclose(displacement_factors(np.array([-1.0, 9.0]), width)[0], most)
+
+
+def test_borders_that_are_alike_displace_no_component_with_another():
+    covariance = displaced(1.8, 1.8)
+    turn = BORDER_TURN**2
+    # Each by 2 px of these frames; w by 2 px more, if the cable is round.
+    np.testing.assert_allclose(np.diag(covariance)[:4], [2.0, turn / 2, 8.0 + 4.0, turn / 2])
+    np.testing.assert_allclose(covariance, np.diag(np.diag(covariance)), atol=1e-15)
+    assert not covariance[4:].any()
+
+
+@pytest.mark.parametrize(("evidences", "side"), [((9.0, 0.0), 1.0), ((0.0, 9.0), -1.0)])
+def test_one_lost_border_takes_half_of_its_way_from_d_and_all_from_w(evidences, side):
+    covariance = displaced(*evidences)
+    sigmas = np.sqrt(np.diag(covariance)[:4])
+    # A border lost by 20 of 80 px of these frames; the other one lies where it is seen.
+    turn = 10.0 * BORDER_TURN
+    np.testing.assert_allclose(sigmas, [10.0, turn / 2, np.hypot(20.0, 2.0), turn / 2], rtol=1e-6)
+    correlations = covariance[[0, 1], [2, 3]] / (sigmas[:2] * sigmas[2:])
+    np.testing.assert_allclose(correlations, [side, side], rtol=0.01)
+
+
+def test_particles_count_as_wide_as_without_tempering_and_rates_as_they_are():
+    rng = np.random.default_rng(0)
+    root = rng.normal(size=(8, 8))
+    before = root @ root.T
+    after = displaced(1.8, 1.0, before, border_displacement=0.0, tempering=0.25)
+    np.testing.assert_allclose(after[:4, :4], before[:4, :4] / 4)
+    np.testing.assert_allclose(after[:4, 4:], before[:4, 4:] / 2)
+    np.testing.assert_array_equal(after[4:, 4:], before[4:, 4:])
+    np.testing.assert_array_equal(after, after.T)
+
+
+def test_a_lost_border_leaves_a_covariance():
+    values = np.linalg.eigvalsh(displaced(-3.0, 2.2, np.eye(8) * 1e-4))
+    assert values.min() > 0.0

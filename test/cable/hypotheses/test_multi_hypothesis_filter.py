@@ -7,7 +7,7 @@ import pytest
 
 from cable_tracker.cable.hypotheses import sample_counts
 from cable_tracker.cable.hypotheses.belief import initial_belief
-from cable_tracker.cable.hypotheses.border_displacement import displacement_factor
+from cable_tracker.cable.hypotheses.border_displacement import displacement_factors
 from cable_tracker.cable.hypotheses.multi_hypothesis_filter import (
     GIVEN_PRESENCE,
     LEAST_PRESENCE,
@@ -381,11 +381,40 @@ def test_what_the_likelihood_does_not_know_widens_the_covariance(strip):
         summaries.append(cable_filter.summary(belief, strip))
     plain, wide = summaries
     added = wide.covariance - plain.covariance
-    # A clear border is off by 4 px at the reference width, 2 px here: variances 2 and 8.
-    factor = displacement_factor(belief.hypotheses.border_evidence) ** 2
-    np.testing.assert_allclose(np.diag(added)[[0, 2]], [2.0 * factor, 8.0 * factor])
-    np.testing.assert_allclose(added, np.diag(np.diag(added)), atol=1e-12)
+    # A clear border is off by 4 px at the reference width, 2 px here: variances 2 and 8, and 4 of
+    # w if the cable is round.
+    evidences = belief.hypotheses.border_evidences
+    left, right = displacement_factors(evidences, 2.0 * plain.mean[2]) ** 2
+    both = (left + right) / 2
+    np.testing.assert_allclose(np.diag(added)[[0, 2]], [2.0 * both, 8.0 * both + 4.0])
+    np.testing.assert_allclose(added[0, 2], 2.0 * (right - left), atol=1e-12)
     np.testing.assert_array_equal(wide.mean, plain.mean)
+
+
+def fading(state, grey, ground=100.0) -> np.ndarray:
+    """Draw a strip whose right border is no edge: its grey fades to that of the ground."""
+    columns, rows = np.meshgrid(np.arange(SIZE[0]), np.arange(SIZE[1]))
+    x, y = columns - (SIZE[0] - 1) / 2, (SIZE[1] - 1) / 2 - rows
+    across = x * np.cos(state.angle) + y * np.sin(state.angle) - state.distance
+    left = np.clip(across + state.width / 2 + 0.5, 0.0, 1.0)
+    right = np.clip(1.0 - across / state.width, 0.0, 1.0)
+    picture = ground + (grey - ground) * left * right
+    return picture.round().astype(np.uint8)
+
+
+@pytest.mark.parametrize("grey", [190.0, 20.0])
+@pytest.mark.parametrize("angle", [-1.2, 0.0, np.pi / 2])
+def test_the_border_that_is_hidden_is_the_uncertain_one(grey, angle):
+    """Whichever way the normal is written, and whether the cable is bright or dark."""
+    state = CableState(4.0, angle, 30.0)
+    right_is_hidden = working(fading(state, grey))
+    cable_filter = make_filter()
+    belief = run(cable_filter, cable_filter.given_belief(cloud(state)), [right_is_hidden] * 2)[-1]
+    summary = cable_filter.summary(belief, right_is_hidden)
+    sign = np.sign(np.cos(summary.mean[1] - state.angle))
+    covariance = summary.covariance
+    correlation = covariance[0, 2] / np.sqrt(covariance[0, 0] * covariance[2, 2])
+    assert sign * correlation > 0.5
 
 
 def test_the_belief_of_another_filter_is_taken_over_as_one_that_was_told(strip):

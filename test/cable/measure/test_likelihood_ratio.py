@@ -77,6 +77,16 @@ def test_the_true_cable_speaks_for_itself_and_a_wrong_one_against(strip):
     assert evidence.weaker_borders[1].max() < 0.0
 
 
+def test_each_border_has_evidence_of_its_own(strip):
+    # The right border lies on that of the strip, the left one beside it.
+    wide = changed(distance=-10.0, width=20.0)
+    evidence = measured(strip, changed(), wide)
+    own, beside = evidence.border_evidence[:, 0]
+    assert own.min() > 0.5
+    assert beside[0] < 0.0
+    assert beside[1] > 0.5
+
+
 def test_a_strip_in_a_corner_is_clear_though_little_of_it_is_shown(draw_strip, noise_picture):
     through, corner = CableState(0.0, 0.7, 16.0, 0.0), CableState(60.0, 0.7, 16.0, 0.0)
     found = []
