@@ -208,8 +208,8 @@ class CableTracker:
     def _estimate(self, summary: BeliefSummary, dt: float, event: str) -> CableEstimate:
         assert self._frame is not None
         converged = self._has_converged(summary.covariance, self._frame.size[0])
-        is_new = self._status.is_unacquainted(self._parameters.memory_time)
-        supports_claim = summary.supports_new_claim if is_new else summary.supports_claim
+        is_first = self._status.is_first_claim(self._parameters.memory_time)
+        supports_claim = summary.supports_new_claim if is_first else summary.supports_claim
         self._status = self._status.after(
             supports_claim=converged and supports_claim,
             supports_keeping=converged and summary.supports_keeping,

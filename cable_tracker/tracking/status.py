@@ -65,8 +65,11 @@ class StatusMachine:
         """Whether a target is seen but not claimed yet, so that a search would lose it."""
         return self.status is not TrackingStatus.TRACKING and self.contrary_time > 0.0
 
-    def is_unacquainted(self, memory_time: float) -> bool:
-        """Tell whether a claim would be of something new: none was given, or seen for so long."""
+    def is_first_claim(self, memory_time: float) -> bool:
+        """Tell whether a claim would be the first: of what was not given, or not claimed for long.
+
+        `memory_time` is how long what was claimed is remembered [s].
+        """
         if self.unclaimed_time > memory_time:
             return True
         return self.status is TrackingStatus.INITIALISING and not self.is_told

@@ -100,20 +100,20 @@ def test_a_cable_that_is_being_confirmed_is_known_as_such():
 
 
 def test_a_claim_is_of_something_new_until_there_was_one():
-    assert StatusMachine().is_unacquainted(4.0)
-    assert not after(StatusMachine(TRACKING), BAD).is_unacquainted(4.0)
-    assert not StatusMachine(LOST).is_unacquainted(4.0)
+    assert StatusMachine().is_first_claim(4.0)
+    assert not after(StatusMachine(TRACKING), BAD).is_first_claim(4.0)
+    assert not StatusMachine(LOST).is_first_claim(4.0)
 
 
 def test_what_was_given_is_known_and_what_was_guessed_is_not():
     told, guessed = (StatusMachine().expecting(is_certain=known) for known in (True, False))
-    assert not after(told, BAD).is_unacquainted(4.0)
-    assert guessed.is_unacquainted(4.0)
+    assert not after(told, BAD).is_first_claim(4.0)
+    assert guessed.is_first_claim(4.0)
 
 
 def test_what_has_not_been_seen_for_long_is_forgotten():
     machine = StatusMachine(LOST)
     for _ in range(5):
         machine = after(machine, BAD, 1.0)
-    assert machine.is_unacquainted(4.0)
-    assert not machine.is_unacquainted(6.0)
+    assert machine.is_first_claim(4.0)
+    assert not machine.is_first_claim(6.0)
