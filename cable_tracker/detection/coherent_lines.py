@@ -74,9 +74,8 @@ def coarse_texture(image: WorkingImage) -> Image:
     """Return the logarithm of the gradient over the grey level by cell, float32, shape (m, n)."""
     sigma = max(TEXTURE_SIGMA * image.scale, SMALLEST_TEXTURE_SIGMA)
     smooth = np.asarray(cv2.GaussianBlur(image.pixels, (0, 0), sigma))
-    along, across = _gradients(smooth)
     level = np.maximum(smooth, 0.0) + DARK_SHARE * max(float(smooth.mean()), 0.0) + TINY
-    texture = _by_cell(cv2.magnitude(along, across) / level, image)
+    texture = _by_cell(gradient_lengths(*_gradients(smooth)) / level, image)
     texture = np.asarray(cv2.GaussianBlur(texture, (0, 0), TEXTURE_SIGMA))
     return np.log(texture + EVEN_SHARE * float(texture.mean()) + TINY)
 
@@ -91,6 +90,14 @@ def _gradients(picture: Image) -> tuple[Image, Image]:
     right = np.asarray(cv2.Sobel(picture, cv2.CV_32F, 1, 0, ksize=3))
     down = np.asarray(cv2.Sobel(picture, cv2.CV_32F, 0, 1, ksize=3))
     return right, -down
+
+
+def gradient_lengths(right: Image, up: Image) -> Image:
+    """Return the lengths of gradients.
+
+    The last bit of what OpenCV returns depends on where the data lie in memory.
+    """
+    return np.asarray(np.sqrt(right * right + up * up))
 
 
 def coherent_votes(picture: Image) -> Image:
@@ -108,7 +115,7 @@ def coherent_votes(picture: Image) -> Image:
         them: float32, shape (ANGLE_BINS + 2 ANGLE_MARGIN, 2 middle + 1).
     """
     right, up = _gradients(picture)
-    lengths = np.hypot(right, up)
+    lengths = gradient_lengths(right, up)
     median = max(float(np.median(lengths)), TINY)
     factor = np.minimum(1.0 / median, GRADIENT_CAP / np.maximum(lengths, TINY))
     votes = empty_votes(middle_offset(picture))
