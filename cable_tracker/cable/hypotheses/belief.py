@@ -39,10 +39,11 @@ class Belief:
     log_odds : FloatArray
         That each cluster is a cable, shape (K,).
     refused_time : float
-        How long a cable has been present whose weaker border cannot be seen [s].
+        How long a cable has been present whose weaker border is not clear enough to claim it, or to
+        keep it where it is known [s].
     known_time : float
-        For how long the leading hypothesis has been held for a cable [s]; infinite where an
-        operator or planner gave it.
+        For how long the leading hypothesis has been held for a cable, with borders clear enough to
+        claim it [s]; infinite where an operator or planner gave it.
     """
 
     particles: Particles

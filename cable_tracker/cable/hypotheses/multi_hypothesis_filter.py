@@ -226,8 +226,11 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def _config_for(self, belief: Belief) -> ProposalConfig:
         """Return how proposals are made: also by whether the leader is known to be the cable."""
-        is_known = belief.known_time >= self._parameters.known_after
-        return self._known_config if is_known else self._config
+        return self._known_config if self._is_known(belief) else self._config
+
+    def _is_known(self, belief: Belief) -> bool:
+        """Tell whether the leader was given, or has been clear enough to claim for long enough."""
+        return belief.known_time >= self._parameters.known_after
 
     def _prior_presence(
         self, belief: Belief, expected: FloatArray, existence: PredictedExistence, dt: float
@@ -324,10 +327,10 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         """
         parameters, hypotheses = self._parameters, found.hypotheses
         presence = probability_of(float(found.log_odds[0]))
-        refused = (
-            presence >= parameters.presence_to_track
-            and hypotheses.border_evidence < parameters.evidence_to_lose
-        )
+        is_known = self._is_known(before)
+        needed = parameters.evidence_to_lose if is_known else parameters.evidence_to_find
+        is_clear = hypotheses.border_evidence >= needed
+        refused = presence >= parameters.presence_to_track and not is_clear
         memory, width_prior = before.memory, before.width_prior
         leader = hypotheses.clusters.means[0]
         if presence >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS:
@@ -335,6 +338,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             width = float(leader[StateColumn.WIDTH])
             width_prior = updated_width_prior(width_prior, width, dt, parameters)
         is_held = presence >= KNOWN_PRESENCE and goes_on(leader, expected, self._config.near)
+        known_time = before.known_time + (dt if is_known or is_clear else 0.0)
         return Belief(
             particles=Particles(found.states, found.log_weights),
             hypotheses=hypotheses,
@@ -346,7 +350,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             width_prior=width_prior,
             log_odds=found.log_odds,
             refused_time=before.refused_time + dt if refused else 0.0,
-            known_time=before.known_time + dt if is_held else 0.0,
+            known_time=known_time if is_held else 0.0,
         )
 
     def _spread(self, before: Belief, births: BirthDensity) -> Belief:

@@ -282,7 +282,8 @@ class TrackerParameters(ParameterSet):
         "s",
         0.0,
         1e6,
-        "So long a hypothesis is held for a cable, and it is known.",
+        "So long a hypothesis is held for a cable, with evidence above `evidence_to_find`, and it"
+        " is known.",
     )
     evidence_repeated: float = number(
         0.2,
@@ -371,7 +372,7 @@ class TrackerParameters(ParameterSet):
         0.04,
         600.0,
         "Start anew when none has been claimed (bootstrap filter), or one that is present has not"
-        " shown its borders, for this long.",
+        " shown its borders clearly enough for a claim, for this long.",
     )
     maximum_gap: float = number(
         5.0, "s", 0.1, 3600.0, "A longer pause between frames starts the search anew."

@@ -226,6 +226,24 @@ def test_a_cable_is_known_when_it_was_given_or_followed_for_long(strip, noise):
     assert cable_filter.first_belief().known_time == 0.0
 
 
+def test_what_is_never_clear_enough_to_claim_is_never_known(strip):
+    cable_filter = make_filter(evidence_to_find=100.0)
+    guess = cable_filter.guessed_belief(cloud(STRIP))
+    assert run(cable_filter, guess, [strip] * 10, FOUND)[-1].known_time == 0.0
+    given = cable_filter.given_belief(cloud(STRIP))
+    assert run(cable_filter, given, [strip] * 10, FOUND)[-1].known_time == np.inf
+
+
+def test_what_cannot_be_claimed_for_long_is_a_new_search(strip):
+    cable_filter = make_filter(evidence_to_find=100.0, search_time=0.4)
+    beliefs = run(cable_filter, cable_filter.guessed_belief(cloud(STRIP)), [strip] * 30, FOUND)
+    refused = np.array([belief.refused_time for belief in beliefs])
+    assert 0.4 <= refused.max() < 0.4 + 2 * FRAME
+    assert (np.diff(refused) < 0.0).any()
+    given = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 30, FOUND)
+    assert not any(belief.refused_time for belief in given)
+
+
 def test_what_cannot_be_is_a_new_search(strip, monkeypatch):
     # No width that particles may have is one that is drawn; only jumps would have one.
     monkeypatch.setattr(sample_counts, "JUMP_SHARE", 0.0)
