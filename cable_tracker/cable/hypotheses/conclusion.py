@@ -24,6 +24,7 @@ from cable_tracker.cable.hypotheses.presence import (
     PriorPresence,
     Standing,
     inherited_log_odds,
+    shown_share,
     thin_factor,
     updated_log_odds,
 )
@@ -69,6 +70,9 @@ class Hypotheses(NamedTuple):
     border_evidences : FloatArray
         Mean log-likelihood ratios per point of the left and of the right border of its mean,
         shape (2,).
+    clearness : float
+        Mean log-likelihood ratio per point in view of the weaker border of its mean; less for a
+        short piece.
     """
 
     clusters: Clusters
@@ -77,6 +81,7 @@ class Hypotheses(NamedTuple):
     border_evidence: float
     visible_length: float
     border_evidences: FloatArray
+    clearness: float
 
 
 class Conclusion(NamedTuple):
@@ -148,6 +153,7 @@ def conclude(
     border_evidence, visible_length, p_bright = _leader_and_polarity(
         clusters, weights, sample, inputs
     )
+    clear = border_clearness(clusters.means, inputs.scan, inputs.model)
     hypotheses = Hypotheses(
         clusters,
         leading_covariance(states, weights, clusters),
@@ -155,9 +161,9 @@ def conclude(
         border_evidence,
         visible_length,
         _border_evidences(clusters.means, inputs),
+        clear.clearness[0] * shown_share(clear.shown[0]),
     )
     margins, standard_scores = _above(background, clusters, weights, sample)
-    clear = border_clearness(clusters.means, inputs.scan, inputs.model)
     log_odds = _log_odds(clusters.means, margins, standard_scores, clear, config, prior)
     return Conclusion(states, corrected, hypotheses, log_odds, p_bright)
 
@@ -186,7 +192,7 @@ def _nothing(states: FloatArray, log_posterior: FloatArray) -> Conclusion:
     none = np.empty(0)
     clusters = Clusters(labels, none, np.empty((0, STATE_SIZE)), labels[:0], 1.0)
     covariance = np.zeros((STATE_SIZE, STATE_SIZE))
-    hypotheses = Hypotheses(clusters, covariance, 0.0, 0.0, 0.0, np.zeros(2))
+    hypotheses = Hypotheses(clusters, covariance, 0.0, 0.0, 0.0, np.zeros(2), 0.0)
     return Conclusion(states, log_posterior, hypotheses, none, 0.0)
 
 

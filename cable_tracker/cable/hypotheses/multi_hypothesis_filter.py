@@ -47,6 +47,7 @@ from cable_tracker.cable.hypotheses.border_displacement import displaced_covaria
 from cable_tracker.cable.hypotheses.border_jump import RATE, BorderJump, jump_from
 from cable_tracker.cable.hypotheses.clusters import Clusters
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses, draw_and_conclude
+from cable_tracker.cable.hypotheses.first_claim import needed_clearness
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise, draw_frame_noise
 from cable_tracker.cable.hypotheses.polarity import updated_p_bright
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
@@ -328,8 +329,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         parameters, hypotheses = self._parameters, found.hypotheses
         presence = probability_of(float(found.log_odds[0]))
         is_known = self._is_known(before)
-        needed = parameters.evidence_to_lose if is_known else parameters.evidence_to_find
-        is_clear = hypotheses.border_evidence >= needed
+        is_clear = self._is_new_clear(hypotheses)
+        if is_known:
+            is_clear = hypotheses.border_evidence >= parameters.evidence_to_lose
         refused = presence >= parameters.presence_to_track and not is_clear
         memory, width_prior = before.memory, before.width_prior
         leader = hypotheses.clusters.means[0]
@@ -379,13 +381,19 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             effective_sample_size=hypotheses.effective_size,
             evidence=evidence,
             supports_claim=is_claimable,
-            supports_new_claim=is_claimable and evidence >= parameters.evidence_to_find,
+            supports_new_claim=is_claimable and self._is_new_clear(hypotheses),
             supports_keeping=visible
             and belief.presence >= parameters.presence_to_lose
             and evidence >= parameters.evidence_to_lose,
             presence=belief.presence,
             hypotheses=_reported(hypotheses.clusters),
         )
+
+    def _is_new_clear(self, hypotheses: Hypotheses) -> bool:
+        """Tell whether the leader is clear enough to claim it where nothing was known of it."""
+        width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
+        needed = needed_clearness(width, self._parameters, self._image_size[0])
+        return hypotheses.clearness >= needed
 
     def _leading_estimate(self, hypotheses: Hypotheses) -> tuple[FloatArray, FloatArray]:
         """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters."""

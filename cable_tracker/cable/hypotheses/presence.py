@@ -141,12 +141,13 @@ def frame_log_odds(standing: Standing) -> float:
         odds = min(odds, MODEL.ordinary_slope * (margin - MODEL.ordinary_margin))
     # A short strip, in a corner, never stands as high as one through the whole picture.
     clearer = max(standing.clearness - MODEL.clearness, 0.0)
-    odds += MODEL.clearness_slope * _enough(standing.shown) * clearer
+    odds += MODEL.clearness_slope * shown_share(standing.shown) * clearer
     return min(max(odds, LEAST_LOG_ODDS), MODEL.largest_log_odds)
 
 
 @compiled_inside
-def _enough(shown: float) -> float:
+def shown_share(shown: float) -> float:
+    """Return what the clearness of borders counts, 0 to 1; `shown` is that of `BorderClearness`."""
     share = (shown - MODEL.least_shown) / (MODEL.enough_shown - MODEL.least_shown)
     return min(max(share, 0.0), 1.0)
 

@@ -208,6 +208,14 @@ class TrackerParameters(ParameterSet):
         "Likelihood ratio: cost of a point outside the image, as a share of that of a point in it"
         " where no border shows.",
     )
+    hidden_stretch_cost: float = number(
+        5.0,
+        "nats",
+        0.0,
+        1e6,
+        "Likelihood ratio: cost of the beginning, and of the end, of a stretch in which growth or"
+        " sand hides a border. Large: borders are hidden at single points alone.",
+    )
     texture_limit: float = number(
         16.0,
         "nats",
@@ -348,8 +356,9 @@ class TrackerParameters(ParameterSet):
         "",
         -10.0,
         100.0,
-        "Evidence above which a cable is claimed that nothing was known of: at the start of a"
-        " search, and after `memory_time` without a claim (multi_hypothesis filter).",
+        "Evidence, in view, above which a cable twice `thin_width` wide is claimed that nothing was"
+        " known of: at the start of a search, and after `memory_time` without a claim; narrower"
+        " ones need up to three times as much, wider ones two thirds (multi_hypothesis filter).",
     )
     evidence_to_lose: float = number(
         -0.05, "", -10.0, 100.0, "Evidence below which a cable is given up."

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cable_tracker.cable.hypotheses.first_claim import needed_clearness
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.sequences.estimates import EstimateRow
 
@@ -36,7 +37,8 @@ def advice(
     presence = [row.presence for row in rows if row.presence is not None]
     evidence = [row.evidence for row in rows if row.evidence is not None]
     is_likely = bool(presence) and max(presence) >= parameters.presence_to_track
-    asking, needed = _evidence_for_a_claim(parameters)
+    width = _median_width(widths)
+    asking, needed = _evidence_for_a_claim(parameters, width)
     is_clear = bool(evidence) and max(evidence) >= needed
     if presence and not is_likely:
         lines.append(
@@ -46,7 +48,7 @@ def advice(
     if evidence and not is_clear:
         lines.append(
             f"evidence: the weaker border reached {max(evidence):.2g}, {asking} asks for"
-            f" {needed:g}; try a lower one, or learn a response table from"
+            f" {needed:.3g}; try a lower one, or learn a response table from"
             " labelled frames of yours (cable-tracker label, learn)"
         )
     if is_likely and is_clear:
@@ -54,23 +56,33 @@ def advice(
             "presence and evidence were high enough, but not together for confirmation_time"
             f" ({parameters.confirmation_time:g} s); try a shorter one"
         )
-    lines += _width_advice(widths, parameters)
+    if width is not None:
+        lines += _width_advice(width, parameters)
     lines.append("docs/troubleshooting.md says what else to try; cable-tracker gui shows why")
     return lines
 
 
-def _evidence_for_a_claim(parameters: TrackerParameters) -> tuple[str, float]:
-    """Return the parameter that a first claim needs most evidence for, and its value."""
+def _median_width(widths: Sequence[tuple[float, int]]) -> float | None:
+    """Return the median width [px at the reference width]; None without any."""
+    if not widths:
+        return None
+    return float(np.median([width * REFERENCE_WIDTH / image for width, image in widths]))
+
+
+def _evidence_for_a_claim(parameters: TrackerParameters, width: float | None) -> tuple[str, float]:
+    """Return the parameter that the first claim needs most evidence for, and how much.
+
+    `width` is that of the cable [px at the reference width]; None: not known.
+    """
     tracked, found = parameters.evidence_to_track, parameters.evidence_to_find
+    if width is not None:
+        found = needed_clearness(width, parameters, REFERENCE_WIDTH)
     if parameters.filter == "multi_hypothesis" and found > tracked:
         return "evidence_to_find", found
     return "evidence_to_track", tracked
 
 
-def _width_advice(widths: Sequence[tuple[float, int]], parameters: TrackerParameters) -> list[str]:
-    if not widths:
-        return []
-    width = float(np.median([width * REFERENCE_WIDTH / image for width, image in widths]))
+def _width_advice(width: float, parameters: TrackerParameters) -> list[str]:
     low, high = parameters.width_minimum, parameters.initial_width_maximum
     if width <= NEAR_LIMIT * max(low, parameters.initial_width_minimum):
         return [

@@ -93,7 +93,7 @@ def test_what_texture_says_counts_for_either_border_in_the_evidence(bottom, insi
     # The shorter border is as long as the picture is high, and a little longer for its slope.
     points = picture.size[1] / picture.line_spacing
     tempering = with_texture.model_for(picture).tempering
-    assert gained - plain == pytest.approx(0.5 * more[0, 0] / (tempering * points), rel=0.15)
+    assert gained - plain == pytest.approx(more[0, 0] / (tempering * points), rel=0.15)
 
 
 def test_thin_strips_have_no_inside_to_look_at(bottom, draw_strip):

@@ -33,6 +33,11 @@ def test_what_was_too_low_is_said_with_what_is_asked_for():
     assert "presence:" not in words(rows(presence=1.0), [], PARAMETERS)
 
 
+def test_a_thin_cable_is_asked_for_more_evidence():
+    assert "evidence_to_find asks for 1.35" in words(rows(), [(32.0, 1280)] * 3, PARAMETERS)
+    assert "evidence_to_find asks for 0.3" in words(rows(), [(100.0, 320)] * 3, PARAMETERS)
+
+
 def test_high_values_that_did_not_last_are_told_apart():
     assert "confirmation_time" in words(rows(1.0, 3.0), [], PARAMETERS)
 
