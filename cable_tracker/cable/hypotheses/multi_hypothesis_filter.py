@@ -328,14 +328,15 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         """
         parameters, hypotheses = self._parameters, found.hypotheses
         presence = probability_of(float(found.log_odds[0]))
-        is_known = self._is_known(before)
-        is_clear = self._is_new_clear(hypotheses)
-        if is_known:
-            is_clear = hypotheses.border_evidence >= parameters.evidence_to_lose
-        refused = presence >= parameters.presence_to_track and not is_clear
+        is_known, is_clear = self._is_known(before), self._is_new_clear(hypotheses)
+        is_refused = presence >= parameters.presence_to_track and (
+            hypotheses.border_evidence < parameters.evidence_to_lose if is_known else not is_clear
+        )
+        # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
+        believed = presence if is_known or is_clear else 0.0
         memory, width_prior = before.memory, before.width_prior
         leader = hypotheses.clusters.means[0]
-        if presence >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS:
+        if believed >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS:
             memory = remember(wrap_state(leader), self._image_size, parameters)
             width = float(leader[StateColumn.WIDTH])
             width_prior = updated_width_prior(width_prior, width, dt, parameters)
@@ -346,12 +347,12 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             hypotheses=hypotheses,
             presence=presence,
             p_bright=updated_p_bright(
-                before.p_bright, found.p_bright, presence, parameters.polarity_memory, dt
+                before.p_bright, found.p_bright, believed, parameters.polarity_memory, dt
             ),
             memory=memory,
             width_prior=width_prior,
             log_odds=found.log_odds,
-            refused_time=before.refused_time + dt if refused else 0.0,
+            refused_time=before.refused_time + dt if is_refused else 0.0,
             known_time=known_time if is_held else 0.0,
         )
 

@@ -234,6 +234,18 @@ def test_what_is_never_clear_enough_to_claim_is_never_known(strip):
     assert run(cable_filter, given, [strip] * 10, FOUND)[-1].known_time == np.inf
 
 
+def test_of_what_is_never_clear_enough_to_claim_nothing_is_remembered(strip):
+    cable_filter = make_filter(evidence_to_find=100.0)
+    guess = cable_filter.guessed_belief(cloud(STRIP))
+    believed = run(cable_filter, guess, [strip] * 10, FOUND)[-1]
+    assert believed.presence > 0.9
+    assert believed.memory is None
+    assert believed.width_prior is None
+    assert believed.p_bright == pytest.approx(0.5)
+    given = cable_filter.given_belief(cloud(STRIP))
+    assert run(cable_filter, given, [strip] * 10, FOUND)[-1].memory is not None
+
+
 def test_what_cannot_be_claimed_for_long_is_a_new_search(strip):
     cable_filter = make_filter(evidence_to_find=100.0, search_time=0.4)
     beliefs = run(cable_filter, cable_filter.guessed_belief(cloud(STRIP)), [strip] * 30, FOUND)
