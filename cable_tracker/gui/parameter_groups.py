@@ -30,8 +30,8 @@ CABLE_GROUPS: Groups = (
         "Observation",
         (
             "working_width", "sample_spacing", "filter_sigma", "light_correction", "epsilon",
-            "response_table", "tempering", "missing_cost", "hidden_stretch_cost",
-            "texture_limit", "shadow_evidence", "polarity_memory", "border_displacement",
+            "response_table", "tempering", "missing_cost", "texture_limit",
+            "shadow_evidence", "polarity_memory", "border_displacement",
         ),
     ),
     ("Limits of a particle", ("distance_limit", "width_minimum", "width_maximum", "skew_limit")),

@@ -2,10 +2,7 @@
 
 Where each border crosses the scan lines, the response across it and its slope are looked up in a
 table of log-likelihood ratios, border against background. A border that is overgrown at a point
-costs a bounded amount there. Sand and growth hide whole stretches of a border: of all ways to part
-it into stretches that are in sight and hidden ones, which say nothing, the likeliest counts. Where
-each hidden stretch begins and ends costs `hidden_stretch_cost`, so that a border that is hidden
-here and there is none. Neighbouring points are not independent, so the sum is tempered.
+costs a bounded amount there. Neighbouring points are not independent, so the sum is tempered.
 
 That a cable is smoother than the bottom beside it counts, too, see `texture`.
 
@@ -68,10 +65,6 @@ TEMPERED_SPACING = 5.0
 EITHER = polarity_prior(0.5)
 """Bright and dark cables are as likely."""
 
-HIDDEN_POINT = np.float32(0.2)
-"""What a point in a hidden stretch costs: in sight is the rule [nats]. Chosen on the simulated
-worlds to tune on (`tune_*`)."""
-
 STRENGTH_STEP = 6.0
 """What it costs that the strengths of the two borders of a cable are one class apart [nats]."""
 
@@ -82,9 +75,6 @@ JOINT_STRENGTHS = np.exp(-STRENGTH_STEP * _APART) / np.exp(-STRENGTH_STEP * _APA
 
 BRIGHT, DARK = 0, 1
 """Columns of what is said of cables that are brighter, and darker, than the bottom."""
-
-IN_SIGHT, HIDDEN = 0, 1
-"""Rows of the paths of a border, by whether its last point is in sight."""
 
 
 class CableEvidence(NamedTuple):
@@ -143,8 +133,6 @@ class RatioModel(NamedTuple):
         Power of one point's ratio.
     missing : FloatArray
         Log-likelihood ratio of a point that a border lacks, by class of strength, shape (4,).
-    hidden_stretch : float
-        Cost of the beginning, and of the end, of a hidden stretch, single precision [nats].
     texture_limit : float
         Most that texture says [nats].
     """
@@ -153,7 +141,6 @@ class RatioModel(NamedTuple):
     contrasts: Image
     tempering: float
     missing: FloatArray
-    hidden_stretch: np.float32
     texture_limit: float
 
 
@@ -178,8 +165,7 @@ class BorderLikelihoodRatio:
         self._tempering = parameters.tempering
         self._model = RatioModel(
             chosen.edges_of_both, chosen.contrasts_of_both, 0.0,
-            parameters.missing_cost * chosen.absent,
-            np.float32(parameters.hidden_stretch_cost), parameters.texture_limit,
+            parameters.missing_cost * chosen.absent, parameters.texture_limit,
         )  # fmt: skip
 
     def log_likelihoods(self, states: FloatArray, observation: WorkingImage) -> FloatArray:
@@ -231,7 +217,6 @@ def measure_into(
     log_ratios, weaker, visible = evidence[:3]
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
-    paths = np.empty((2, 2 * CLASSES), np.float32)
     crossings, texture, smoother = room_for_crossings(), np.empty((2, 2)), np.zeros(2)
     for cable in range(start, stop):
         state = states[cable]
@@ -246,16 +231,16 @@ def measure_into(
             line = border_line(along, across, offset, -side, depths, scan.scale, gain)
             windows = texture_windows(-side / along, width, scan.scale, model.texture_limit)
             length, evidence.outsides[cable, border] = _sum_border(
-                lines, line, windows, model, crossings, paths, texture
+                lines, line, windows, model, crossings, sums[border], texture
             )
             smoother[border] = smoothness(texture)
             # A border that runs through the picture has as many points as the picture is high.
             # Points beyond the edge cannot be seen, but a cable without is not believed for free.
             lacking = max(scan.expected - length, 0.0)
-            for index in range(2 * CLASSES):
-                best = max(paths[IN_SIGHT, index], paths[HIDDEN, index]) * np.float32(line.length)
-                cost = np.float32(lacking * model.missing[index % CLASSES])
-                sums[border, index] = best + cost
+            for strength in range(CLASSES):
+                cost = np.float32(lacking * model.missing[strength])
+                sums[border, strength] += cost
+                sums[border, CLASSES + strength] += cost
             visible[cable] = min(visible[cable], length)
             longest = max(longest, length)
         smoothest = texture_log_ratio(smoother[0], smoother[1], model.texture_limit)
@@ -339,15 +324,15 @@ def _sum_border(
     windows: TextureWindows,
     model: RatioModel,
     crossings: Crossings,
-    paths: Image,
+    sums: Image,
     texture: FloatArray,
 ) -> tuple[float, float]:
-    """Fill in the sums of the likeliest paths (2, 8) and the texture (2, 2) of a border.
+    """Fill in the summed ratios (8,) and the texture (2, 2) of a border.
 
     Its length in view, and the mean grey level outside it, are returned.
     """
     for index in range(2 * CLASSES):
-        paths[IN_SIGHT, index], paths[HIDDEN, index] = np.float32(0.0), -model.hidden_stretch
+        sums[index] = np.float32(0.0)
     for side in range(2):
         texture[side, 0], texture[side, 1] = 0.0, 0.0
     count, outside = 0, 0.0
@@ -357,33 +342,39 @@ def _sum_border(
         measure_contrasts(lines, first, found, border, crossings)
         for index in range(found):
             outside += crossings.levels[0, index]
-        _follow_paths(found, model, crossings, paths)
+        _add_ratios(found, model, crossings, sums)
         if windows.looked_at:
             add_texture(lines, first, found, windows, crossings, texture)
         count += found
+    for index in range(2 * CLASSES):
+        sums[index] *= np.float32(border.length)
     return count * border.length, outside / max(count, 1)
 
 
 @compiled_inside
-def _follow_paths(count: int, model: RatioModel, crossings: Crossings, paths: Image) -> None:
-    """Carry the likeliest paths (2, 8) of a border on over measured crossings.
-
-    Row `IN_SIGHT` is of those whose last point is in sight, `HIDDEN` of those whose last is hidden;
-    columns are polarities and classes of strength (Viterbi 1967).
-    """
+def _add_ratios(count: int, model: RatioModel, crossings: Crossings, sums: Image) -> None:
+    """Add the ratios of measured crossings to the sums (8,) of their border."""
     cells = crossings.pixels
     for index in range(whole_groups(count)):
         response = crossings.responses[index]
         cells[0, index] = edge_cell(response, crossings.slopes[index])
         cells[1, index] = contrast_cell(response, crossings.contrasts[index])
+    # As variables, they stay in registers; an array might be one of the tables.
+    a, b, c, d = sums[0], sums[1], sums[2], sums[3]
+    e, f, g, h = sums[4], sums[5], sums[6], sums[7]
     for index in range(count):
         edges = model.edges[np.uint64(cells[0, index])]
         contrasts = model.contrasts[np.uint64(cells[1, index])]
-        for strength in range(2 * CLASSES):
-            in_sight, hidden = paths[IN_SIGHT, strength], paths[HIDDEN, strength]
-            ratio = _ratio(edges, contrasts, strength)
-            paths[IN_SIGHT, strength] = max(in_sight, hidden - model.hidden_stretch) + ratio
-            paths[HIDDEN, strength] = max(hidden, in_sight - model.hidden_stretch) - HIDDEN_POINT
+        a += _ratio(edges, contrasts, 0)
+        b += _ratio(edges, contrasts, 1)
+        c += _ratio(edges, contrasts, 2)
+        d += _ratio(edges, contrasts, 3)
+        e += _ratio(edges, contrasts, 4)
+        f += _ratio(edges, contrasts, 5)
+        g += _ratio(edges, contrasts, 6)
+        h += _ratio(edges, contrasts, 7)
+    sums[0], sums[1], sums[2], sums[3] = a, b, c, d
+    sums[4], sums[5], sums[6], sums[7] = e, f, g, h
 
 
 @compiled_inside

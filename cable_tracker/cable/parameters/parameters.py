@@ -208,14 +208,6 @@ class TrackerParameters(ParameterSet):
         "Likelihood ratio: cost of a point outside the image, as a share of that of a point in it"
         " where no border shows.",
     )
-    hidden_stretch_cost: float = number(
-        5.0,
-        "nats",
-        0.0,
-        1e6,
-        "Likelihood ratio: cost of the beginning, and of the end, of a stretch in which growth or"
-        " sand hides a border. Large: borders are hidden at single points alone.",
-    )
     texture_limit: float = number(
         16.0,
         "nats",

@@ -121,7 +121,6 @@ TAKEN_AWAY = AblationTable(
         ),
         _without("uneven_light", "uneven light left in", {"light_correction": 0.0}),
         _without("free_outside", "points outside the image cost nothing", {"missing_cost": 0.0}),
-        _without("never_hidden", "no border is hidden for a stretch", {"hidden_stretch_cost": 1e6}),
         _without("no_texture", "texture not looked at", {"texture_limit": 0.0}),
         _without("no_shadows", "no strip is a shadow", {"shadow_evidence": 1e3}),
         _without("hardly_tempered", "points of a border all but independent", {"tempering": 0.3}),

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from cable_tracker.cable.measure.border_points import agreed_contrast, frame_scan, measure_points
 from cable_tracker.cable.measure.likelihood_ratio import (
     EITHER,
-    HIDDEN_POINT,
     JOINT_STRENGTHS,
     BorderLikelihoodRatio,
     border_clearness,
@@ -169,9 +168,8 @@ def test_the_scene_twice_as_large_has_nearly_the_same_ratios(draw_strip):
         double.to_array() + np.array([40.0, *[0.0] * 7]),
     )
     assert large.log_ratios[0, 0] == pytest.approx(small.log_ratios[0, 0], rel=0.25)
-    for found in (small, large):
-        assert (found.log_ratios.ravel()[1:] < 0.5 * found.log_ratios[0, 0]).all()
-        assert (found.weaker_borders.ravel()[1:] < 0.0).all()
+    for wrong in (small.log_ratios.ravel()[1:], large.log_ratios.ravel()[1:]):
+        assert (wrong < 0.0).all()
     np.testing.assert_allclose(large.visible_lengths, small.visible_lengths, atol=1.0)
 
 
@@ -227,18 +225,6 @@ def test_where_the_parts_of_the_inside_disagree_there_is_no_contrast():
     assert list(map(agreed_contrast, behind, middle)) == [2.0, 0.0, -3.0, 0.0, 0.0]
 
 
-def likeliest_path(ratios, stretch_cost) -> np.ndarray:
-    """The best sum over all ways to hide stretches of the points (N, 8), shape (2, 4)."""
-    best = np.zeros(ratios.shape[1])
-    in_sight, hidden = best, best - stretch_cost
-    for ratio in ratios:
-        in_sight, hidden = (
-            np.maximum(in_sight, hidden - stretch_cost) + ratio,
-            np.maximum(hidden, in_sight - stretch_cost) - HIDDEN_POINT,
-        )
-    return np.maximum(in_sight, hidden).reshape(2, CLASSES)
-
-
 def literal_log_ratios(state, image, table, parameters) -> np.ndarray:
     """The model written down from its definition, over the points that learning records."""
     tempering = parameters.tempering * image.line_spacing / image.scale / 5.0
@@ -250,7 +236,7 @@ def literal_log_ratios(state, image, table, parameters) -> np.ndarray:
         length = 1.0 / max(abs(np.cos(normal)), abs(np.sin(normal)))
         mine = ratios[points.borders == border]
         missing = max(expected - length * len(mine), 0.0)
-        sums[border] = length * likeliest_path(mine, parameters.hidden_stretch_cost)
+        sums[border] = length * mine.sum(axis=0).reshape(2, CLASSES)
         sums[border] += missing * parameters.missing_cost * table.absent
     # Over the strengths of the left and the right border: bright cables, then dark ones.
     joint = np.exp(tempering * (sums[0][:, :, None] + sums[1][:, None, :]))
@@ -272,22 +258,6 @@ def test_a_cable_has_the_sum_of_its_points_ratios(seed):
     expected = literal_log_ratios(state, image, load_table(""), TrackerParameters())
     found = MODEL.measure(state[None], image).log_ratios[0]
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-3)
-
-
-def test_a_border_that_sand_hides_for_half_its_way_counts_where_it_is_in_sight(strip):
-    half = strip.copy()
-    # The lower half of the right border lies under bottom from elsewhere in the picture.
-    half[SIZE[1] // 2 :, SIZE[0] // 2 :] = strip[SIZE[1] // 2 :, : SIZE[0] // 2]
-    found = [
-        BorderLikelihoodRatio(TrackerParameters(hidden_stretch_cost=cost))
-        .measure(changed()[None], working(picture))
-        .log_ratios.max()
-        for picture in (strip, half)
-        for cost in (5.0, 1e6)
-    ]
-    whole, whole_at_points, half_hidden, half_at_points = found
-    assert whole == pytest.approx(whole_at_points, rel=0.05)
-    assert half_hidden > half_at_points + 2.0
 
 
 def test_a_table_that_is_not_there_is_said_at_once(tmp_path):
