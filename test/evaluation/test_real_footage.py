@@ -3,8 +3,11 @@
 from itertools import islice
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
+from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -14,7 +17,9 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
 from cable_tracker.trackers import make_tracker
 
-FOOTAGE = Path(__file__).resolve().parents[3] / "shared" / "data" / "strip"
+DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+FOOTAGE = DATA / "strip"
+SEABED = DATA / "seabed"
 
 
 def track(
@@ -51,3 +56,29 @@ def test_a_strip_is_found_from_nothing():
 def test_no_strip_is_claimed_where_there_is_none():
     statuses = {estimate.status for estimate, _ in track("no_strip.mp4", "random", 120)}
     assert statuses == {TrackingStatus.INITIALISING}
+
+
+def panned(still: Image, count: int) -> list[Image]:
+    """Frames of 320x240 from a still 400 px wide, as a camera sees it that sways over it."""
+    turns = 0.5 - 0.5 * np.cos(np.arange(count) / 12)
+    places = np.rint(turns[:, None] * (still.shape[1] - 320, still.shape[0] - 240)).astype(int)
+    return [still[y : y + 240, x : x + 320] for x, y in places]
+
+
+@pytest.mark.slow
+def test_a_bar_of_finite_length_on_a_real_sea_bed_is_seldom_claimed():
+    if not SEABED.is_dir():
+        pytest.skip(f"REAL PICTURES ARE MISSING: there is no {SEABED}")
+    claimed = []
+    for path in sorted(SEABED.glob("*.jpg")):
+        still = cv2.resize(
+            cv2.imread(str(path), cv2.IMREAD_GRAYSCALE), (400, 300), interpolation=cv2.INTER_AREA
+        )
+        tracker = make_tracker(TrackerParameters())
+        claimed += [
+            tracker.process(frame, 40_000_000 * (index + 1)).status is TrackingStatus.TRACKING
+            for index, frame in enumerate(panned(still, 60))
+        ]
+    assert len(claimed) == 33 * 60
+    # One still of the 33 is claimed for most of its frames.
+    assert np.mean(claimed) < 0.06
