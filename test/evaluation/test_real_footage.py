@@ -1,4 +1,4 @@
-"""The tracker on a real camera above a white strip, and above the same ground without one."""
+"""The tracker on real pictures: above a white strip, above its ground, and of a sea bed."""
 
 from itertools import islice
 from pathlib import Path

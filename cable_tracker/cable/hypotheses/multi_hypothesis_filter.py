@@ -333,7 +333,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             hypotheses.border_evidence < parameters.evidence_to_lose if is_known else not is_clear
         )
         # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
-        believed = presence if is_known or is_clear else 0.0
+        is_learnt_from = is_known or is_clear
+        believed = presence if is_learnt_from else 0.0
         memory, width_prior = before.memory, before.width_prior
         leader = hypotheses.clusters.means[0]
         if believed >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS:
@@ -341,7 +342,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             width = float(leader[StateColumn.WIDTH])
             width_prior = updated_width_prior(width_prior, width, dt, parameters)
         is_held = presence >= KNOWN_PRESENCE and goes_on(leader, expected, self._config.near)
-        known_time = before.known_time + (dt if is_known or is_clear else 0.0)
+        known_time = before.known_time + (dt if is_learnt_from else 0.0)
         return Belief(
             particles=Particles(found.states, found.log_weights),
             hypotheses=hypotheses,
