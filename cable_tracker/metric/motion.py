@@ -60,10 +60,22 @@ class NoMotion:
 
 
 class Odometry:
-    """The last twists of a vehicle, with their covariances."""
+    """The last twists of a vehicle, with their covariances.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    instrument : str
+        What states them, as it is called where no motion is known.
+    """
+
+    def __init__(self, instrument: str = "odometry") -> None:
+        self._instrument = instrument
         self._twists = History()
+
+    @property
+    def has_come(self) -> bool:
+        """Tell whether there has been any twist."""
+        return len(self._twists) > 0
 
     def add(self, stamp: int, twist: FloatArray, covariance: FloatArray) -> None:
         """Take a twist (6,) and its covariance (6, 6) of a time [ns]."""
@@ -71,7 +83,7 @@ class Odometry:
 
     def copy(self) -> Odometry:
         """Return another one with the same twists."""
-        other = Odometry()
+        other = Odometry(self._instrument)
         other._twists = self._twists.copy()
         return other
 
@@ -87,22 +99,22 @@ class Odometry:
         within = self._twists.between(start + 1, end)
         knots = [self._knot(start), *within, self._knot(end)]
         if not all(np.isfinite(values).all() for _, values in knots):
-            return NoMotion("odometry is not finite")
+            return NoMotion(f"{self._instrument} is not finite")
         return _integrated(knots, seconds)
 
     def _why_unknown(self, start: int, end: int, seconds: float) -> str:
-        first, last = self._twists.at(start), self._twists.at(end)
+        name, first, last = self._instrument, self._twists.at(start), self._twists.at(end)
         faults = (
-            (not len(self._twists), "no odometry has come"),
+            (not self.has_come, f"no {name} has come"),
             (not 0.0 < seconds <= LONGEST_STEP, f"{seconds:g} s between frames are not bridged"),
-            (first is None, "odometry has only later stamps than the image"),
+            (first is None, f"{name} has only later stamps than the image"),
             (
                 last is not None and last.age > LONGEST_HOLD,
-                f"the last odometry is more than {LONGEST_HOLD:g} s older than the image",
+                f"the last {name} is more than {LONGEST_HOLD:g} s older than the image",
             ),
             (
                 self._twists.is_frozen(FROZEN_COUNT, end),
-                "odometry says the same again and again",
+                f"{name} says the same again and again",
             ),
         )
         return next((words for is_so, words in faults if is_so), "")

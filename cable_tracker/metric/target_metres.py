@@ -76,7 +76,7 @@ class VehicleMotion:
     def __init__(self) -> None:
         self._calibration: Calibration | None = None
         self._odometry = Odometry()
-        self._gyroscope = Odometry()
+        self._gyroscope = Odometry("imu")
 
     def take_calibration(self, calibration: Calibration) -> None:
         """Use a calibration from now on."""
@@ -105,11 +105,7 @@ class VehicleMotion:
         turned = self._gyroscope.motion(start, end)
         if isinstance(turned, PoseChange):
             return turned, False
-        return (
-            moved
-            if turned.why.startswith("no odometry")
-            else NoMotion(turned.why.replace("odometry", "imu"))
-        )
+        return turned if self._gyroscope.has_come else moved
 
 
 def turn_of_picture(camera: CameraModel, mounting: Mounting, rotation: FloatArray) -> CameraMotion:

@@ -287,6 +287,6 @@ def corners_of(outline: Outline, zoom: float) -> FloatArray:
     )
     if not contours:
         return np.empty((0, 2))
-    largest = max(contours, key=len)[:, 0].astype(np.float64)
+    largest = max(contours, key=cv2.contourArea)[:, 0].astype(np.float64)
     corners: FloatArray = (largest + outline.window[:2] + 0.5) * zoom
     return corners

@@ -48,7 +48,8 @@ def draw_target(
             cv2.circle(canvas, place, thick, to_bgr(PARTICLE), -1)
     claimed = estimate.status is TrackingStatus.TRACKING
     if claimed and len(estimate.outline):
-        corners = np.round(estimate.outline).astype(np.int32)
+        # The outline counts from the corner of the picture, OpenCV from the centre of a pixel.
+        corners = np.floor(estimate.outline).astype(np.int32)
         cv2.polylines(canvas, [corners], True, to_bgr(CONTOUR), thick, cv2.LINE_AA)
     if claimed and estimate.box is not None:
         left, top, right, bottom = (round(side) for side in estimate.box)

@@ -163,3 +163,12 @@ class TestVehicleMotion:
         moved = motion.between(0, STEP)
         assert not isinstance(moved, NoMotion) and moved[1]
         assert moved[0].translation[0] == pytest.approx(0.04, rel=0.1)
+
+    def test_an_instrument_that_has_come_says_why_nothing_is_known(self):
+        late, without_imu, without_odometry = 10 * STEP, VehicleMotion(), VehicleMotion()
+        without_imu.take_twist(0, np.ones(6), np.eye(6))
+        without_odometry.take_turn(0, np.ones(3))
+        for motion, instrument in ((without_imu, "odometry"), (without_odometry, "imu")):
+            unknown = motion.between(late, late + STEP)
+            assert isinstance(unknown, NoMotion)
+            assert unknown.why.startswith(f"the last {instrument} is more than")

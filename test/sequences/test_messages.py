@@ -163,6 +163,14 @@ def test_a_centreline_is_read_back_as_a_prior(distance, angle, var_d, var_angle)
     assert np.isinf(prior.sigma[2:]).all()
 
 
+@pytest.mark.parametrize("length", [0.92, 1.08])
+def test_a_prior_is_read_alike_whatever_the_length_of_its_quaternion(length):
+    message = make_centreline(FACTORY, HEADER, CableState(0.0, 1.4, 30.0), COVARIANCE)
+    message.pose.pose.orientation.z *= length
+    message.pose.pose.orientation.w *= length
+    assert read_prior(message).state.angle == pytest.approx(1.4)
+
+
 def pose_message(**covariances: float):
     message = make_centreline(FACTORY, HEADER, STATE, COVARIANCE)
     message.pose.covariance[:] = 0.0

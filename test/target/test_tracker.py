@@ -6,10 +6,11 @@ import pytest
 
 from cable_tracker.errors import FrameError
 from cable_tracker.simulation.targets.sequence import simulate_target
+from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.tracker import TargetTracker
+from cable_tracker.target.tracker import TargetTracker, corners_of
 
 STEP = 40_000_000
 
@@ -226,3 +227,12 @@ def test_a_handful_of_particles_is_no_error(draw, count):
         estimate = tracker.process(draw(seed=number)[0], number * STEP)
     assert np.isfinite(estimate.state).all()
     assert tracker.particles.count == count
+
+
+def test_the_contour_is_that_of_the_largest_area_and_not_of_the_most_corners():
+    mask = np.zeros((60, 80), bool)
+    mask[5:45, 10:50] = True
+    mask[50:56, 60:72:2] = mask[52, 60:72] = True
+    corners = corners_of(Outline(mask, (100, 20, 180, 80), 1.0), zoom=2.0)
+    assert corners.min(axis=0) == pytest.approx([2 * 110.5, 2 * 25.5])
+    assert corners.max(axis=0) == pytest.approx([2 * 149.5, 2 * 64.5])

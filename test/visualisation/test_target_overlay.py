@@ -1,4 +1,7 @@
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
@@ -37,3 +40,17 @@ def test_particles_are_drawn_where_they_are_and_the_frame_is_left_alone():
     )
     assert picture[160, 220].any()
     assert not frame.any()
+
+
+@pytest.mark.parametrize("first", [100, 101])
+def test_a_contour_is_drawn_on_the_pixels_whose_centres_it_goes_through(first):
+    last = first + 20
+    square = np.array([[first, first], [last, first], [last, last], [first, last]]) + 0.5
+    claimed = replace(estimate(TrackingStatus.TRACKING), box=None, outline=square)
+    picture = draw_target(np.zeros((240, 320), np.uint8), claimed, None)
+    rows, columns = np.nonzero(picture[60:].any(axis=2))
+    # Lines are smoothed at their edges.
+    assert abs(columns.min() - first) <= 1
+    assert picture[first + 10, first].sum() > 2 * picture[first + 10, first - 1].sum()
+    assert picture[first + 10, last].sum() > 2 * picture[first + 10, last + 1].sum()
+    assert rows.max() + 60 - last <= 1
