@@ -20,11 +20,12 @@ from cable_tracker.example_controller.line_of_sight import (
     LineOfSight,
 )
 
-NEAR, NEAR_TURNED = 0.5, math.radians(35.0)
+NEAR, NEAR_TURNED = 0.3, math.radians(20.0)
 """How far from where it is expected, and how askew, the cable may appear [m, rad]."""
 
-GATE_GROWTH = 0.2
-"""How much farther for each metre since it was seen."""
+GATE_GROWTH, GATE_TURN, MOST_TURNED = 0.25, math.radians(5.0), math.radians(45.0)
+"""How much farther, and how much more askew, for each metre since it was seen [m/m, rad/m], and how
+askew at most [rad]."""
 
 PROVEN = 2.0
 """A cable that is lost again before it was followed so far may have been something else [m]."""
@@ -165,9 +166,11 @@ class Controller:
         if pose is None or line is None:
             return True
         expected = line.seen_from(pose)
-        gate = NEAR + GATE_GROWTH * max(line.progress(pose), 0.0)
+        way = max(line.progress(pose), 0.0)
+        near, near_turned = NEAR + GATE_GROWTH * way, NEAR_TURNED + GATE_TURN * way
         turned = abs(math.remainder(cable.heading - expected.heading, math.pi))
-        return abs(cable.offset - expected.offset) < gate and turned < NEAR_TURNED
+        is_near = abs(cable.offset - expected.offset) < near
+        return is_near and turned < min(near_turned, MOST_TURNED)
 
     def _without(self, time: float, seconds: float, pose: Pose | None) -> Command:
         """Return the command while the cable is not seen."""

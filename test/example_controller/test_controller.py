@@ -136,6 +136,20 @@ def test_what_lies_elsewhere_is_not_the_cable(following, other):
     assert following.mode is not Mode.FOLLOWING
 
 
+@pytest.mark.parametrize("other", [Cable(0.45, 0.0), Cable(0.0, math.radians(24.0))])
+def test_soon_after_the_loss_the_cable_is_near_the_line_and_later_it_may_have_bent(other):
+    soon, late = Trial(), Trial()
+    for trial, seconds in ((soon, 1.0), (late, 10.0)):
+        trial.sees_the_x_axis(20.0)
+        for _ in trial.sees_nothing(seconds):
+            pass
+        line = RememberedLine(trial.pose.x, other.offset, other.heading)
+        for _ in range(2 * SEARCH.confirmations):
+            trial.sees(line.seen_from(trial.pose))
+    assert soon.mode is not Mode.FOLLOWING
+    assert late.mode is Mode.FOLLOWING
+
+
 def test_what_is_followed_may_bend_away_from_the_line_of_before(following):
     for step in range(40):
         following.sees(Cable(0.0, 0.02 * min(step, 20)))
