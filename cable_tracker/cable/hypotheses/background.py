@@ -20,7 +20,7 @@ from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs
 from cable_tracker.cable.hypotheses.shared_borders import shares_border
-from cable_tracker.cable.measure.likelihood_ratio import empty_evidence, measure_into
+from cable_tracker.cable.measure.likelihood_ratio import allocate_log_ratios, fill_log_ratios
 from cable_tracker.cable.measure.polarity_prior import marginal_log_ratio
 from cable_tracker.cable.model.geometry import (
     borders_cross_inside,
@@ -120,10 +120,10 @@ def background_of(means: FloatArray, inputs: ProposalInputs, config: ProposalCon
     for row in range(kinds, total):
         mean = means[(row - kinds) // share]
         _place_like(mean, noise, row - kinds, config.limits, image_size, strips[row])
-    evidence = empty_evidence(total)
-    measure_into(strips, 0, total, inputs.scan, inputs.model, evidence)
+    measured = allocate_log_ratios(total)
+    fill_log_ratios(strips, 0, total, inputs.scan, inputs.model, measured)
     for row in range(total):
-        log_ratios = evidence.log_ratios[row]
+        log_ratios = measured.log_ratios[row]
         ratios[row] = marginal_log_ratio(inputs.polarity, log_ratios[0], log_ratios[1])
         if borders_cross_inside(strips[row], image_size):
             ratios[row] = -np.inf

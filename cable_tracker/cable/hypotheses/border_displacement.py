@@ -15,7 +15,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 
-CLEAR_EVIDENCE, HALVING_EVIDENCE = 1.8, 0.25
+CLEAR_LOG_RATIO, HALVING_LOG_RATIO = 1.8, 0.25
 """A border is displaced by `border_displacement` where its mean log-likelihood ratio per point is
 the first, by half of it for each second more, and by twice as much for each less."""
 
@@ -39,7 +39,7 @@ their turns: d and alpha are means of the two, w is the difference, beta half of
 
 def displaced_covariance(
     covariance: FloatArray,
-    border_evidences: FloatArray,
+    border_means: FloatArray,
     width: float,
     parameters: TrackerParameters,
     image_width: int,
@@ -53,7 +53,7 @@ def displaced_covariance(
     ----------
     covariance : FloatArray
         Of the particles, shape (8, 8).
-    border_evidences : FloatArray
+    border_means : FloatArray
         Mean log-likelihood ratios per point of the left and of the right border, shape (2,).
     width : float
         Of the cable [px].
@@ -63,7 +63,7 @@ def displaced_covariance(
         Of the frames [px].
     """
     unit = image_width / REFERENCE_WIDTH
-    factors = displacement_factors(border_evidences, width / unit)
+    factors = displacement_factors(border_means, width / unit)
     border = parameters.border_displacement * unit
     turn = parameters.border_displacement * BORDER_TURN
     sigmas = np.concatenate((factors * border, factors * turn))
@@ -75,12 +75,13 @@ def displaced_covariance(
     return displaced
 
 
-def displacement_factors(border_evidences: FloatArray, width: float) -> FloatArray:
-    """Return how many times `border_displacement` borders with some evidence are displaced.
+def displacement_factors(border_means: FloatArray, width: float) -> FloatArray:
+    """Return the sigmas of the displacements of borders in units of `border_displacement`.
 
-    `width` is that of the cable [px at the reference width].
+    `border_means` are mean log-likelihood ratios per point [nats], `width` that of the cable [px at
+    the reference width]. The result has the shape of `border_means`.
     """
     largest = min(max(MOST_OF_WIDTH * width, USUAL_MOST), FARTHEST)
-    doublings = (CLEAR_EVIDENCE - border_evidences) / HALVING_EVIDENCE
+    doublings = (CLEAR_LOG_RATIO - border_means) / HALVING_LOG_RATIO
     factors: FloatArray = np.exp2(np.minimum(doublings, math.log2(largest)))
     return factors

@@ -36,9 +36,9 @@ from cable_tracker.cable.measure.likelihood_ratio import (
     BRIGHT,
     DARK,
     BorderClearness,
+    allocate_log_ratios,
     border_clearness,
-    empty_evidence,
-    measure_into,
+    fill_log_ratios,
 )
 from cable_tracker.cable.measure.polarity_prior import bright_share
 from cable_tracker.cable.model.geometry import unwrap_state
@@ -62,26 +62,27 @@ class Hypotheses(NamedTuple):
         Of the leading cluster, in the chart about its mean, shape (8, 8).
     effective_size : float
         N_eff of all particles.
-    border_evidence : float
-        Mean log-likelihood ratio per point of the weaker border, over the leading cluster.
+    weaker_border_mean : float
+        Mean log-likelihood ratio per point of the weaker border, with what the texture says,
+        averaged over the leading cluster [nats]: the evidence that is published.
     visible_length : float
         Length inside the image of the shorter border, over the leading cluster [distances of the
         scan lines].
-    border_evidences : FloatArray
-        Mean log-likelihood ratios per point of the left and of the right border of its mean,
-        shape (2,).
-    clearness : float
-        Mean log-likelihood ratio per point in view of the weaker border of its mean; less for a
-        short piece.
+    border_means : FloatArray
+        Mean log-likelihood ratios per point of the left and of the right border of the leading
+        mean, without texture, shape (2,) [nats].
+    scaled_clearness : float
+        Clearness of the weaker border of the leading mean (`BorderClearness.clearness`, nats per
+        visible point) times `shown_share`; 0 for borders shorter than 0.3 image heights.
     """
 
     clusters: Clusters
     covariance: FloatArray
     effective_size: float
-    border_evidence: float
+    weaker_border_mean: float
     visible_length: float
-    border_evidences: FloatArray
-    clearness: float
+    border_means: FloatArray
+    scaled_clearness: float
 
 
 class Conclusion(NamedTuple):
@@ -150,7 +151,7 @@ def conclude(
         groups = find_groups(states, corrected, config.cluster_radii, nowhere)
         background = background_of_groups(states, corrected, groups, inputs, config)
         clusters = clusters_of(states, weights, groups)
-    border_evidence, visible_length, p_bright = _leader_and_polarity(
+    weaker_border_mean, visible_length, p_bright = _leader_and_polarity(
         clusters, weights, sample, inputs
     )
     clear = border_clearness(clusters.means, inputs.scan, inputs.model)
@@ -158,9 +159,9 @@ def conclude(
         clusters,
         leading_covariance(states, weights, clusters),
         effective_sample_size(corrected),
-        border_evidence,
+        weaker_border_mean,
         visible_length,
-        _border_evidences(clusters.means, inputs),
+        _leading_border_means(clusters.means, inputs),
         clear.clearness[0] * shown_share(clear.shown[0]),
     )
     margins, standard_scores = _above(background, clusters, weights, sample)
@@ -200,27 +201,28 @@ def _nothing(states: FloatArray, log_posterior: FloatArray) -> Conclusion:
 def _leader_and_polarity(
     clusters: Clusters, weights: FloatArray, sample: Sample, inputs: ProposalInputs
 ) -> tuple[float, float, float]:
-    """Return evidence and visible length over the leader, and P(bright) over all particles."""
-    mass, measured = clusters.masses[0], sample.evidence
-    evidence, length, p_bright = 0.0, 0.0, 0.0
+    """Return weaker border's mean and visible length over the leader, and P(bright) over all."""
+    mass, measured = clusters.masses[0], sample.measured
+    border_mean, length, p_bright = 0.0, 0.0, 0.0
     for row in range(len(weights)):
-        log_ratios, weaker = measured.log_ratios[row], measured.weaker_borders[row]
+        log_ratios, weaker = measured.log_ratios[row], measured.weaker_border_mean[row]
         dark = log_ratios[DARK] - sample.shadow_losses[row]
         share = bright_share(inputs.polarity, log_ratios[BRIGHT], dark)
         p_bright += weights[row] * share
         if clusters.labels[row] == 0:
-            evidence += weights[row] / mass * (weaker[BRIGHT] if share >= 0.5 else weaker[DARK])
+            own = weaker[BRIGHT] if share >= 0.5 else weaker[DARK]
+            border_mean += weights[row] / mass * own
             length += weights[row] / mass * measured.visible_lengths[row]
-    return evidence, length, p_bright
+    return border_mean, length, p_bright
 
 
 @compiled_part
-def _border_evidences(means: FloatArray, inputs: ProposalInputs) -> FloatArray:
-    """Return how clearly the frame shows the borders of the first mean, (2,), in its polarity."""
-    evidence = empty_evidence(1)
-    measure_into(means, 0, 1, inputs.scan, inputs.model, evidence)
-    is_bright = evidence.log_ratios[0, BRIGHT] >= evidence.log_ratios[0, DARK]
-    own: FloatArray = evidence.border_evidence[0, BRIGHT if is_bright else DARK]
+def _leading_border_means(means: FloatArray, inputs: ProposalInputs) -> FloatArray:
+    """Return the mean log-likelihood ratios (2,) of the first mean's borders, in its polarity."""
+    measured = allocate_log_ratios(1)
+    fill_log_ratios(means, 0, 1, inputs.scan, inputs.model, measured)
+    is_bright = measured.log_ratios[0, BRIGHT] >= measured.log_ratios[0, DARK]
+    own: FloatArray = measured.border_means[0, BRIGHT if is_bright else DARK]
     return own
 
 

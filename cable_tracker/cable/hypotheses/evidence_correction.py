@@ -58,7 +58,7 @@ def corrected_weights(
     """
     labels, count = groups.labels, groups.number + 1
     # The first is of the particles that belong to no group.
-    raw, evidence = np.full(count, -np.inf), np.zeros(count)
+    group_log_ratio, log_ratio_above_background = np.full(count, -np.inf), np.zeros(count)
     survived, penalties = np.zeros(count), np.zeros(count)
     reference, heaviest = 0.0, -np.inf
     for group in range(count):
@@ -78,23 +78,25 @@ def corrected_weights(
                 kept = densities.survived[row] / densities.full[row]
                 survived[group] += math.exp(log_prior[row] - prior_mass) * kept
         survived[group] = min(survived[group], 1.0)
-        raw[group] = posterior_mass - prior_mass
+        group_log_ratio[group] = posterior_mass - prior_mass
         background = backgrounds[label] if label != NO_CLUSTER else 0.0
-        evidence[group] = thin_factor(width, rules.thin_width) * (raw[group] - background)
+        log_ratio_above_background[group] = thin_factor(width, rules.thin_width) * (
+            group_log_ratio[group] - background
+        )
         if label != NO_CLUSTER and survived[group] > 0.5 and prior_mass > heaviest:
-            reference, heaviest = evidence[group], prior_mass
+            reference, heaviest = log_ratio_above_background[group], prior_mass
     corrected = log_posterior.copy()
     limit = rules.evidence_limit
     for row in range(len(labels)):
         group = labels[row] - NO_CLUSTER
-        if raw[group] == -np.inf:
+        if group_log_ratio[group] == -np.inf:
             continue
         highest = limit + penalties[group]
-        old = rules.evidence_repeated * min(evidence[group], highest)
-        better = min(max(evidence[group] - reference, -limit), highest)
+        old = rules.evidence_repeated * min(log_ratio_above_background[group], highest)
+        better = min(max(log_ratio_above_background[group] - reference, -limit), highest)
         new = rules.evidence_repeated * min(reference, highest) + better
         share = survived[group]
-        corrected[row] += share * old + (1.0 - share) * new - raw[group]
+        corrected[row] += share * old + (1.0 - share) * new - group_log_ratio[group]
     return corrected
 
 

@@ -330,7 +330,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         presence = probability_of(float(found.log_odds[0]))
         is_known, is_clear = self._is_known(before), self._is_new_clear(hypotheses)
         is_refused = presence >= parameters.presence_to_track and (
-            hypotheses.border_evidence < parameters.evidence_to_lose if is_known else not is_clear
+            hypotheses.weaker_border_mean < parameters.evidence_to_lose
+            if is_known
+            else not is_clear
         )
         # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
         is_learnt_from = is_known or is_clear
@@ -371,7 +373,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         """Return what a belief says about the frame that it came from."""
         parameters, hypotheses = self._parameters, belief.hypotheses
         mean, covariance = self._leading_estimate(hypotheses)
-        evidence, visible = hypotheses.border_evidence, hypotheses.visible_length >= MINIMUM_POINTS
+        evidence = hypotheses.weaker_border_mean
+        visible = hypotheses.visible_length >= MINIMUM_POINTS
         is_claimable = (
             visible
             and belief.presence >= parameters.presence_to_track
@@ -395,7 +398,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         """Tell whether the leader is clear enough to claim it where nothing was known of it."""
         width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
         needed = needed_clearness(width, self._parameters, self._image_size[0])
-        return hypotheses.clearness >= needed
+        return hypotheses.scaled_clearness >= needed
 
     def _leading_estimate(self, hypotheses: Hypotheses) -> tuple[FloatArray, FloatArray]:
         """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters."""
@@ -404,7 +407,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         turns = round((leader[StateColumn.ANGLE] - mean[StateColumn.ANGLE]) / math.pi)
         displaced = displaced_covariance(
             covariance,
-            hypotheses.border_evidences,
+            hypotheses.border_means,
             float(leader[StateColumn.WIDTH]),
             self._parameters,
             self._image_size[0],

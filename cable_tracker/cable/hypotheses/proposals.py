@@ -34,7 +34,7 @@ from cable_tracker.cable.hypotheses.sample import Sample, judge_sample, log_weig
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.shadows import fill_shadow_losses, find_shadows
 from cable_tracker.cable.measure.border_points import FrameScan
-from cable_tracker.cable.measure.likelihood_ratio import RatioModel, measure_into
+from cable_tracker.cable.measure.likelihood_ratio import RatioModel, fill_log_ratios
 from cable_tracker.cable.measure.polarity_prior import PolarityPrior
 from cable_tracker.cable.model.geometry import unwrap_pose, unwrap_state
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
@@ -167,7 +167,7 @@ def _complete(
 def _measure(
     sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
 ) -> None:
-    measure_into(sample.states, start, stop, inputs.scan, inputs.model, sample.evidence)
+    fill_log_ratios(sample.states, start, stop, inputs.scan, inputs.model, sample.measured)
     for row in range(start, stop):
         sample.shadow_losses[row] = 0.0
     judge_sample(sample, start, stop, inputs.polarity, config.limits, config.image_size)
@@ -181,10 +181,10 @@ def _look_for_shadows(
     if config.shadows.evidence == np.inf:
         return  # The cable is known: no strip is a shadow.
     states, possible = sample.states[:filled], sample.log_likelihoods[:filled] > -np.inf
-    count = find_shadows(states, possible, sample.evidence, config.shadows, sample.shadows)
+    count = find_shadows(states, possible, sample.measured, config.shadows, sample.shadows)
     changed = fill_shadow_losses(
         states,
-        sample.evidence,
+        sample.measured,
         sample.shadows,
         count,
         config.shadows.unit,

@@ -17,8 +17,8 @@ from cable_tracker.cable.hypotheses.shadows import Shadows, empty_shadows
 from cable_tracker.cable.measure.likelihood_ratio import (
     BRIGHT,
     DARK,
-    CableEvidence,
-    empty_evidence,
+    CableLogRatios,
+    allocate_log_ratios,
 )
 from cable_tracker.cable.measure.polarity_prior import PolarityPrior, marginal_log_ratio
 from cable_tracker.cable.model.geometry import borders_cross_inside
@@ -36,8 +36,8 @@ class Sample(NamedTuple):
         Shape (N, 8), in one chart.
     densities : PredictedDensities
         Before the frame is looked at.
-    evidence : CableEvidence
-        What the frame says, by polarity.
+    measured : CableLogRatios
+        Log-likelihood ratios of the frame, for either polarity.
     log_likelihoods : FloatArray
         Log-likelihood ratios, polarity not known, width judged, shape (N,); -inf for what is
         impossible.
@@ -51,7 +51,7 @@ class Sample(NamedTuple):
 
     states: FloatArray
     densities: PredictedDensities
-    evidence: CableEvidence
+    measured: CableLogRatios
     log_likelihoods: FloatArray
     mixture: FloatArray
     shadow_losses: FloatArray
@@ -63,7 +63,7 @@ def empty_sample(count: int) -> Sample:
     return Sample(
         np.empty((count, STATE_SIZE)),
         empty_densities(count),
-        empty_evidence(count),
+        allocate_log_ratios(count),
         np.empty(count),
         np.empty(count),
         np.zeros(count),
@@ -85,7 +85,7 @@ def judge_sample(
     Impossible are poses beyond the limits, and those whose borders cross inside the image.
     """
     for row in range(start, stop):
-        state, log_ratios = sample.states[row], sample.evidence.log_ratios[row]
+        state, log_ratios = sample.states[row], sample.measured.log_ratios[row]
         possible = not borders_cross_inside(state, image_size)
         for column in range(POSE_SIZE):
             value = state[column]

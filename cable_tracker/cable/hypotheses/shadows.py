@@ -27,7 +27,7 @@ from cable_tracker.cable.hypotheses.shared_borders import (
     closeness_to_border,
     falling,
 )
-from cable_tracker.cable.measure.likelihood_ratio import BRIGHT, DARK, CableEvidence
+from cable_tracker.cable.measure.likelihood_ratio import BRIGHT, DARK, CableLogRatios
 from cable_tracker.cable.model.geometry import border_offset, turn_sign, wrapped_angle
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop, compiled_part
@@ -54,9 +54,9 @@ class ShadowRules(NamedTuple):
     Attributes
     ----------
     evidence : float
-        See the parameter `shadow_evidence`.
+        The parameter `shadow_evidence` [nats]; infinite: nothing is a shadow.
     limit : float
-        Evidence for a cable counts no more, see `CorrectionRules.evidence_limit`.
+        The parameter `evidence_limit` [nats], upper bound of a bright cable's ratio.
     near : FloatArray
         Strips that are nearer than this in all components are one, shape (4,) [px, rad].
     unit : float
@@ -98,7 +98,7 @@ def empty_shadows() -> Shadows:
 def find_shadows(
     states: FloatArray,
     possible: BoolArray,
-    evidence: CableEvidence,
+    measured: CableLogRatios,
     rules: ShadowRules,
     shadows: Shadows,
 ) -> int:
@@ -110,8 +110,8 @@ def find_shadows(
         Shape (N, 8), in one chart.
     possible : BoolArray
         Which of them may be cables, shape (N,).
-    evidence : CableEvidence
-        What the frame says of them; it may have more rows.
+    measured : CableLogRatios
+        Their log-likelihood ratios; it may have more rows.
     rules : ShadowRules
         What makes a shadow.
     shadows : Shadows
@@ -119,15 +119,15 @@ def find_shadows(
     """
     found = 0
     for number in range(MOST_DARK):
-        strip = _clearest_dark_strip(states, possible, evidence, rules, shadows.strips[:number])
+        strip = _clearest_dark_strip(states, possible, measured, rules, shadows.strips[:number])
         if strip < 0:
             break
         shadows.strips[number] = strip
         for border in range(2):
-            step = evidence.outsides[strip, border] - evidence.outsides[strip, 1 - border]
+            step = measured.outsides[strip, border] - measured.outsides[strip, 1 - border]
             if step < LEAST_STEP:
                 continue
-            ceiling = _ceiling_beside(states, possible, evidence, rules, strip, border)
+            ceiling = _ceiling_beside(states, possible, measured, rules, strip, border)
             if ceiling == math.inf:
                 continue
             for column in range(POSE_SIZE):
@@ -141,15 +141,15 @@ def find_shadows(
 def _clearest_dark_strip(
     states: FloatArray,
     possible: BoolArray,
-    evidence: CableEvidence,
+    measured: CableLogRatios,
     rules: ShadowRules,
     others: IndexArray,
 ) -> int:
     """Return the row of the likeliest dark strip near none of the others; -1 for none."""
     clearest, most = -1, LEAST_RATIO
     for row in range(len(states)):
-        ratio = evidence.log_ratios[row, DARK]
-        if ratio <= most or ratio < evidence.log_ratios[row, BRIGHT] or not possible[row]:
+        ratio = measured.log_ratios[row, DARK]
+        if ratio <= most or ratio < measured.log_ratios[row, BRIGHT] or not possible[row]:
             continue
         is_new = True
         for other in others:
@@ -163,7 +163,7 @@ def _clearest_dark_strip(
 def _ceiling_beside(
     states: FloatArray,
     possible: BoolArray,
-    evidence: CableEvidence,
+    measured: CableLogRatios,
     rules: ShadowRules,
     strip: int,
     border: int,
@@ -178,13 +178,13 @@ def _ceiling_beside(
     offset = border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side)
     most, outer = LEAST_RATIO, 0.0
     for row in range(len(states)):
-        ratio = evidence.log_ratios[row, BRIGHT]
+        ratio = measured.log_ratios[row, BRIGHT]
         if ratio <= most or not possible[row]:
             continue
         # The left border of a shadow is the right one of the cable.
         shared, closeness = closeness_to_border(states[row], angle, offset, -side, rules.unit)
         if closeness > LEAST_CLOSENESS:
-            most, outer = ratio, evidence.bright_borders[row, 1 - shared]
+            most, outer = ratio, measured.bright_border_log_ratios[row, 1 - shared]
     speaks = outer - rules.evidence
     return min(most, rules.limit) - speaks if speaks > 0.0 else math.inf
 
@@ -192,7 +192,7 @@ def _ceiling_beside(
 @compiled_loop
 def fill_shadow_losses(
     states: FloatArray,
-    evidence: CableEvidence,
+    measured: CableLogRatios,
     shadows: Shadows,
     count: int,
     unit: float,
@@ -202,7 +202,7 @@ def fill_shadow_losses(
 
     Parameters
     ----------
-    states, evidence : FloatArray, CableEvidence
+    states, measured : FloatArray, CableLogRatios
         As above.
     shadows, count : Shadows, int
         The first so many of them.
@@ -213,7 +213,7 @@ def fill_shadow_losses(
     """
     changed = False
     for row in range(len(states)):
-        ratio = evidence.log_ratios[row, DARK]
+        ratio = measured.log_ratios[row, DARK]
         before, losses[row] = losses[row], 0.0
         for index in range(count):
             above = ratio - losses[row] - shadows.ceilings[index]

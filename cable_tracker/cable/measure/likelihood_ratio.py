@@ -77,41 +77,41 @@ BRIGHT, DARK = 0, 1
 """Columns of what is said of cables that are brighter, and darker, than the bottom."""
 
 
-class CableEvidence(NamedTuple):
-    """What a frame says about each of N cables, bright ones in column 0, dark ones in column 1.
+class CableLogRatios(NamedTuple):
+    """Log-likelihood ratios of N cables [nats]: column `BRIGHT` 0 for bright, `DARK` 1 for dark.
 
     Attributes
     ----------
     log_ratios : FloatArray
         Tempered log-likelihood ratio, cable against no cable, shape (N, 2).
-    weaker_borders : FloatArray
-        Mean log-likelihood ratio per point of the weaker border, its strength not known, not
-        tempered, with what the texture says, shape (N, 2).
+    weaker_border_mean : FloatArray
+        Mean log-likelihood ratio per point of the weaker border, summed over the classes of its
+        strength, not tempered, with what the texture says, shape (N, 2).
     visible_lengths : FloatArray
         Length inside the image of the shorter border [distances of the scan lines], shape (N,).
-    bright_borders : FloatArray
+    bright_border_log_ratios : FloatArray
         Tempered log-likelihood ratio of the left and of the right border of a bright cable, each
-        alone, its strength not known, shape (N, 2).
-    border_evidence : FloatArray
+        alone, summed over the classes of its strength, shape (N, 2).
+    border_means : FloatArray
         Mean log-likelihood ratio per point of the left and of the right border, each alone, not
-        tempered, by polarity, shape (N, 2, 2).
+        tempered, without texture, shape (N, 2, 2): cable, polarity, border.
     outsides : FloatArray
         Mean grey level outside the left and the right border [scales of the contrast], shape
         (N, 2); 0 for a border that is not in view.
     """
 
     log_ratios: FloatArray
-    weaker_borders: FloatArray
+    weaker_border_mean: FloatArray
     visible_lengths: FloatArray
-    bright_borders: FloatArray
-    border_evidence: FloatArray
+    bright_border_log_ratios: FloatArray
+    border_means: FloatArray
     outsides: FloatArray
 
 
 @compiled_part
-def empty_evidence(count: int) -> CableEvidence:
-    """Return room for the evidence on some cables."""
-    return CableEvidence(
+def allocate_log_ratios(count: int) -> CableLogRatios:
+    """Return uninitialised arrays for N cables."""
+    return CableLogRatios(
         np.empty((count, 2)),
         np.empty((count, 2)),
         np.empty(count),
@@ -172,7 +172,7 @@ class BorderLikelihoodRatio:
         """Return the log-likelihood ratio of each cable, either polarity as likely; shape (N,)."""
         return marginal_log_ratios(self.measure(states, observation).log_ratios, EITHER)
 
-    def measure(self, states: FloatArray, image: WorkingImage) -> CableEvidence:
+    def measure(self, states: FloatArray, image: WorkingImage) -> CableLogRatios:
         """Measure cables, shape (N, 4) or more columns.
 
         Raises
@@ -182,14 +182,14 @@ class BorderLikelihoodRatio:
         """
         if states.ndim != 2 or states.shape[1] < POSE_SIZE:
             raise ValueError(f"cables must have shape (N, >= {POSE_SIZE}), not {states.shape}")
-        evidence = empty_evidence(len(states))
+        measured = allocate_log_ratios(len(states))
         rows = np.array(states, np.float64, order="C")
-        _measure_all(rows, frame_scan(image), self.model_for(image), evidence)
-        return evidence
+        _measure_all(rows, frame_scan(image), self.model_for(image), measured)
+        return measured
 
     def evidence(self, state: FloatArray, image: WorkingImage) -> float:
         """Return the mean log-likelihood ratio per point of a cable's weaker border; state (8,)."""
-        return float(self.measure(state[None, :], image).weaker_borders.max())
+        return float(self.measure(state[None, :], image).weaker_border_mean.max())
 
     def model_for(self, image: WorkingImage) -> RatioModel:
         """Return the model for a frame."""
@@ -199,22 +199,22 @@ class BorderLikelihoodRatio:
 
 @compiled
 def _measure_all(
-    states: FloatArray, scan: FrameScan, model: RatioModel, evidence: CableEvidence
+    states: FloatArray, scan: FrameScan, model: RatioModel, measured: CableLogRatios
 ) -> None:
-    measure_into(states, 0, len(states), scan, model, evidence)
+    fill_log_ratios(states, 0, len(states), scan, model, measured)
 
 
 @compiled_part
-def measure_into(
+def fill_log_ratios(
     states: FloatArray,
     start: int,
     stop: int,
     scan: FrameScan,
     model: RatioModel,
-    evidence: CableEvidence,
+    measured: CableLogRatios,
 ) -> None:
-    """Fill in the evidence on the states from `start` to `stop`."""
-    log_ratios, weaker, visible = evidence[:3]
+    """Fill in the log-likelihood ratios of the states from `start` to `stop`."""
+    log_ratios, weaker, visible = measured[:3]
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
     crossings, texture, smoother = room_for_crossings(), np.empty((2, 2)), np.zeros(2)
@@ -230,7 +230,7 @@ def measure_into(
             gain = gain_across(steep, along, across, scan.shape)
             line = border_line(along, across, offset, -side, depths, scan.scale, gain)
             windows = texture_windows(-side / along, width, scan.scale, model.texture_limit)
-            length, evidence.outsides[cable, border] = _sum_border(
+            length, measured.outsides[cable, border] = _sum_border(
                 lines, line, windows, model, crossings, sums[border], texture
             )
             smoother[border] = smoothness(texture)
@@ -249,10 +249,11 @@ def measure_into(
             log_ratios[cable, polarity] = ratio + smoothest
             points = model.tempering * longest
             weaker[cable, polarity] = (min(left, right) + smoothest) / points
-            evidence.border_evidence[cable, polarity, 0] = left / points
-            evidence.border_evidence[cable, polarity, 1] = right / points
+            measured.border_means[cable, polarity, 0] = left / points
+            measured.border_means[cable, polarity, 1] = right / points
             if polarity == BRIGHT:
-                evidence.bright_borders[cable, 0], evidence.bright_borders[cable, 1] = left, right
+                measured.bright_border_log_ratios[cable, 0] = left
+                measured.bright_border_log_ratios[cable, 1] = right
 
 
 class BorderClearness(NamedTuple):
@@ -276,14 +277,14 @@ def border_clearness(states: FloatArray, scan: FrameScan, model: RatioModel) -> 
     """Measure how clear the borders of cables are, shape (N, 8), whatever they lack of length."""
     count = len(states)
     clear = BorderClearness(np.zeros(count), np.zeros(count))
-    evidence = empty_evidence(count)
+    measured = allocate_log_ratios(count)
     # One point is expected: lengths beyond the edge of the frame are neither paid nor counted.
     in_view = FrameScan(scan.rows, scan.columns, scan.reduction, scan.scale, 1.0, scan.shape)
-    measure_into(states, 0, count, in_view, model, evidence)
+    fill_log_ratios(states, 0, count, in_view, model, measured)
     for row in range(count):
-        weaker = evidence.weaker_borders[row]
+        weaker = measured.weaker_border_mean[row]
         clear.clearness[row] = max(weaker[0], weaker[1])
-        clear.shown[row] = min(evidence.visible_lengths[row] / scan.expected, 1.0)
+        clear.shown[row] = min(measured.visible_lengths[row] / scan.expected, 1.0)
     return clear
 
 

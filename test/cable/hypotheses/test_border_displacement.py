@@ -14,7 +14,7 @@ WIDTH = 640
 
 
 def displaced(left, right, covariance=None, width=80.0, **changes):
-    """Return what is stated for two evidences, two pixels to a pixel of the reference width."""
+    """Return what is stated for two mean log-ratios, in frames of twice the reference width."""
     parameters = preset("default").replaced({"border_displacement": 1.0, **changes})
     before = np.zeros((8, 8)) if covariance is None else covariance
     return displaced_covariance(before, np.array([left, right]), width, parameters, WIDTH)
@@ -39,9 +39,9 @@ def test_borders_that_are_alike_displace_no_component_with_another():
     assert not covariance[4:].any()
 
 
-@pytest.mark.parametrize(("evidences", "side"), [((9.0, 0.0), 1.0), ((0.0, 9.0), -1.0)])
-def test_one_lost_border_takes_half_of_its_way_from_d_and_all_from_w(evidences, side):
-    covariance = displaced(*evidences)
+@pytest.mark.parametrize(("border_means", "side"), [((9.0, 0.0), 1.0), ((0.0, 9.0), -1.0)])
+def test_one_lost_border_takes_half_of_its_way_from_d_and_all_from_w(border_means, side):
+    covariance = displaced(*border_means)
     sigmas = np.sqrt(np.diag(covariance)[:4])
     # A border lost by 20 of 80 px of these frames; the other one lies where it is seen.
     turn = 10.0 * BORDER_TURN

@@ -137,7 +137,9 @@ def assert_sound(belief) -> None:
     masses = belief.hypotheses.clusters.masses.tolist()
     assert masses
     assert masses == sorted(masses, reverse=True)
-    assert np.isfinite([belief.hypotheses.border_evidence, belief.hypotheses.visible_length]).all()
+    assert np.isfinite(
+        [belief.hypotheses.weaker_border_mean, belief.hypotheses.visible_length]
+    ).all()
     angles = belief.particles.states[:, 1]
     assert ((angles > -np.pi / 2) & (angles <= np.pi / 2)).all()
 
@@ -413,8 +415,8 @@ def test_what_the_likelihood_does_not_know_widens_the_covariance(strip):
     added = wide.covariance - plain.covariance
     # A clear border is off by 4 px at the reference width, 2 px here: variances 2 and 8, and 4 of
     # w if the cable is round.
-    evidences = belief.hypotheses.border_evidences
-    left, right = displacement_factors(evidences, 2.0 * plain.mean[2]) ** 2
+    border_means = belief.hypotheses.border_means
+    left, right = displacement_factors(border_means, 2.0 * plain.mean[2]) ** 2
     both = (left + right) / 2
     np.testing.assert_allclose(np.diag(added)[[0, 2]], [2.0 * both, 8.0 * both + 4.0])
     np.testing.assert_allclose(added[0, 2], 2.0 * (right - left), atol=1e-12)

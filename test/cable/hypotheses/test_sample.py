@@ -43,7 +43,7 @@ def test_poses_beyond_a_limit_are_impossible_and_others_have_the_width_counted()
     sample.states[:] = 0.0
     sample.states[:, 2] = [30.0, 300.0, 30.0]
     sample.states[2, 3] = 0.2  # The borders meet 74 px from the centre.
-    sample.evidence.log_ratios[:] = 2.0
+    sample.measured.log_ratios[:] = 2.0
     sample.densities.width_penalties[:] = -0.5
     limits = StateLimits(np.array([-100, -np.inf, 8, -0.3]), np.array([100, np.inf, 160, 0.3]))
     judge_sample(sample, 0, 3, polarity_prior(0.3), limits, (320.0, 240.0))

@@ -48,13 +48,13 @@ def rows(*states):
 
 def judged(image, states, rules=RULES, possible=None):
     """Return the number of shadows, what each strip loses, and its ratios."""
-    evidence = RATIO.measure(states, make_working_image(image, SIZE[0]))
+    found = RATIO.measure(states, make_working_image(image, SIZE[0]))
     shadows, losses = empty_shadows(), np.full(len(states), np.nan)
     if possible is None:
         possible = np.ones(len(states), bool)
-    count = find_shadows(states, possible, evidence, rules, shadows)
-    fill_shadow_losses(states, evidence, shadows, count, rules.unit, losses)
-    return count, losses, evidence.log_ratios
+    count = find_shadows(states, possible, found, rules, shadows)
+    fill_shadow_losses(states, found, shadows, count, rules.unit, losses)
+    return count, losses, found.log_ratios
 
 
 def test_a_dark_strip_beside_a_bright_cable_is_less_likely_than_the_cable(picture):
@@ -119,18 +119,18 @@ def test_half_turns_change_nothing(turned):
     for row in np.flatnonzero(turned):
         other[row, [0, 3]] *= -1.0
         other[row, 1] += np.pi
-    # The same evidence: the sides of a strip that is turned round change places.
-    evidence = RATIO.measure(
+    # The same log-ratios: the sides of a strip that is turned round change places.
+    found = RATIO.measure(
         states, make_working_image(rng.integers(0, 255, SIZE[::-1], np.uint8), SIZE[0])
     )
-    evidence.log_ratios[:] = [[30.0, -9.0], [-9.0, 35.0], [-9.0, 25.0]]
-    evidence.bright_borders[:] = 15.0
-    evidence.outsides[:] = [[9.0, 5.0], [14.0, 9.0], [9.0, 9.0]]
-    swapped = evidence._replace(outsides=evidence.outsides.copy())
+    found.log_ratios[:] = [[30.0, -9.0], [-9.0, 35.0], [-9.0, 25.0]]
+    found.bright_border_log_ratios[:] = 15.0
+    found.outsides[:] = [[9.0, 5.0], [14.0, 9.0], [9.0, 9.0]]
+    swapped = found._replace(outsides=found.outsides.copy())
     for row in np.flatnonzero(turned):
-        swapped.outsides[row] = evidence.outsides[row, ::-1]
+        swapped.outsides[row] = found.outsides[row, ::-1]
     both = []
-    for each, said in ((states, evidence), (other, swapped)):
+    for each, said in ((states, found), (other, swapped)):
         shadows, losses = empty_shadows(), np.zeros(3)
         count = find_shadows(each, np.ones(3, bool), said, RULES, shadows)
         fill_shadow_losses(each, said, shadows, count, 1.0, losses)

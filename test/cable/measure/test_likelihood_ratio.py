@@ -70,18 +70,18 @@ def test_the_true_cable_is_likelier_than_others(strip, change, sign):
 
 
 def test_the_true_cable_speaks_for_itself_and_a_wrong_one_against(strip):
-    evidence = measured(strip, changed(), changed(distance=-40.0))
-    assert evidence.log_ratios[0, 0] > 1.0
-    assert evidence.weaker_borders[0, 0] > 0.5
-    assert evidence.log_ratios[1].max() < 0.0
-    assert evidence.weaker_borders[1].max() < 0.0
+    found = measured(strip, changed(), changed(distance=-40.0))
+    assert found.log_ratios[0, 0] > 1.0
+    assert found.weaker_border_mean[0, 0] > 0.5
+    assert found.log_ratios[1].max() < 0.0
+    assert found.weaker_border_mean[1].max() < 0.0
 
 
 def test_each_border_has_evidence_of_its_own(strip):
     # The right border lies on that of the strip, the left one beside it.
     wide = changed(distance=-10.0, width=20.0)
-    evidence = measured(strip, changed(), wide)
-    own, beside = evidence.border_evidence[:, 0]
+    found = measured(strip, changed(), wide)
+    own, beside = found.border_means[:, 0]
     assert own.min() > 0.5
     assert beside[0] < 0.0
     assert beside[1] > 0.5
@@ -119,7 +119,9 @@ def test_a_negative_of_the_picture_swaps_bright_and_dark(strip):
         borders.measure(np.array(states), working(image)) for image in (strip, 255.0 - strip)
     )
     np.testing.assert_allclose(picture.log_ratios, negative.log_ratios[:, ::-1], atol=0.15)
-    np.testing.assert_allclose(picture.weaker_borders, negative.weaker_borders[:, ::-1], atol=0.2)
+    np.testing.assert_allclose(
+        picture.weaker_border_mean, negative.weaker_border_mean[:, ::-1], atol=0.2
+    )
     assert picture.log_ratios[4, 0] > picture.log_ratios[4, 1]
 
 
@@ -131,11 +133,11 @@ def test_how_a_cable_is_written_makes_no_difference(strip):
 
 
 def test_a_cable_outside_the_image_is_seen_nowhere_and_not_believed(strip):
-    evidence = measured(strip, changed(distance=500.0), changed())
-    assert evidence.visible_lengths[0] == 0.0
-    assert evidence.visible_lengths[1] > 3.0
-    assert evidence.log_ratios[0].max() < 0.0
-    assert np.ptp(evidence.log_ratios[0]) == 0.0
+    found = measured(strip, changed(distance=500.0), changed())
+    assert found.visible_lengths[0] == 0.0
+    assert found.visible_lengths[1] > 3.0
+    assert found.log_ratios[0].max() < 0.0
+    assert np.ptp(found.log_ratios[0]) == 0.0
 
 
 def test_a_cable_half_outside_has_less_to_say_than_one_within(draw_strip):
@@ -151,11 +153,11 @@ def test_a_cable_half_outside_has_less_to_say_than_one_within(draw_strip):
 def test_a_flat_picture_speaks_against_every_cable(value, rng):
     states = rng.uniform(-1, 1, (50, 8)) * np.array([70, 1.5, 0, 0.1, 1, 1, 1, 1])
     states[:, 2] = rng.uniform(5, 60, 50)
-    evidence = measured(np.full(SIZE[::-1], value, np.uint8), *states)
-    assert (evidence.log_ratios < 0.0).all()
-    assert (evidence.weaker_borders < 0.0).all()
+    found = measured(np.full(SIZE[::-1], value, np.uint8), *states)
+    assert (found.log_ratios < 0.0).all()
+    assert (found.weaker_border_mean < 0.0).all()
     # No response at all lies on the border of two bins of the table, which differ a little.
-    np.testing.assert_allclose(evidence.log_ratios[:, 0], evidence.log_ratios[:, 1], rtol=0.4)
+    np.testing.assert_allclose(found.log_ratios[:, 0], found.log_ratios[:, 1], rtol=0.4)
 
 
 def test_the_scene_twice_as_large_has_nearly_the_same_ratios(draw_strip):
@@ -191,9 +193,9 @@ def test_denser_scan_lines_say_about_as_much(strip):
 
 
 def test_no_cable_at_all_is_measured_as_none(strip):
-    evidence = MODEL.measure(np.empty((0, 8)), working(strip))
-    assert evidence.log_ratios.shape == evidence.weaker_borders.shape == (0, 2)
-    assert evidence.visible_lengths.shape == (0,)
+    found = MODEL.measure(np.empty((0, 8)), working(strip))
+    assert found.log_ratios.shape == found.weaker_border_mean.shape == (0, 2)
+    assert found.visible_lengths.shape == (0,)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.6, -0.7, np.pi / 2, 1.0, -1.2])
