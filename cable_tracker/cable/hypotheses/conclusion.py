@@ -30,7 +30,7 @@ from cable_tracker.cable.hypotheses.presence import (
 )
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs, draw_sample
-from cable_tracker.cable.hypotheses.sample import Sample, log_weights
+from cable_tracker.cable.hypotheses.sample import Sample, importance_log_weights
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
 from cable_tracker.cable.measure.likelihood_ratio import (
     BRIGHT,
@@ -126,7 +126,7 @@ def conclude(
 ) -> Conclusion:
     """Conclude from the first `end` rows of a sample."""
     states = _wrapped_states(sample, end)
-    log_prior = log_weights(sample, end, 0.0)
+    log_prior = importance_log_weights(sample, end, 0.0)
     log_posterior = _sum(log_prior, sample.log_likelihoods)
     groups = find_groups(states, log_posterior, config.cluster_radii, inputs.anchors)
     if groups.number == 0:

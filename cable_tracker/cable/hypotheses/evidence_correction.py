@@ -17,7 +17,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Groups
-from cable_tracker.cable.hypotheses.predicted_density import PredictedDensities
+from cable_tracker.cable.hypotheses.predicted_density import DensityValues
 from cable_tracker.cable.hypotheses.presence import thin_factor
 from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.compilation import compiled_loop, compiled_part
@@ -36,7 +36,7 @@ def corrected_weights(
     log_posterior: FloatArray,
     log_prior: FloatArray,
     states: FloatArray,
-    densities: PredictedDensities,
+    densities: DensityValues,
     groups: Groups,
     backgrounds: FloatArray,
     rules: CorrectionRules,
@@ -47,7 +47,7 @@ def corrected_weights(
     ----------
     log_posterior, log_prior : FloatArray
         Log-weights of the particles after the frame and before it, shape (N,).
-    states, densities : FloatArray, PredictedDensities
+    states, densities : FloatArray, DensityValues
         The particles, shape (N, 8), and the densities that they had before the frame.
     groups : Groups
         Of the particles.
@@ -74,8 +74,8 @@ def corrected_weights(
             share = math.exp(log_posterior[row] - posterior_mass)
             penalties[group] += share * densities.width_penalties[row]
             width += share * states[row, WIDTH]
-            if densities.full[row] > 0.0:
-                kept = densities.survived[row] / densities.full[row]
+            if densities.prior[row] > 0.0:
+                kept = densities.prior_survival[row] / densities.prior[row]
                 survived[group] += math.exp(log_prior[row] - prior_mass) * kept
         survived[group] = min(survived[group], 1.0)
         group_log_ratio[group] = posterior_mass - prior_mass

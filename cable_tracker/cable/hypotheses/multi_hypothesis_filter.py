@@ -275,12 +275,12 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             ),
             rates=np.ascontiguousarray(drifted[:, POSE_SIZE:]),
             rate_sigmas=np.ascontiguousarray(sigmas[POSE_SIZE:]),
-            survived=max(existence.survived, LEAST_PROBABILITY),
-            born=max(existence.born, LEAST_PROBABILITY),
+            mass_survived=max(existence.survived, LEAST_PROBABILITY),
+            mass_born=max(existence.born, LEAST_PROBABILITY),
             log_width=width_prior.log_width if width_prior is not None else 0.0,
             width_spread=width_prior.spread(parameters) if width_prior is not None else math.inf,
             births=births,
-            jumped=max(existence.survived * -math.expm1(-RATE * dt), LEAST_PROBABILITY),
+            mass_jumped=max(existence.survived * -math.expm1(-RATE * dt), LEAST_PROBABILITY),
             jump=self._jump_from(leader),
         )
         return predicted, existence

@@ -131,9 +131,9 @@ def add_peaks(
     first: int,
     last: int,
     degrees_of_freedom: float,
-    mixture: FloatArray,
+    proposal_density: FloatArray,
 ) -> None:
-    """Add the densities of peaks, each times its number of particles, to the mixture."""
+    """Add the densities of peaks, each times its number of particles, to a proposal density."""
     constant = peak_density(degrees_of_freedom, POSE_SIZE)
     for index in range(first, last):
         if peaks.counts[index] == 0:
@@ -147,7 +147,9 @@ def add_peaks(
             c = (state[2] - place[2] - f[2, 0] * a - f[2, 1] * b) / f[2, 2]
             d = (state[3] - place[3] - f[3, 0] * a - f[3, 1] * b - f[3, 2] * c) / f[3, 3]
             squared = a * a + b * b + c * c + d * d
-            mixture[row] += factor * relative_density(squared, degrees_of_freedom, POSE_SIZE)
+            proposal_density[row] += factor * relative_density(
+                squared, degrees_of_freedom, POSE_SIZE
+            )
 
 
 @compiled_loop
@@ -158,9 +160,9 @@ def add_detections(
     count: int,
     centres: FloatArray,
     config: ProposalConfig,
-    mixture: FloatArray,
+    proposal_density: FloatArray,
 ) -> None:
-    """Add `count` times the density of equal kernels about centres (K, 4) to the mixture."""
+    """Add `count` times the density of equal kernels about centres (K, 4) to a proposal's."""
     scales, tail = config.detection_sigmas, config.degrees_of_freedom
     peak = peak_density(tail, POSE_SIZE) / (scales[0] * scales[1] * scales[2] * scales[3])
     factor = float(count) * peak / len(centres)
@@ -172,4 +174,4 @@ def add_detections(
             c = (state[WIDTH] - centres[index, WIDTH]) / scales[WIDTH]
             d = (state[SKEW] - centres[index, SKEW]) / scales[SKEW]
             total += relative_density(a * a + b * b + c * c + d * d, tail, POSE_SIZE)
-        mixture[row] += factor * total
+        proposal_density[row] += factor * total

@@ -36,54 +36,59 @@ class PredictedDensity(NamedTuple):
         are drawn from each alike.
     rates, rate_sigmas : FloatArray
         Drifted rates of the ancestors, shape (M, 4), and scale of their diffusion, shape (4,).
-    survived, born : float
-        Masses of the two parts of f.
+    mass_survived, mass_born : float
+        Probability mass of the survivors' part of f, P(survived), and of the births' part, P(born).
     log_width, width_spread : float
         The width prior; its spread is infinite where there is none.
     births : BirthDensity
         The density b.
-    jumped : float
-        Mass of the part of f in which one border was another's.
+    mass_jumped : float
+        Probability mass of the border-error jump density.
     jump : BorderJump
-        The density of that part.
+        The border-error jump density J.
     """
 
     kernels: KernelMixture
     rates: FloatArray
     rate_sigmas: FloatArray
-    survived: float
-    born: float
+    mass_survived: float
+    mass_born: float
     log_width: float
     width_spread: float
     births: BirthDensity
-    jumped: float
+    mass_jumped: float
     jump: BorderJump
 
 
-class PredictedDensities(NamedTuple):
-    """Densities at N states, not logarithms, each of shape (N,).
+class DensityValues(NamedTuple):
+    """Values of densities at N states, each of shape (N,); not logarithms but for the penalties.
 
     Attributes
     ----------
-    full, survived : FloatArray
-        Of f, and of the part of f that survived.
-    survivors, births, jumps : FloatArray
-        Of the mixture that survivors are drawn from, of b, and of jumps.
+    prior : FloatArray
+        The density f before the frame, all parts with their masses.
+    prior_survival : FloatArray
+        The survivors' part of f, with its mass.
+    survivor_proposal : FloatArray
+        Density that survivors are drawn from: the kernels of f, equally weighted; it integrates to
+        one.
+    birth, jump : FloatArray
+        The birth density b and the border-error jump density J, without their masses.
     width_penalties : FloatArray
-        Logarithms of how well the widths fit.
+        Log-density of the width over its peak, by the width prior, at most 0 [nats].
     """
 
-    full: FloatArray
-    survived: FloatArray
-    survivors: FloatArray
-    births: FloatArray
-    jumps: FloatArray
+    prior: FloatArray
+    prior_survival: FloatArray
+    survivor_proposal: FloatArray
+    birth: FloatArray
+    jump: FloatArray
     width_penalties: FloatArray
 
 
-def empty_densities(count: int) -> PredictedDensities:
+def empty_densities(count: int) -> DensityValues:
     """Return empty arrays for the densities at some states."""
-    return PredictedDensities(*(np.empty(count) for _ in PredictedDensities._fields))
+    return DensityValues(*(np.empty(count) for _ in DensityValues._fields))
 
 
 @compiled_loop
@@ -92,7 +97,7 @@ def fill_densities(
     start: int,
     stop: int,
     predicted: PredictedDensity,
-    densities: PredictedDensities,
+    densities: DensityValues,
 ) -> None:
     """Fill in the densities at the states from `start` to `stop`."""
     for row in range(start, stop):
@@ -105,7 +110,7 @@ def choose_rates(
     start: int,
     stop: int,
     predicted: PredictedDensity,
-    densities: PredictedDensities,
+    densities: DensityValues,
     noise: FrameNoise,
 ) -> None:
     """Fill in the densities at states whose poses were proposed, and draw their rates.
@@ -117,10 +122,12 @@ def choose_rates(
     for row in range(start, stop):
         state = states[row]
         _fill_densities_of(state, row, predicted, densities)
-        new = predicted.born * densities.births[row] + predicted.jumped * densities.jumps[row]
-        total = densities.survived[row] + new
+        new = (
+            predicted.mass_born * densities.birth[row] + predicted.mass_jumped * densities.jump[row]
+        )
+        total = densities.prior_survival[row] + new
         position = noise.uniform[row, 0] * total
-        ancestor = choose_kernel(predicted.kernels, predicted.survived, position)
+        ancestor = choose_kernel(predicted.kernels, predicted.mass_survived, position)
         if ancestor >= 0:
             add_rates(state, row, ancestor, predicted, noise)
             continue
@@ -143,7 +150,7 @@ def add_rates(
 
 @compiled_loop
 def _fill_densities_of(
-    state: FloatArray, row: int, predicted: PredictedDensity, densities: PredictedDensities
+    state: FloatArray, row: int, predicted: PredictedDensity, densities: DensityValues
 ) -> None:
     """Fill in the densities at one state; the values of the kernels there are left in them."""
     kernels = predicted.kernels
@@ -152,11 +159,11 @@ def _fill_densities_of(
     births = birth_density(state, predicted.births)
     penalty = width_penalty(state[WIDTH], predicted.log_width, predicted.width_spread)
     jumps = jump_density(state, predicted.jump)
-    densities.survived[row] = predicted.survived * kernels.peak * target
-    densities.survivors[row] = kernels.peak * proposal
-    densities.births[row] = births
-    densities.jumps[row] = jumps
+    densities.prior_survival[row] = predicted.mass_survived * kernels.peak * target
+    densities.survivor_proposal[row] = kernels.peak * proposal
+    densities.birth[row] = births
+    densities.jump[row] = jumps
     densities.width_penalties[row] = penalty
     # Where a border was wrong, the width was wrong too, and says nothing.
-    new = predicted.born * births * math.exp(penalty) + predicted.jumped * jumps
-    densities.full[row] = densities.survived[row] + new
+    new = predicted.mass_born * births * math.exp(penalty) + predicted.mass_jumped * jumps
+    densities.prior[row] = densities.prior_survival[row] + new

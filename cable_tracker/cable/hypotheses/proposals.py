@@ -30,7 +30,11 @@ from cable_tracker.cable.hypotheses.predicted_density import (
     fill_densities,
 )
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
-from cable_tracker.cable.hypotheses.sample import Sample, judge_sample, log_weights
+from cable_tracker.cable.hypotheses.sample import (
+    Sample,
+    fill_log_likelihoods,
+    importance_log_weights,
+)
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.shadows import fill_shadow_losses, find_shadows
 from cable_tracker.cable.measure.border_points import FrameScan
@@ -82,15 +86,17 @@ def draw_sample(
 ) -> int:
     """Draw the particles of all rounds, and return how many there are."""
     centres = np.empty((len(inputs.detected), POSE_SIZE))
-    _write_in_chart(inputs.detected, inputs.reference_angle, centres)
+    _unwrap_poses(inputs.detected, inputs.reference_angle, centres)
     peaks = empty_peaks(len(counts.refined) * config.most_refined)
     filled = _draw_first(sample, inputs, counts, config, centres)
-    _look_for_shadows(sample, filled, inputs, config)
-    _mix(sample, counts, config, 0, filled, centres, peaks, 0)
+    _apply_shadow_losses(sample, filled, inputs, config)
+    _fill_proposal_density(sample, counts, config, 0, filled, centres, peaks, 0)
     used = 0
     for number in range(len(counts.refined)):
         count = counts.refined[number]
-        weights = normalise_log_weights(log_weights(sample, filled, config.powers[number]))
+        weights = normalise_log_weights(
+            importance_log_weights(sample, filled, config.powers[number])
+        )
         if weights.degenerate or count == 0:
             continue
         states, stop = sample.states[:filled], filled + count
@@ -99,18 +105,18 @@ def draw_sample(
         )
         draw_about_peaks(sample.states, filled, inputs.noise, peaks, used, found)
         tail = config.degrees_of_freedom
-        add_peaks(sample.states, 0, filled, peaks, used, found, tail, sample.mixture)
+        add_peaks(sample.states, 0, filled, peaks, used, found, tail, sample.proposal_density)
         used = found
-        _complete(sample, inputs, config, filled, stop)
-        _mix(sample, counts, config, filled, stop, centres, peaks, used)
+        _draw_rates_and_measure(sample, inputs, config, filled, stop)
+        _fill_proposal_density(sample, counts, config, filled, stop, centres, peaks, used)
         filled = stop
-        _look_for_shadows(sample, filled, inputs, config)
+        _apply_shadow_losses(sample, filled, inputs, config)
     return filled
 
 
 @compiled_loop
-def _write_in_chart(poses: FloatArray, reference_angle: float, chart: FloatArray) -> None:
-    """Fill in poses (K, 4) as they are written in the chart of the particles."""
+def _unwrap_poses(poses: FloatArray, reference_angle: float, chart: FloatArray) -> None:
+    """Write poses (K, 4) with their normals within pi/2 of an angle [rad] into `chart` (K, 4)."""
     for row in range(len(poses)):
         unwrap_pose(poses[row], reference_angle, chart[row])
 
@@ -132,7 +138,9 @@ def _draw_first(
             states[row, column] = predicted.kernels.places[ancestor, column] + spread
         add_rates(states[row], row, ancestor, predicted, noise)
     first = counts.survivors + counts.births
-    place_births(states, counts.survivors, first, counts.remembered, predicted.births, noise)
+    place_births(
+        states, counts.survivors, first, counts.births_near_memory, predicted.births, noise
+    )
     for row in range(first):
         unwrap_state(states[row], inputs.reference_angle, states[row])
     jumped = first + counts.jumps
@@ -145,15 +153,15 @@ def _draw_first(
             states[row, column] = centre[column] + spread
     fill_densities(states, 0, first, predicted, sample.densities)
     _measure(sample, inputs, config, 0, first)
-    _complete(sample, inputs, config, first, end)
+    _draw_rates_and_measure(sample, inputs, config, first, end)
     return end
 
 
 @compiled_part
-def _complete(
+def _draw_rates_and_measure(
     sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
 ) -> None:
-    """Draw the rates of states whose poses were proposed, and measure them."""
+    """Draw the rates of states whose poses were proposed, and fill in their log-likelihoods."""
     states = sample.states
     for row in range(start, stop):
         for column in range(POSE_SIZE, STATE_SIZE):
@@ -170,14 +178,14 @@ def _measure(
     fill_log_ratios(sample.states, start, stop, inputs.scan, inputs.model, sample.measured)
     for row in range(start, stop):
         sample.shadow_losses[row] = 0.0
-    judge_sample(sample, start, stop, inputs.polarity, config.limits, config.image_size)
+    fill_log_likelihoods(sample, start, stop, inputs.polarity, config.limits, config.image_size)
 
 
 @compiled_part
-def _look_for_shadows(
+def _apply_shadow_losses(
     sample: Sample, filled: int, inputs: ProposalInputs, config: ProposalConfig
 ) -> None:
-    """Judge the particles so far again, after shadows have been found among them."""
+    """Find shadows among the first `filled` particles, and lower their log-likelihoods."""
     if config.shadows.evidence == np.inf:
         return  # The cable is known: no strip is a shadow.
     states, possible = sample.states[:filled], sample.log_likelihoods[:filled] > -np.inf
@@ -191,11 +199,11 @@ def _look_for_shadows(
         sample.shadow_losses,
     )
     if changed:
-        judge_sample(sample, 0, filled, inputs.polarity, config.limits, config.image_size)
+        fill_log_likelihoods(sample, 0, filled, inputs.polarity, config.limits, config.image_size)
 
 
 @compiled_loop
-def _mix(
+def _fill_proposal_density(
     sample: Sample,
     counts: SampleCounts,
     config: ProposalConfig,
@@ -205,18 +213,21 @@ def _mix(
     peaks: Peaks,
     used: int,
 ) -> None:
-    """Work out the density of the whole mixture at the rows from `start` to `stop`."""
+    """Fill in the proposal density q, times the number of particles, at rows `start` to `stop`.
+
+    It is the sum over the proposals k of n_k q_k(x).
+    """
     survivors = float(counts.survivors) if counts.survivors else LEAST_PROBABILITY
     births = float(counts.births) if counts.births else LEAST_PROBABILITY
     for row in range(start, stop):
-        sample.mixture[row] = (
-            survivors * sample.densities.survivors[row]
-            + births * sample.densities.births[row]
-            + counts.jumps * sample.densities.jumps[row]
+        sample.proposal_density[row] = (
+            survivors * sample.densities.survivor_proposal[row]
+            + births * sample.densities.birth[row]
+            + counts.jumps * sample.densities.jump[row]
         )
     if counts.detections:
         add_detections(
-            sample.states, start, stop, counts.detections, centres, config, sample.mixture
+            sample.states, start, stop, counts.detections, centres, config, sample.proposal_density
         )
     tail = config.degrees_of_freedom
-    add_peaks(sample.states, start, stop, peaks, 0, used, tail, sample.mixture)
+    add_peaks(sample.states, start, stop, peaks, 0, used, tail, sample.proposal_density)

@@ -1,7 +1,8 @@
 """The particles of a frame while they are drawn, and their weights.
 
-A particle weighs f L / q, where q is the density of the whole mixture of proposals times the number
-of particles: no proposal is a second prior, wherever it comes from.
+The importance weight of a particle is f L / q: f the density before the frame, L the likelihood
+ratio of the frame, q the density of the mixture of all proposals times the number of particles. So
+no proposal acts as a second prior.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.predicted_density import PredictedDensities, empty_densities
+from cable_tracker.cable.hypotheses.predicted_density import DensityValues, empty_densities
 from cable_tracker.cable.hypotheses.shadows import Shadows, empty_shadows
 from cable_tracker.cable.measure.likelihood_ratio import (
     BRIGHT,
@@ -34,15 +35,16 @@ class Sample(NamedTuple):
     ----------
     states : FloatArray
         Shape (N, 8), in one chart.
-    densities : PredictedDensities
-        Before the frame is looked at.
+    densities : DensityValues
+        Densities before the frame is looked at.
     measured : CableLogRatios
         Log-likelihood ratios of the frame, for either polarity.
     log_likelihoods : FloatArray
         Log-likelihood ratios, polarity not known, width judged, shape (N,); -inf for what is
         impossible.
-    mixture : FloatArray
-        Density that the particles were drawn from, times their number, shape (N,).
+    proposal_density : FloatArray
+        Density q of the mixture of proposals that the particles were drawn from, times their
+        number, shape (N,).
     shadow_losses : FloatArray
         What those that are taken for shadows lose of their ratio as dark cables, shape (N,) [nats].
     shadows : Shadows
@@ -50,10 +52,10 @@ class Sample(NamedTuple):
     """
 
     states: FloatArray
-    densities: PredictedDensities
+    densities: DensityValues
     measured: CableLogRatios
     log_likelihoods: FloatArray
-    mixture: FloatArray
+    proposal_density: FloatArray
     shadow_losses: FloatArray
     shadows: Shadows
 
@@ -72,7 +74,7 @@ def empty_sample(count: int) -> Sample:
 
 
 @compiled_loop
-def judge_sample(
+def fill_log_likelihoods(
     sample: Sample,
     start: int,
     stop: int,
@@ -99,15 +101,15 @@ def judge_sample(
 
 
 @compiled_part
-def log_weights(sample: Sample, count: int, power: float) -> FloatArray:
+def importance_log_weights(sample: Sample, count: int, power: float) -> FloatArray:
     """Return log(f L^power / q) of the first particles, shape (count,)."""
     weights = np.empty(count)
     for row in range(count):
-        full, mixture = sample.densities.full[row], sample.mixture[row]
-        if full <= 0.0 or mixture <= 0.0:
+        prior, proposal = sample.densities.prior[row], sample.proposal_density[row]
+        if prior <= 0.0 or proposal <= 0.0:
             weights[row] = -math.inf
             continue
         # Zero times -inf, the ratio of what is impossible, is no number.
         ratio = power * sample.log_likelihoods[row] if power > 0.0 else 0.0
-        weights[row] = ratio + np.log(full / mixture)
+        weights[row] = ratio + np.log(prior / proposal)
     return weights

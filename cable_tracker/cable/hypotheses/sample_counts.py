@@ -21,11 +21,22 @@ LARGEST_BIRTH_SHARE = 0.8
 
 
 class SampleCounts(NamedTuple):
-    """How many particles are drawn from what; `refined` of each round."""
+    """Numbers of particles of a frame, by the proposal that they are drawn from.
+
+    Attributes
+    ----------
+    survivors, births, jumps, detections : int
+        Drawn about ancestors, from the birth density, from the border-error jump density, and about
+        what the detector sees.
+    births_near_memory : int
+        Those of the births that are drawn about the remembered cable.
+    refined : IndexArray
+        Drawn about the best particles in each round, shape (R,).
+    """
 
     survivors: int
     births: int
-    remembered: int
+    births_near_memory: int
     jumps: int
     detections: int
     refined: IndexArray
@@ -51,7 +62,7 @@ def sample_counts(
     return SampleCounts(
         survivors=rest - births,
         births=births,
-        remembered=birth_density.remembered_of(births),
+        births_near_memory=birth_density.remembered_of(births),
         jumps=jumps,
         detections=detected,
         refined=refined,

@@ -18,7 +18,9 @@ def corrected(log_posterior, log_prior, survived, labels, penalty=0.0, width=30.
     states = np.zeros((count, 8))
     states[:, 2] = width
     densities = empty_densities(count)._replace(
-        full=np.ones(count), survived=np.array(survived), width_penalties=np.full(count, penalty)
+        prior=np.ones(count),
+        prior_survival=np.array(survived),
+        width_penalties=np.full(count, penalty),
     )
     groups = Groups(np.array(labels), max(labels) + 1)
     backgrounds = np.full(groups.number, background)

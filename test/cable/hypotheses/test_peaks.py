@@ -37,24 +37,24 @@ def points_about(rng, count=20) -> np.ndarray:
 
 
 def test_the_mixture_gains_every_peak_by_its_number_of_particles(rng):
-    states, mixture = points_about(rng), np.full(20, 0.5)
+    states, density = points_about(rng), np.full(20, 0.5)
     peaks = Peaks(np.array([7, 0]), np.array([PLACE, PLACE]), np.array([FACTOR, FACTOR]))
-    add_peaks(states, 0, 20, peaks, 0, 2, 4.0, mixture)
+    add_peaks(states, 0, 20, peaks, 0, 2, 4.0, density)
     expected = [0.5 + 7 * literal_density(state[:4], PLACE, FACTOR) for state in states]
-    np.testing.assert_allclose(mixture, expected)
+    np.testing.assert_allclose(density, expected)
 
 
 def test_detections_are_a_mixture_of_equal_kernels(rng):
-    states, mixture = points_about(rng), np.zeros(20)
+    states, density = points_about(rng), np.zeros(20)
     centres = np.array([PLACE, PLACE + 3.0])
     config = CONFIG._replace(detection_sigmas=SCALES)
-    add_detections(states, 0, 20, 10, centres, config, mixture)
+    add_detections(states, 0, 20, 10, centres, config, density)
     factor = np.diag(SCALES)
     expected = [
         10 * np.mean([literal_density(state[:4], centre, factor) for centre in centres])
         for state in states
     ]
-    np.testing.assert_allclose(mixture, expected)
+    np.testing.assert_allclose(density, expected)
 
 
 def test_peaks_have_the_mean_and_the_widened_covariance_of_the_clusters(rng):

@@ -9,7 +9,7 @@ from cable_tracker.cable.hypotheses.births import birth_density, birth_density_o
 from cable_tracker.cable.hypotheses.border_jump import jump_density, jump_from
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.predicted_density import (
-    PredictedDensities,
+    DensityValues,
     PredictedDensity,
     choose_rates,
     empty_densities,
@@ -27,18 +27,18 @@ SCALES = np.array([2.0, 0.02, 1.0, 0.02])
 
 
 def make_predicted(
-    survived=0.8, born=0.1, jumped=1e-12, log_width=0.0, width_spread=math.inf
+    mass_survived=0.8, mass_born=0.1, mass_jumped=1e-12, log_width=0.0, width_spread=math.inf
 ) -> PredictedDensity:
     return PredictedDensity(
         kernels=kernel_mixture(CENTRES, SCALES, 4.0, np.array([0.9, 0.1])),
         rates=RATES,
         rate_sigmas=np.array([1.0, 0.1, 1.0, 0.1]),
-        survived=survived,
-        born=born,
+        mass_survived=mass_survived,
+        mass_born=mass_born,
         log_width=log_width,
         width_spread=width_spread,
         births=birth_density_of(search_box(PARAMETERS, 320), None, 4.0, (320, 240)),
-        jumped=jumped,
+        mass_jumped=mass_jumped,
         jump=JUMP,
     )
 
@@ -47,7 +47,7 @@ def states_at(*poses) -> np.ndarray:
     return np.hstack((np.array(poses, dtype=float), np.zeros((len(poses), 4))))
 
 
-def densities_at(predicted, states) -> PredictedDensities:
+def densities_at(predicted, states) -> DensityValues:
     densities = empty_densities(len(states))
     fill_densities(states, 0, len(states), predicted, densities)
     return densities
@@ -72,15 +72,15 @@ def test_the_prior_is_what_survived_and_what_was_born_by_their_masses():
         first, second = (literal_kernel(state, centre) for centre in CENTRES)
         survived = 0.8 * (0.9 * first + 0.1 * second)
         born = 0.1 * birth_density(state, predicted.births)
-        assert densities.survived[row] == pytest.approx(survived, rel=1e-3)
-        assert densities.survivors[row] == pytest.approx((first + second) / 2, rel=1e-3)
-        assert densities.full[row] == pytest.approx(survived + born, rel=1e-3)
+        assert densities.prior_survival[row] == pytest.approx(survived, rel=1e-3)
+        assert densities.survivor_proposal[row] == pytest.approx((first + second) / 2, rel=1e-3)
+        assert densities.prior[row] == pytest.approx(survived + born, rel=1e-3)
 
 
 def test_a_strip_that_shares_a_border_is_of_the_prior_too_whatever_its_width():
     states = states_at([-15.0, 0.0, 80.0, 0.0], [-15.0, 0.9, 80.0, 0.0])
-    predicted = make_predicted(jumped=0.05, log_width=math.log(30.0), width_spread=0.3)
-    shared, crossing = densities_at(predicted, states).full
+    predicted = make_predicted(mass_jumped=0.05, log_width=math.log(30.0), width_spread=0.3)
+    shared, crossing = densities_at(predicted, states).prior
     jumps = jump_density(states[0], JUMP)
     assert shared == pytest.approx(0.05 * jumps, rel=0.1)
     assert shared > 1e3 * crossing
@@ -89,9 +89,9 @@ def test_a_strip_that_shares_a_border_is_of_the_prior_too_whatever_its_width():
 def test_a_new_cable_of_another_width_is_less_likely():
     states = states_at([100.0, 1.0, 30.0, 0.0], [100.0, 1.0, 90.0, 0.0])
     predicted = make_predicted(log_width=math.log(30.0), width_spread=0.3)
-    expected, other = densities_at(predicted, states).full
+    expected, other = densities_at(predicted, states).prior
     assert expected > 7.0 * other
-    without = densities_at(make_predicted(), states).full
+    without = densities_at(make_predicted(), states).prior
     assert without[0] == pytest.approx(without[1], rel=1e-3)
 
 
@@ -103,7 +103,7 @@ def test_a_pose_that_was_proposed_has_the_rates_of_its_likely_ancestor(rng):
 
 def test_between_two_ancestors_the_likelier_one_is_chosen_more_often(rng):
     middle = CENTRES.mean(axis=0)
-    rates = rates_at(make_predicted(born=1e-12), states_at(*[middle] * 600), rng)
+    rates = rates_at(make_predicted(mass_born=1e-12), states_at(*[middle] * 600), rng)
     assert (rates[:, 0] < 0.0).mean() == pytest.approx(0.9, abs=0.05)
 
 

@@ -30,7 +30,7 @@ def test_every_particle_is_drawn_from_something(count, survived, born, detection
     parts = (counts.survivors, counts.births, counts.jumps, counts.detections)
     assert sum(parts) + rounds.sum() == count
     assert min(parts) >= 0
-    assert counts.remembered <= counts.births
+    assert counts.births_near_memory <= counts.births
 
 
 def test_detections_get_more_particles_while_there_is_more_likely_no_cable():
