@@ -19,7 +19,7 @@ from cable_tracker.cable.hypotheses.clusters import Groups, group_means
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs
-from cable_tracker.cable.hypotheses.shared_borders import shares_border
+from cable_tracker.cable.hypotheses.shared_borders import is_within_shared_border_limits
 from cable_tracker.cable.measure.likelihood_ratio import allocate_log_ratios, fill_log_ratios
 from cable_tracker.cable.measure.polarity_prior import marginal_log_ratio
 from cable_tracker.cable.model.geometry import (
@@ -143,7 +143,9 @@ def _moments(
     """Return mean and standard deviation over the first strips that share no border with one."""
     used, total, squares = 0, 0.0, 0.0
     for row in range(count):
-        if ratios[row] > -np.inf and not shares_border(strips[row], mean, image_width):
+        if ratios[row] > -np.inf and not is_within_shared_border_limits(
+            strips[row], mean, image_width
+        ):
             used, total, squares = used + 1, total + ratios[row], squares + ratios[row] ** 2
     if used < FEWEST_STRIPS:
         return 0.0, SMALLEST_DEVIATION
@@ -165,7 +167,7 @@ def _best(
     best = 0.0
     for row in range(start, stop):
         beside = abs(strips[row, DISTANCE] - mean[DISTANCE]) >= 0.5 * mean[WIDTH]
-        if beside and not shares_border(strips[row], mean, image_width):
+        if beside and not is_within_shared_border_limits(strips[row], mean, image_width):
             best = max(best, ratios[row])
     return best
 

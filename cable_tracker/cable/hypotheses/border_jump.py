@@ -14,6 +14,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
+from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.cable.model.state import (
     ANGLE,
     DISTANCE,
@@ -25,8 +26,8 @@ from cable_tracker.cable.model.state import (
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop
 
-RATE = 0.7
-"""How often a hypothesis has one border wrong [1/s]."""
+BORDER_ERROR_RATE = 0.7
+"""Rate at which a hypothesis turns out to have one border wrong [1/s]."""
 
 OFFSET_SIGMA, ANGLE_SIGMA, SKEW_SIGMA = 4.0, math.radians(2.0), math.radians(6.0)
 """How exactly the shared border is known [px at the reference width, rad], and how far the skew is
@@ -44,18 +45,20 @@ class BorderJump(NamedTuple):
 
     Attributes
     ----------
-    offsets, angles : FloatArray
-        Of the borders of the hypothesis, left and right, as d and alpha of a strip of no
-        width, shape (2,) [px, rad].
+    crossings : FloatArray
+        d -+ w/2: where the left and right border cross the centreline's normal through its foot
+        point [px], shape (2,).
+    angles : FloatArray
+        alpha -+ beta: normal angles of the left and right border [rad], shape (2,).
     skew : float
-        Of the hypothesis [rad].
+        beta of the hypothesis [rad].
     narrowest, widest : float
-        Limits of the width [px].
+        Limits of the widths of the strips [px].
     offset_sigma : float
         `OFFSET_SIGMA` for frames of this size [px].
     """
 
-    offsets: FloatArray
+    crossings: FloatArray
     angles: FloatArray
     skew: float
     narrowest: float
@@ -85,8 +88,8 @@ def place_jumps(
     """Draw strips into the rows from `start` to `stop`."""
     for row in range(start, stop):
         combination = (row - start) % COMBINATIONS
-        shared, side = combination // 2, 2.0 * (combination % 2) - 1.0
-        offset = jump.offsets[shared] + jump.offset_sigma * noise.normal[row, DISTANCE]
+        shared, side = combination // 2, border_side(combination % 2)
+        offset = jump.crossings[shared] + jump.offset_sigma * noise.normal[row, DISTANCE]
         angle = jump.angles[shared] + ANGLE_SIGMA * noise.normal[row, ANGLE]
         ratio = jump.widest / jump.narrowest
         width = jump.narrowest * math.pow(ratio, noise.uniform[row, WIDTH])
@@ -108,8 +111,8 @@ def jump_density(state: FloatArray, jump: BorderJump) -> float:
     total = 0.0
     turn = (state[SKEW] - jump.skew) / SKEW_SIGMA
     for combination in range(COMBINATIONS):
-        shared, side = combination // 2, 2.0 * (combination % 2) - 1.0
-        a = (state[DISTANCE] + 0.5 * side * width - jump.offsets[shared]) / jump.offset_sigma
+        shared, side = combination // 2, border_side(combination % 2)
+        a = (state[DISTANCE] + 0.5 * side * width - jump.crossings[shared]) / jump.offset_sigma
         b = (state[ANGLE] + side * state[SKEW] - jump.angles[shared]) / ANGLE_SIGMA
         squared = a * a + b * b + turn * turn
         if squared < 50.0:

@@ -44,7 +44,7 @@ from cable_tracker.cable.hypotheses.ancestors import (
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
 from cable_tracker.cable.hypotheses.births import BirthDensity, birth_density_of, draw_births
 from cable_tracker.cable.hypotheses.border_displacement import displaced_covariance
-from cable_tracker.cable.hypotheses.border_jump import RATE, BorderJump, jump_from
+from cable_tracker.cable.hypotheses.border_jump import BORDER_ERROR_RATE, BorderJump, jump_from
 from cable_tracker.cable.hypotheses.clusters import Clusters
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses, draw_and_conclude
 from cable_tracker.cable.hypotheses.first_claim import needed_clearness
@@ -142,7 +142,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self._resample = RESAMPLING_SCHEMES[parameters.resampling]
         self._movement = CableMovement(parameters, width)
         self._box = search_box(parameters, width)
-        self._rates = survival_rates(parameters, width)
+        self._survival_rates = survival_rates(parameters, width)
         self._smallest_kernel = SMALLEST_KERNEL * pose_units(width)
         self._refined = refined_counts(parameters)
         self._config = proposal_config(parameters, self._movement.degrees_of_freedom, image_size)
@@ -187,13 +187,14 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     ) -> Belief:
         """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
         if belief.refused_time >= self._parameters.search_time:
-            belief = self._searching_anew(belief)
+            belief = self._forgotten_belief(belief)
         belief = belief.aged(dt)
         births = birth_density_of(
             self._box, belief.memory, self._parameters.memory_time, self._image_size
         )
         expected = self._expected(belief, dt, motion)
-        predicted, existence = self._predict(belief, births, expected[0], dt, motion)
+        expected_leader = expected[0]
+        predicted, existence = self._predict(belief, births, expected_leader, dt, motion)
         counts = sample_counts(self._parameters, existence, births, len(detections), self._refined)
         noise = self._draw_noise(counts)
         inputs = ProposalInputs(
@@ -210,8 +211,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         prior = self._prior_presence(belief, expected, existence, dt)
         found = draw_and_conclude(self._sample, inputs, counts, self._config_for(belief), prior)
         if not len(found.hypotheses.clusters.masses):
-            return self._spread(belief, births)
-        return self._concluded(belief, found, expected[0], dt)
+            return self._restarted_belief(belief, births)
+        return self._concluded(belief, found, expected_leader, dt)
 
     def _draw_noise(self, counts: SampleCounts) -> FrameNoise:
         """Draw the random numbers of a frame."""
@@ -246,7 +247,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             gain=gain_over(parameters.presence_gain, dt),
         )
 
-    def _searching_anew(self, belief: Belief) -> Belief:
+    def _forgotten_belief(self, belief: Belief) -> Belief:
         """Return the belief without the hypotheses: the leading one can never be claimed."""
         return replace(self.first_belief(), p_bright=belief.p_bright)
 
@@ -280,7 +281,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             log_width=width_prior.log_width if width_prior is not None else 0.0,
             width_spread=width_prior.spread(parameters) if width_prior is not None else math.inf,
             births=births,
-            mass_jumped=max(existence.survived * -math.expm1(-RATE * dt), LEAST_PROBABILITY),
+            mass_jumped=max(
+                existence.survived * -math.expm1(-BORDER_ERROR_RATE * dt), LEAST_PROBABILITY
+            ),
             jump=self._jump_from(leader),
         )
         return predicted, existence
@@ -294,7 +297,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             self._resample,
             self._rng,
         )
-        return surviving_ancestors(drawn, belief.reference_angle, self._image_size, self._rates, dt)
+        return surviving_ancestors(
+            drawn, belief.reference_angle, self._image_size, self._survival_rates, dt
+        )
 
     def _jump_from(self, leader: FloatArray) -> BorderJump:
         """Return the density of cables that share one border with the leading one, (8,)."""
@@ -359,7 +364,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             known_time=known_time if is_held else 0.0,
         )
 
-    def _spread(self, before: Belief, births: BirthDensity) -> Belief:
+    def _restarted_belief(self, before: Belief, births: BirthDensity) -> Belief:
         """Return the belief when every particle is impossible: that of a new search."""
         states = draw_births(births, self._parameters.particle_count, self._rng)
         return replace(

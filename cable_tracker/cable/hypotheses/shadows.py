@@ -24,11 +24,11 @@ from cable_tracker.cable.hypotheses.presence import largest_difference
 from cable_tracker.cable.hypotheses.shared_borders import (
     SHARED_ANGLE,
     SHARED_OFFSET,
-    closeness_to_border,
-    falling,
+    parabolic_window,
+    shared_border_score,
 )
 from cable_tracker.cable.measure.likelihood_ratio import BRIGHT, DARK, CableLogRatios
-from cable_tracker.cable.model.geometry import border_offset, turn_sign, wrapped_angle
+from cable_tracker.cable.model.geometry import border_offset, border_side, turn_sign, wrapped_angle
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop, compiled_part
 
@@ -41,8 +41,8 @@ LEAST_RATIO = 6.0
 LEAST_STEP = 2.0
 """A cable is so much brighter than the bottom beyond its shadow [scales of the contrast]."""
 
-LEAST_CLOSENESS = 0.3
-"""Borders that are closer than this, on a scale from 0 to 1, are one."""
+LEAST_SHARED_SCORE = 0.3
+"""Minimum `shared_border_score`, 0..1, for two borders to be the same."""
 
 RAMP = 4.0
 """A strip loses all where it lies in a shadow, less within a quarter of its edge."""
@@ -172,7 +172,7 @@ def _ceiling_beside(
 
     Infinite if there is none, or if the outer border of that one says too little.
     """
-    side = 2.0 * border - 1.0
+    side = border_side(border)
     state = states[strip]
     angle = state[ANGLE] + side * state[SKEW]
     offset = border_offset(state[DISTANCE], state[WIDTH], state[SKEW], side)
@@ -182,8 +182,8 @@ def _ceiling_beside(
         if ratio <= most or not possible[row]:
             continue
         # The left border of a shadow is the right one of the cable.
-        shared, closeness = closeness_to_border(states[row], angle, offset, -side, rules.unit)
-        if closeness > LEAST_CLOSENESS:
+        shared, score = shared_border_score(states[row], angle, offset, -side, rules.unit)
+        if score > LEAST_SHARED_SCORE:
             most, outer = ratio, measured.bright_border_log_ratios[row, 1 - shared]
     speaks = outer - rules.evidence
     return min(most, rules.limit) - speaks if speaks > 0.0 else math.inf
@@ -234,4 +234,4 @@ def _within(state: FloatArray, pose: FloatArray, unit: float) -> float:
     apart = (sign * state[DISTANCE] - pose[DISTANCE]) / (0.5 * pose[WIDTH] + margin)
     turn = wrapped / (2.0 * SHARED_ANGLE)
     wider = max((state[WIDTH] - pose[WIDTH]) / (pose[WIDTH] + margin), 0.0)
-    return falling(apart) * falling(turn) * falling(wider)
+    return parabolic_window(apart) * parabolic_window(turn) * parabolic_window(wider)

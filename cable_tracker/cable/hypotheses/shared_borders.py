@@ -9,12 +9,17 @@ from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop
 
 SHARED_OFFSET, SHARED_ANGLE = 8.0, 0.12
-"""Borders that are nearer than this are one [px at the reference width, rad]."""
+"""Largest distance and angle between two borders that may be the same one [px at the reference
+width, rad]."""
 
 
 @compiled_loop
-def shares_border(strip: FloatArray, mean: FloatArray, image_width: float) -> bool:
-    """Tell whether a border of a strip lies on one of a hypothesis."""
+def is_within_shared_border_limits(strip: FloatArray, mean: FloatArray, image_width: float) -> bool:
+    """Tell whether any border of a strip is within both limits of any border of a hypothesis.
+
+    Distances are between the crossings d -+ w/2 with the centrelines' normals. `strip` and `mean`
+    have shape (8,), `image_width` is in px.
+    """
     shifted = strip[ANGLE] - mean[ANGLE]
     wrapped = wrapped_angle(shifted)
     sign = turn_sign(shifted, wrapped)
@@ -31,21 +36,29 @@ def shares_border(strip: FloatArray, mean: FloatArray, image_width: float) -> bo
 
 
 @compiled_inside
-def closeness_to_border(
+def shared_border_score(
     state: FloatArray, angle: float, offset: float, side: float, unit: float
 ) -> tuple[int, float]:
-    """Return which border of a strip may be a given one, and how close they are, from 1 down to 0.
+    """Return which border of a strip may be a given border, and the score that it is.
 
     Parameters
     ----------
     state : FloatArray
         The strip, shape (8,).
     angle, offset : float
-        Normal of the given border [rad], and its distance from the image centre [px].
+        The given border in Hesse normal form [rad, px].
     side : float
-        On which side of the strip it would lie, in the chart about it: -1 left, 1 right.
+        Border of the strip that is compared, with the strip's normal turned to within pi/2 of
+        `angle`: -1 left, 1 right.
     unit : float
         Pixels of the frame per pixel at the reference width.
+
+    Returns
+    -------
+    (int, float)
+        Index of that border as the state is written, 0 left, 1 right; product of the parabolic
+        windows of distance and angle, 1 for the same line, 0 from `SHARED_OFFSET` or
+        `SHARED_ANGLE` on.
     """
     shifted = state[ANGLE] - angle
     sign = turn_sign(shifted, wrapped_angle(shifted))
@@ -53,10 +66,10 @@ def closeness_to_border(
     its_offset = sign * border_offset(state[DISTANCE], state[WIDTH], state[SKEW], own)
     apart = (its_offset - offset) / (SHARED_OFFSET * unit)
     turn = wrapped_angle(shifted + own * state[SKEW]) / SHARED_ANGLE
-    return (1 if own > 0.0 else 0), falling(apart) * falling(turn)
+    return (1 if own > 0.0 else 0), parabolic_window(apart) * parabolic_window(turn)
 
 
 @compiled_inside
-def falling(distance: float) -> float:
-    """Return 1 for no distance, down to 0 for 1 and more, of either sign."""
+def parabolic_window(distance: float) -> float:
+    """Return max(1 - distance**2, 0)."""
     return max(1.0 - distance * distance, 0.0)

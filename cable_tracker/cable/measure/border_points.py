@@ -18,7 +18,7 @@ from cable_tracker.cable.measure.gradient_shape import GradientShape, directiona
 from cable_tracker.cable.measure.response_bins import PointMeasures
 from cable_tracker.cable.measure.scanned_gradients import ACROSS, ALONG, SLOPE, ScanLines
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.cable.model.geometry import border_offset
+from cable_tracker.cable.model.geometry import border_offset, border_side
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.compilation import compiled, compiled_inside, compiled_part
 
@@ -384,7 +384,7 @@ def _record_points(
     """Fill in measures (3, most) and borders (most,) of the points; return how many there are."""
     count, crossings = 0, room_for_crossings()
     for border in range(2 * len(states)):
-        state, side = states[border // 2], 2.0 * (border % 2) - 1.0
+        state, side = states[border // 2], border_side(border % 2)
         depths = contrast_depths(width_across(state, scan.reduction), scan.scale)
         steep, along, across, offset = border_normal(state, side, scan.reduction)
         lines = scan.rows if steep else scan.columns

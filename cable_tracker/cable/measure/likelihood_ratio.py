@@ -55,6 +55,7 @@ from cable_tracker.cable.measure.texture import (
     texture_windows,
 )
 from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled, compiled_inside, compiled_part
@@ -224,7 +225,7 @@ def fill_log_ratios(
         depths = contrast_depths(width, scan.scale)
         visible[cable], longest = np.inf, scan.expected
         for border in range(2):
-            side = 2.0 * border - 1.0
+            side = border_side(border)
             steep, along, across, offset = border_normal(state, side, scan.reduction)
             lines = scan.rows if steep else scan.columns
             gain = gain_across(steep, along, across, scan.shape)

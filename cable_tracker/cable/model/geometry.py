@@ -193,8 +193,18 @@ def project_borders(states: FloatArray) -> Borders:
 
 
 @compiled_inside
+def border_side(index: int) -> float:
+    """Return -1 for border 0, the left one, and +1 for border 1, the right one."""
+    return 2.0 * index - 1.0
+
+
+@compiled_inside
 def border_offset(distance: Number, width: Number, skew: Number, side: float) -> Number:
-    """Return the distance of a border from the image centre [px]; `side`: -1 left, 1 right."""
+    """Return the offset of a border in Hesse normal form [px]; `side`: -1 left, 1 right.
+
+    That is its distance from the image centre along its own normal, (d -+ w/2) cos(beta), not where
+    it crosses the centreline's normal.
+    """
     offset: Number = (distance + side * (0.5 * width)) * np.cos(skew)
     return offset
 

@@ -22,6 +22,7 @@ from cable_tracker.cable.measure.border_points import (
     room_for_crossings,
 )
 from cable_tracker.cable.measure.working_image import WorkingImage
+from cable_tracker.cable.model.geometry import border_side
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled, compiled_inside
 
@@ -105,7 +106,7 @@ def _sum_responses(
     crossings = room_for_crossings()
     for cable in range(len(states)):
         for border in range(2):
-            side = 2.0 * border - 1.0
+            side = border_side(border)
             steep, along, across, offset = border_normal(states[cable], side, scan.reduction)
             lines = scan.rows if steep else scan.columns
             line = border_line(along, across, offset, 1.0, NO_DEPTHS, scan.scale, 1.0)

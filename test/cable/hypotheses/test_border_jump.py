@@ -33,7 +33,7 @@ def test_every_strip_shares_a_border_on_one_side_or_the_other(rng):
         rows = slice(combination, None, COMBINATIONS)
         angles = borders.angles[rows, side] - own.angles[0, shared]
         assert np.abs(angles).max() < 5.0 * ANGLE_SIGMA
-        distances = states[rows, 0] + (side - 0.5) * states[rows, 2] - JUMP.offsets[shared]
+        distances = states[rows, 0] + (side - 0.5) * states[rows, 2] - JUMP.crossings[shared]
         assert np.abs(distances).max() < 5.0 * OFFSET_SIGMA
 
 

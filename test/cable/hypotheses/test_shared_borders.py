@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from cable_tracker.cable.hypotheses.shared_borders import (
     SHARED_ANGLE,
     SHARED_OFFSET,
-    closeness_to_border,
-    falling,
-    shares_border,
+    is_within_shared_border_limits,
+    parabolic_window,
+    shared_border_score,
 )
 from cable_tracker.cable.model.geometry import project_borders, states_from_borders
 from cable_tracker.cable.model.state import CableState
@@ -43,9 +43,9 @@ def right_border_of(state):
 @pytest.mark.parametrize("write", [np.copy, turned_round], ids=["as it is", "turned round"])
 def test_neighbours_have_a_border_in_common(write):
     neighbour = write(beside())
-    assert shares_border(neighbour, STRIP, 320.0)
-    own, closeness = closeness_to_border(neighbour, *right_border_of(STRIP), -1.0, 1.0)
-    assert closeness == pytest.approx(1.0, abs=1e-6)
+    assert is_within_shared_border_limits(neighbour, STRIP, 320.0)
+    own, score = shared_border_score(neighbour, *right_border_of(STRIP), -1.0, 1.0)
+    assert score == pytest.approx(1.0, abs=1e-6)
     assert own == (1 if write is turned_round else 0)
 
 
@@ -53,25 +53,25 @@ def test_neighbours_have_a_border_in_common(write):
 def test_the_farther_a_border_is_the_less_is_it_the_same(gap, turn):
     assume(abs(gap - SHARED_OFFSET) > 1e-6)
     assume(abs(turn - SHARED_ANGLE) > 1e-6)
-    _, near = closeness_to_border(beside(gap, turn), *right_border_of(STRIP), -1.0, 1.0)
-    _, farther = closeness_to_border(beside(gap + 1.0, turn), *right_border_of(STRIP), -1.0, 1.0)
+    _, near = shared_border_score(beside(gap, turn), *right_border_of(STRIP), -1.0, 1.0)
+    _, farther = shared_border_score(beside(gap + 1.0, turn), *right_border_of(STRIP), -1.0, 1.0)
     assert 0.0 <= farther <= near <= 1.0
     assert (near > 0.0) == (gap < SHARED_OFFSET and turn < SHARED_ANGLE)
 
 
 def test_a_strip_elsewhere_shares_none():
-    assert not shares_border(beside(gap=20.0), STRIP, 320.0)
-    assert not shares_border(beside(turn=0.3), STRIP, 320.0)
+    assert not is_within_shared_border_limits(beside(gap=20.0), STRIP, 320.0)
+    assert not is_within_shared_border_limits(beside(turn=0.3), STRIP, 320.0)
 
 
 def test_what_is_near_grows_with_the_picture():
     neighbour = beside(gap=12.0)
-    assert not shares_border(neighbour, STRIP, 320.0)
-    assert shares_border(neighbour, STRIP, 640.0)
+    assert not is_within_shared_border_limits(neighbour, STRIP, 320.0)
+    assert is_within_shared_border_limits(neighbour, STRIP, 640.0)
 
 
 @given(distance=st.floats(-5.0, 5.0))
 def test_closeness_falls_on_both_sides(distance):
-    assert falling(distance) == falling(-distance)
-    assert falling(distance) >= 0.0
-    assert falling(1.5 * distance) <= falling(distance)
+    assert parabolic_window(distance) == parabolic_window(-distance)
+    assert parabolic_window(distance) >= 0.0
+    assert parabolic_window(1.5 * distance) <= parabolic_window(distance)
