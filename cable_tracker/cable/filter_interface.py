@@ -38,7 +38,7 @@ class BeliefSummary:
     mean : FloatArray
         The estimate, shape (8,), columns of `StateColumn`; its angle in (-pi/2, pi/2].
     covariance : FloatArray
-        Of its error, shape (8, 8).
+        Covariance of its error, shape (8, 8).
     effective_sample_size : float
         N_eff, before resampling.
     evidence : float

@@ -21,7 +21,7 @@ FIT_TOLERANCES = (4.0, 2.5, 2.0)
 """How far a point may lie from its line, at one fit after the other [px at the reference width]."""
 
 LEAST_COSINE = math.cos(math.radians(20.0))
-"""So far may the gradient at a point be turned from the normal of its line."""
+"""Cosine of the largest angle (20 deg) between a point's gradient and the line normal."""
 
 MINIMUM_POINTS = 6
 """A line through fewer points is none."""

@@ -37,13 +37,11 @@ FEWEST_CELLS = 8
 """A picture with fewer cells on a side has no lines to speak of."""
 
 GRADIENT_CAP = 3.0
-"""Longer gradients are cut to so many medians of all."""
+"""Upper bound of the length of a gradient, in medians of all."""
 
-ORDINARY_SQUARE = 0.5
-"""Added to the sum of squares for each cell: what is even has no direction [squared medians]."""
-
-LEAST_CELLS = 4.0
-"""... and at least for so many cells."""
+ORDINARY_SQUARE, LEAST_CELLS = 0.5, 4.0
+"""Regulariser: ORDINARY_SQUARE max(cells, LEAST_CELLS) is added to the sum of squares [squared
+medians]."""
 
 WHOLE_LENGTH = 0.5
 """Lines that are shorter than this share of the shorter side of the picture count less."""
@@ -52,7 +50,7 @@ TEXTURE_SIGMA = 1.0
 """Smoothing before the texture is worked out [px at the reference width], and of it [cells]."""
 
 SMALLEST_TEXTURE_SIGMA = 0.5
-"""... in pictures of any size [px]."""
+"""Lower bound of that smoothing [px]."""
 
 DARK_SHARE = 0.1
 """Share of the mean grey level that is added to grey levels before gradients are divided by them:

@@ -55,7 +55,7 @@ MOST_LINES = 24
 MOST_CABLES = 8
 
 MOST_FAINT = 4
-"""So many cables between faint lines are proposed of the brightness, and of the texture."""
+"""Number of cables between faint lines that are proposed, from brightness and from texture each."""
 
 
 class LinePairProposer:

@@ -99,7 +99,7 @@ def plausible_pairs(
     Parameters
     ----------
     angles, offsets, supports : FloatArray
-        Of N lines, see `BorderLines`.
+        Angles, offsets and supports of N lines, see `BorderLines`.
     limits : PairLimits
         Widths and skews, widths in the px of the offsets.
     image_size : (float, float)

@@ -20,11 +20,11 @@ class SearchRegion:
     state : CableState
         The expected cable [px, rad].
     distance : float
-        How far d may be from it [px].
+        Largest difference of d [px].
     angle : float
-        How far alpha may be from it [rad].
+        Largest difference of alpha [rad].
     width : float
-        How far w may be from it [px].
+        Largest difference of w [px].
     """
 
     state: CableState

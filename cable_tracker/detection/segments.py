@@ -55,7 +55,7 @@ def lines_of_segments(
     segments : Segments
         Pieces of edges.
     gradient : Gradient
-        Of the picture: it tells the brighter side, and the contrast.
+        Gradient of the picture, which tells the brighter side and the contrast.
     minimum_contrast : float
         Fainter segments are left out [frame's scale].
     """

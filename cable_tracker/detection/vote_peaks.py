@@ -20,7 +20,8 @@ BIN = 2.0 * math.pi / ANGLE_BINS
 DIRECTIONS = np.stack((np.cos(np.arange(ANGLE_BINS) * BIN), np.sin(np.arange(ANGLE_BINS) * BIN)))
 
 ANGLE_MARGIN = 2
-"""The angle goes round: so many bins of the other end let peaks at the seam be seen whole."""
+"""Bins of angle that are repeated beyond either end: angles are periodic, and a peak may lie across
+the seam."""
 
 PEAK_WINDOW = np.ones((2 * ANGLE_MARGIN + 1, 3), np.uint8)
 """A peak is the highest among these bins of angle and offset about it."""

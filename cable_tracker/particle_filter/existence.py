@@ -57,7 +57,7 @@ def predict_existence(probability: float, survival: float, birth: float) -> Pred
     Parameters
     ----------
     probability : float
-        That it existed, 0 to 1.
+        Probability that it existed, 0 to 1.
     survival : float
         Probability that what existed still does.
     birth : float

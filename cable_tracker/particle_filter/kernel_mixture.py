@@ -1,8 +1,7 @@
 """A mixture of equal kernels about weighted centres: a cloud of particles as a density.
 
-The kernels are Student-t of four components, independent of each other. They are worked out in
-single precision, twice as many at a time. So that nothing is lost, the centres are told from one of
-them, the origin, in units of the kernels' scales.
+The kernels are Student-t of four components with a diagonal scale matrix. Evaluated in float32.
+Centres are stored relative to the first centre in units of the scales, to avoid cancellation.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from cable_tracker.particle_filter.student_t import peak_density, relative_densi
 DIMENSIONS = 4
 
 BLOCK = 32
-"""So many kernels are summed together where one of them is looked for."""
+"""Kernels per partial sum, when one of them is chosen by its share of the density."""
 
 
 class KernelMixture(NamedTuple):
@@ -30,9 +29,9 @@ class KernelMixture(NamedTuple):
     places : FloatArray
         The centres, shape (M, 4).
     scales : FloatArray
-        Of the kernels, shape (4,); positive.
+        Scales of the kernels, shape (4,); positive.
     degrees_of_freedom : float
-        Of the kernels; infinite for Gaussian ones.
+        Degrees of freedom of the kernels; infinite for Gaussian ones.
     peak : float
         Density of a kernel at its centre.
     relative : Image

@@ -64,7 +64,7 @@ def share_about_last_place(seconds: float, memory_time: float) -> float:
     Parameters
     ----------
     seconds : float
-        How long ago that was [s].
+        Time since it was last seen [s].
     memory_time : float
         After which it counts for 1/e [s].
     """

@@ -17,10 +17,10 @@ from cable_tracker.particle_filter.resampling import ResamplingScheme
 from cable_tracker.tracking.survival import SurvivalRates, survival_probability
 
 SMALLEST_CLUSTER_SHARE = 0.06
-"""Share of the ancestors that every cluster has, however light: frames may yet speak for it."""
+"""Minimum share of the ancestors that are drawn from each cluster."""
 
 LEAST_SURVIVING = 1e-300
-"""Weight of an ancestor that cannot have survived: of none could a mixture be made."""
+"""Positive floor of an ancestor's weight, so that the weights can be normalised."""
 
 
 class Ancestors(NamedTuple):
@@ -29,9 +29,10 @@ class Ancestors(NamedTuple):
     Attributes
     ----------
     states : FloatArray
-        Shape (M, 8).
+        Particles of the frame before, shape (M, 8).
     weights : FloatArray
-        Shape (M,), summing to one: a light cluster has more ancestors, that weigh less.
+        Their weights in the predicted density, shape (M,), summing to one: a light cluster has more
+        ancestors than its mass, with smaller weights.
     """
 
     states: FloatArray
@@ -50,11 +51,11 @@ def draw_ancestors(
     Parameters
     ----------
     particles, clusters : Particles, Clusters
-        What is believed.
+        The belief after the frame before.
     count : int
         Number of ancestors.
     resample : ResamplingScheme
-        How they are drawn.
+        Resampling scheme.
     rng : numpy.random.Generator
         The source of randomness.
     """
@@ -93,13 +94,13 @@ def surviving_ancestors(
     Parameters
     ----------
     ancestors : Ancestors
-        Before.
+        Ancestors with their weights after the frame before.
     reference_angle : float
-        Middle of the chart in which they are returned [rad].
+        Angle within pi/2 of which their normals are written [rad].
     image_size : (int, int)
         Width and height of the frames [px].
     rates : SurvivalRates
-        How often a cable goes out of view.
+        Rates at which a cable goes out of view.
     dt : float
         Time to the next frame [s].
     """

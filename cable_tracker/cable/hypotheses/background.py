@@ -32,16 +32,17 @@ from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, STATE_SIZE, W
 from cable_tracker.compilation import compiled_loop, compiled_part
 
 ALIKE_ANGLE, ALIKE_LOG_WIDTH, ALIKE_SKEW = math.radians(3.0), 0.25, math.radians(1.5)
-"""How like a hypothesis strips are: standard deviations of alpha [rad], log w and beta [rad]."""
+"""Standard deviations of alpha [rad], log w and beta [rad] of strips like a hypothesis about it."""
 
 BEST_OF_ANY = 3.0
-"""The best of the strips of any kind stand so many standard deviations above their mean."""
+"""Height of the best strips of any kind above their mean, in standard deviations."""
 
 SMALLEST_DEVIATION = 0.5
-"""Smallest standard deviation of the strips of any kind [nats]."""
+"""Lower bound of the standard deviation of the strips of any kind [nats]."""
 
 FEWEST_STRIPS = 8
-"""Fewer strips of any kind say nothing."""
+"""Minimum number of random strips for their mean and deviation; with fewer 0 and
+`SMALLEST_DEVIATION` are used."""
 
 
 class Background(NamedTuple):
@@ -50,9 +51,9 @@ class Background(NamedTuple):
     Attributes
     ----------
     alike : FloatArray
-        Of the best strip that is like the hypothesis, at least 0.
+        Log-likelihood ratio of the best strip like the hypothesis, at least 0.
     means, deviations : FloatArray
-        Mean and standard deviation over strips of any kind.
+        Mean and standard deviation of the log-likelihood ratios of strips of any kind.
     """
 
     alike: FloatArray

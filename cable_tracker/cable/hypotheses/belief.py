@@ -20,30 +20,30 @@ from cable_tracker.particle_filter.particles import Particles
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Belief:
-    """What the filter believes after a frame. Never changed in place.
+    """Belief of the filter after a frame. Never changed in place.
 
     Attributes
     ----------
     particles : Particles
-        Where the cable is, given that there is one; angles in (-pi/2, pi/2].
+        Weighted states of the cable, given that there is one; angles in (-pi/2, pi/2].
     hypotheses : Hypotheses
-        The clusters of the particles, and how the frame shows the leading one.
+        Clusters of the particles, and what the frame measures of the leading one.
     presence : float
         Probability that there is a cable in view.
     p_bright : float
         Probability that it is brighter than the bottom.
     memory : RememberedCable or None
-        Where a cable was last tracked.
+        Pose of the cable when it was last tracked, and the time since.
     width_prior : WidthPrior or None
-        How wide it was.
+        Running mean of the width while the cable was tracked.
     log_odds : FloatArray
-        That each cluster is a cable, shape (K,).
+        Log-odds that each cluster is a cable, shape (K,) [nats].
     refused_time : float
-        How long a cable has been present whose weaker border is not clear enough to claim it, or to
-        keep it where it is known [s].
+        Time for which consecutive frames had a cable present, but its weaker border too faint to
+        claim it, or, if it is known, to keep it [s].
     known_time : float
-        For how long the leading hypothesis has been held for a cable, with borders clear enough to
-        claim it [s]; infinite where an operator or planner gave it.
+        Time for which consecutive frames held the leading hypothesis for a cable, counted while its
+        borders are clear enough to claim it [s]; infinite where an operator or planner gave it.
     """
 
     particles: Particles

@@ -55,7 +55,7 @@ class BirthDensity(NamedTuple):
     box_density : float
         Density of d, alpha, w, beta in it.
     pose, scales : FloatArray
-        The remembered cable, and how far from there it is looked for, shape (4,).
+        The remembered cable, and the scales of births about it, shape (4,).
     share : float
         Share of the births about the remembered cable; 0 without one.
     side, inset : float
@@ -63,7 +63,7 @@ class BirthDensity(NamedTuple):
     peak : float
         Density of the births about the remembered cable, at their middle.
     width, height : float
-        Of the frames [px].
+        Size of the frames [px].
     """
 
     lower: FloatArray
@@ -94,11 +94,11 @@ def birth_density_of(
     Parameters
     ----------
     box : SearchBox
-        Anywhere.
+        Box of the births that are not about the remembered cable.
     memory : RememberedCable or None
-        Near here, mostly, if a cable was seen before.
+        Cable that was tracked before.
     memory_time : float
-        After which the memory counts for 1/e [s].
+        Time constant of the share of births about the remembered cable [s].
     image_size : (int, int)
         Width and height of the frames [px].
     """

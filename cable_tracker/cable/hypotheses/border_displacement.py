@@ -16,25 +16,25 @@ from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, WIDTH
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 
 CLEAR_LOG_RATIO, HALVING_LOG_RATIO = 1.8, 0.25
-"""A border is displaced by `border_displacement` where its mean log-likelihood ratio per point is
-the first, by half of it for each second more, and by twice as much for each less."""
+"""Sigma of the displacement = `border_displacement` 2^((CLEAR - e) / HALVING), e the mean
+log-likelihood ratio per point of the border [nats]."""
 
 USUAL_MOST, MOST_OF_WIDTH, FARTHEST = 4.0, 0.25, 12.0
-"""The most is a quarter of the width, within these limits [`border_displacement`, for a width in
-pixels of the reference width]: with more, the borders of sigma points would change places."""
+"""Upper bound of that factor: a quarter of the width, at least 4 and at most 12 px at the reference
+width. With more, the borders of sigma points would change places."""
 
 BORDER_TURN = math.radians(0.4)
 """Turn of a border that is displaced by one pixel of the reference width [rad]."""
 
 ROUND_BORDER = 0.5
-"""Both borders of a cable lie inside its silhouette by so many times `border_displacement`, if it
-is round: its light falls off towards it."""
+"""Distance of each border of a round cable inwards from its silhouette, as a factor on
+`border_displacement`: the cable's brightness falls off towards the silhouette."""
 
 POSE_OF_BORDERS = np.array(
     [[0.5, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, 0.5], [-1.0, 1.0, 0.0, 0.0], [0.0, 0.0, -0.5, 0.5]]
 )
-"""What d, alpha, w, beta change by with the offsets of the left and the right border, and with
-their turns: d and alpha are means of the two, w is the difference, beta half of it."""
+"""Jacobian (4, 4) of d, alpha, w, beta with respect to left offset, right offset, left angle, right
+angle."""
 
 
 def displaced_covariance(
@@ -52,15 +52,15 @@ def displaced_covariance(
     Parameters
     ----------
     covariance : FloatArray
-        Of the particles, shape (8, 8).
+        Covariance of the particles of the leading cluster, shape (8, 8).
     border_means : FloatArray
         Mean log-likelihood ratios per point of the left and of the right border, shape (2,).
     width : float
-        Of the cable [px].
+        Width of the cable [px].
     parameters : TrackerParameters
         `border_displacement` and `tempering`.
     image_width : int
-        Of the frames [px].
+        Width of the frames [px].
     """
     unit = image_width / REFERENCE_WIDTH
     factors = displacement_factors(border_means, width / unit)

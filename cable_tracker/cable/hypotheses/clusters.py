@@ -33,7 +33,7 @@ SMALLEST_MASS = 1e-9
 """Clusters with a smaller share of the weight are dropped."""
 
 CENTRINGS = 2
-"""How often a cluster is gathered anew about its own mean."""
+"""Number of times that the members of a cluster are found and its mean updated."""
 
 NO_CLUSTER = -1
 """Label of particles that belong to no cluster, or to no group."""
@@ -45,9 +45,9 @@ class Groups(NamedTuple):
     Attributes
     ----------
     labels : IndexArray
-        Which group a particle belongs to, `NO_CLUSTER` for none, shape (N,).
+        Index of each particle's group, `NO_CLUSTER` for none, shape (N,).
     number : int
-        How many groups there are.
+        Number of groups.
     """
 
     labels: IndexArray
@@ -60,15 +60,15 @@ class Clusters(NamedTuple):
     Attributes
     ----------
     labels : IndexArray
-        Which cluster a particle belongs to, `NO_CLUSTER` for none, shape (N,).
+        Index of each particle's cluster, `NO_CLUSTER` for none, shape (N,).
     masses : FloatArray
-        Sums of their weights, shape (K,).
+        Sum of the weights of each cluster, shape (K,).
     means : FloatArray
-        Their weighted means, shape (K, 8); the angles are not wrapped.
+        Weighted means, shape (K, 8); the angles are not wrapped.
     group_of : IndexArray
-        Which group each of them was, shape (K,).
+        Index of the group that each cluster comes from, shape (K,).
     rest : float
-        Sum of the weights of the particles that belong to none.
+        Sum of the weights of the particles of no cluster.
     """
 
     labels: IndexArray

@@ -57,11 +57,12 @@ class Hypotheses(NamedTuple):
     Attributes
     ----------
     clusters : Clusters
-        Of the particles.
+        Clusters of the particles.
     covariance : FloatArray
-        Of the leading cluster, in the chart about its mean, shape (8, 8).
+        Covariance of the leading cluster, its particles unwrapped about its mean's angle, shape
+        (8, 8).
     effective_size : float
-        N_eff of all particles.
+        Effective sample size N_eff of all particles.
     weaker_border_mean : float
         Mean log-likelihood ratio per point of the weaker border, with what the texture says,
         averaged over the leading cluster [nats]: the evidence that is published.
@@ -93,11 +94,11 @@ class Conclusion(NamedTuple):
     states, log_weights : FloatArray
         The particles, angles in (-pi/2, pi/2], shapes (N, 8) and (N,).
     hypotheses : Hypotheses
-        The clusters.
+        Their clusters, and what the frame measures of the leading one.
     log_odds : FloatArray
-        That they are cables, shape (K,).
+        Log-odds that the clusters are cables, shape (K,) [nats].
     p_bright : float
-        Share of the weight that speaks for a cable brighter than the bottom.
+        Weighted share of bright cables: probability that the cable is brighter than the bottom.
     """
 
     states: FloatArray

@@ -50,11 +50,11 @@ def corrected_weights(
     states, densities : FloatArray, DensityValues
         The particles, shape (N, 8), and the densities that they had before the frame.
     groups : Groups
-        Of the particles.
+        Groups of the particles.
     backgrounds : FloatArray
         Log-likelihood ratio that the bottom explains at each group, shape (K,).
     rules : CorrectionRules
-        How much counts.
+        Limits of the correction.
     """
     labels, count = groups.labels, groups.number + 1
     # The first is of the particles that belong to no group.

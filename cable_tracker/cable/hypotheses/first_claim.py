@@ -11,11 +11,11 @@ from __future__ import annotations
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 
 USUAL_WIDTH = 2.0
-"""A cable of so many times `thin_width` is claimed with `evidence_to_find`."""
+"""Width, in units of `thin_width`, at which the clearness that is needed is `evidence_to_find`."""
 
 LEAST_FACTOR, MOST_FACTOR = 2.0 / 3.0, 3.0
-"""The widest and the thinnest need so many times as much. Chosen on the simulated worlds to tune on
-(`tune_*`) and on crisp strips."""
+"""Limits of the factor on `evidence_to_find`, for wide and for thin strips. Chosen on the simulated
+worlds to tune on (`tune_*`) and on crisp strips."""
 
 
 def needed_clearness(width: float, parameters: TrackerParameters, image_width: float) -> float:
@@ -24,11 +24,11 @@ def needed_clearness(width: float, parameters: TrackerParameters, image_width: f
     Parameters
     ----------
     width : float
-        Of the cable [px].
+        Width of the cable [px].
     parameters : TrackerParameters
         `evidence_to_find` and `thin_width`.
     image_width : float
-        Of the frames [px].
+        Width of the frames [px].
     """
     needed = parameters.evidence_to_find
     if needed <= 0.0:

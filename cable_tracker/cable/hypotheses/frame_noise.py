@@ -15,13 +15,13 @@ from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.particle_filter.student_t import student_t_stretches
 
 BIRTH_TAIL = 4.0
-"""Degrees of freedom of the Student-t about where the cable was."""
+"""Degrees of freedom of the Student-t of births about the remembered cable."""
 
 STRIPS_ANYWHERE, STRIPS_ALIKE = 64, 96
-"""Strips that the hypotheses of a frame are held against: of any kind, and like them."""
+"""Numbers of strips that measure a frame's background: of any kind, and like the hypotheses."""
 
 ALIKE = 3
-"""They are alike in alpha, w, beta."""
+"""Number of perturbed components (alpha, log w, beta) of a strip like the hypothesis."""
 
 
 class FrameNoise(NamedTuple):
@@ -32,18 +32,20 @@ class FrameNoise(NamedTuple):
     normal : FloatArray
         Standard normal, shape (N, 8): columns of the state.
     stretches : FloatArray
-        Factors that give them heavy tails, shape (N, 2): for the pose, for the rates.
+        Factors that make Student-t numbers of the normal ones, shape (N, 2): of the pose, of the
+        rates.
     uniform : FloatArray
-        From 0 to 1, shape (N, 8): where in the search box. For a particle whose pose is proposed,
-        column 0 says which ancestor gives it its rates.
+        Uniform in [0, 1), shape (N, 8): places of births in the search box. Column 0 of a particle
+        whose pose is proposed chooses the ancestor that gives it its rates.
     about_memory : FloatArray
-        Student-t, shape (B, 4): how far from where the cable was last seen.
+        Student-t, shape (B, 4): deviations of births from the remembered cable, in its scales.
     anywhere : FloatArray
-        From 0 to 1, shape (R, 4): strips of any kind that hypotheses are held against.
+        Uniform in [0, 1), shape (R, 4): d, alpha, w, beta of background strips of any kind.
     elsewhere : FloatArray
-        From 0 to 1, shape (S,): where the strips lie that are like the hypotheses.
+        Uniform in [0, 1), shape (S,): d of background strips like the hypotheses.
     alike : FloatArray
-        Standard normal, shape (S, 3): how like them they are.
+        Standard normal, shape (S, 3): deviations of alpha, log w, beta of background strips like
+        the hypotheses.
     """
 
     normal: FloatArray

@@ -100,14 +100,14 @@ KNOWN_PRESENCE = 0.5
 """A hypothesis is held for a cable while its presence is above this."""
 
 MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
-"""A cable is remembered while it is present, and in one cluster, by so much."""
+"""Minimum presence and minimum mass of the leading cluster for updating memory and width prior."""
 
 SMALLEST_KERNEL = np.array([0.05, np.deg2rad(0.02), 0.05, np.deg2rad(0.02)])
-"""Smallest scale of the movement [px at the reference width, rad]: without any, the particles could
-not be told from points."""
+"""Lower bound of the kernel scales [px at the reference width, rad]: a scale of zero has no
+density."""
 
 SMALLEST_HYPOTHESIS = 0.01
-"""Clusters with a smaller share are not reported."""
+"""Minimum mass of a cluster that is reported; the leading one always is."""
 
 NO_ANCHOR = np.empty((0, STATE_SIZE))
 
@@ -118,7 +118,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     Parameters
     ----------
     parameters : TrackerParameters
-        All of them.
+        The tracker's parameters.
     observation : BorderLikelihoodRatio
         The likelihood ratio of a frame.
     image_size : (int, int)
@@ -323,9 +323,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         Parameters
         ----------
         before : Belief
-            Before the frame, carried on to it.
+            Belief before the frame, aged to its time.
         found : Conclusion
-            What the frame has shown.
+            Particles, clusters and log-odds after the frame.
         expected : FloatArray
             Where the leading cluster was expected, shape (8,).
         dt : float

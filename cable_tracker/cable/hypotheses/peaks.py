@@ -30,9 +30,9 @@ class Peaks(NamedTuple):
     Attributes
     ----------
     counts : IndexArray
-        Number of particles drawn from each, shape (P,); 0 for one that there is not.
+        Number of particles drawn from each, shape (P,); 0 for an unused one.
     locations : FloatArray
-        Shape (P, 4).
+        d, alpha, w, beta of their centres [px, rad], shape (P, 4).
     factors : FloatArray
         Lower Cholesky factors of their scale matrices, shape (P, 4, 4).
     """
@@ -67,17 +67,17 @@ def find_peaks(
     Parameters
     ----------
     states, log_weights : FloatArray
-        The particles so far, shapes (N, 8) and (N,).
+        The particles of the rounds before, shapes (N, 8) and (N,).
     count : int
-        How many particles are to be drawn about the peaks.
+        Number of particles that are to be drawn about the peaks.
     widening : float
         Factor on the covariance of the clusters.
     config : ProposalConfig
-        How large clusters are, and how many of them count.
+        Radii of the clusters, and the limits of their number and mass.
     peaks : Peaks
         The first `used` of them are filled.
     used : int
-        How many peaks there are already.
+        Number of peaks that are filled in.
     """
     weights = exponentials(log_weights)
     groups = find_groups(states, log_weights, config.cluster_radii, np.empty((0, STATE_SIZE)))

@@ -1,4 +1,4 @@
-"""Whether the cable is brighter than the bottom, as known from the frames so far."""
+"""Probability that the cable is brighter than the bottom, after all frames seen."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ def updated_p_bright(
     Parameters
     ----------
     before : float
-        Before the frame.
+        That probability before the frame.
     found : float
         Share of the particles' weight that speaks for a bright cable.
     presence : float
         Probability that there is a cable: without one the frame says nothing.
     memory : float
-        What is left of it after a frame at 25 frames per second, 0 to 1.
+        Factor per frame at 25 frames per second on the deviation from 0.5, 0 to 1.
     dt : float
         Time since the frame before [s].
     """

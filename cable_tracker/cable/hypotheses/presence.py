@@ -32,26 +32,29 @@ class ScoreModel(NamedTuple):
     Attributes
     ----------
     empty_mode, empty_scale : float
-        Of the Gumbel law of the best hypothesis' standard score on frames without a cable.
+        Mode and scale of the Gumbel density of the best hypothesis' score on frames without a
+        cable.
     cable_mean, cable_deviation : float
-        Of the Gaussian of the standard score of a visible cable.
+        Mean and standard deviation of the Gaussian of the score of a visible cable.
     highest_score : float
-        Higher standard scores say no more than this one.
+        Upper bound of the score.
     ordinary_margin, ordinary_slope : float
-        A lower margin is that of ripples and grain [nats], and says so much against a cable per
-        nat.
+        Below `ordinary_margin` [nats] the log-odds are at most `ordinary_slope` (margin -
+        `ordinary_margin`): ripples and grain have such margins.
     clear_margin, clear_slope : float
-        Margins above this are found on cables alone [nats], and say so much more per nat.
+        Above `clear_margin` [nats] `clear_slope` (margin - `clear_margin`) is added to the
+        log-odds: only cables have such margins.
     clearness, clearness_slope : float
-        Borders that are clearer than this are found on cables alone [nats per point in view], and
-        say so much more per nat.
+        Above `clearness` [nats per point in view] `clearness_slope` (c - `clearness`), times
+        `shown_share`, is added to the log-odds, c the clearness of the borders.
     least_shown, enough_shown : float
-        So clear are short edges, too: with less length in view, as a share of the picture's height,
-        it says nothing of a cable, with more than the other all.
+        Length in view, as a share of the picture's height, up to which the clearness does not
+        count, and from which it counts fully; linear between. Short edges of the bottom are clear,
+        too.
     hidden_share : float
-        Share of the frames in which nothing is learnt of a cable: growth, sand, shadows.
+        Probability q that a frame shows nothing of a cable in view: growth, sand, shadows.
     largest_log_odds : float
-        A frame says no more than this for a hypothesis [nats].
+        Upper bound of the log-odds of one frame [nats].
     """
 
     empty_mode: float = 4.3
@@ -74,20 +77,20 @@ class ScoreModel(NamedTuple):
 MODEL = ScoreModel()
 
 LEAST_LOG_ODDS = math.log(MODEL.hidden_share) - 0.2
-"""A frame does not say more than this against a cable, which may be hidden in it [nats]."""
+"""Lower bound of the log-odds of one frame, in which the cable may be hidden [nats]."""
 
 NEW_LOG_ODDS = math.log(0.02 / 0.98)
 """Log-odds of a new hypothesis, before its first frame."""
 
 LOWEST, HIGHEST = math.log(1e-3 / (1.0 - 1e-3)), 5.0
-"""Log-odds stay between these, so that they can turn again in time."""
+"""Limits of the log-odds of a hypothesis [nats], so that later frames can turn them."""
 
 NEAR = np.array([14.0, 0.2, 14.0, 0.2])
-"""How far a hypothesis may be from where one of the frame before is expected, to be that one: d,
-alpha, w, beta [px at the reference width, rad]."""
+"""Largest differences of d, alpha, w, beta between a hypothesis and the expected one of the frame
+before that it continues [px at the reference width, rad]."""
 
 THINNEST_FACTOR = 0.5
-"""The evidence for the thinnest strip counts so much."""
+"""Lower bound of `thin_factor`."""
 
 
 class Standing(NamedTuple):
@@ -96,11 +99,11 @@ class Standing(NamedTuple):
     Attributes
     ----------
     margin : float
-        How far its log-likelihood ratio is above that of strips like it [nats].
+        Log-likelihood ratio above the best strip like it [nats].
     standard_score : float
-        How far it is above the mean of strips of any kind [their standard deviations].
+        Log-likelihood ratio above the mean of strips of any kind, over their standard deviation.
     clearness, shown : float
-        See `BorderClearness`.
+        Clearness of its borders and length in view, see `BorderClearness`.
     """
 
     margin: float
@@ -117,9 +120,9 @@ class PriorPresence(NamedTuple):
     expected : FloatArray
         Where they are expected, the one that leads first, shape (J, 8).
     log_odds : FloatArray
-        That they were cables, shape (J,).
+        Log-odds that they were cables, shape (J,) [nats].
     survival, appearance : float
-        Probability that a cable that was there still is, and that one has come.
+        Probability that a cable in view stays there, and that one appears, before the next frame.
     gain : float
         Share of the frame's evidence that counts for a hypothesis that goes on.
     """
@@ -166,7 +169,10 @@ def _log_ratio_of_score(score: float) -> float:
 
 @compiled_inside
 def thin_factor(width: float, thin_width: float) -> float:
-    """Return what the evidence for a strip of some width counts: any bottom has thin lines."""
+    """Return the factor on the evidence for a strip of a width: sqrt(width / thin_width), 0.5 to 1.
+
+    Any bottom has thin lines.
+    """
     return min(max(math.sqrt(max(width, 0.0) / thin_width), THINNEST_FACTOR), 1.0)
 
 
@@ -217,11 +223,11 @@ def updated_log_odds(inherited: float, standing: Standing, prior: PriorPresence)
     Parameters
     ----------
     inherited : float
-        Before it; NaN for a new hypothesis.
+        Log-odds before the frame [nats]; NaN for a new hypothesis.
     standing : Standing
-        How it stands out of the frame.
+        Margin, score and clearness in the frame.
     prior : PriorPresence
-        How likely cables stay and come, and how much of a frame counts.
+        Probabilities of survival and appearance, and gain of the frame.
     """
     odds = frame_log_odds(standing)
     if math.isnan(inherited):
@@ -233,9 +239,10 @@ def updated_log_odds(inherited: float, standing: Standing, prior: PriorPresence)
 
 
 def gain_over(gain: float, dt: float) -> float:
-    """Return the share of a frame's evidence that is new, for its share at 25 frames per second.
+    """Return the share of a frame's log-odds that is new after `dt` seconds.
 
-    What looks like a cable in one frame does so in the next, the less the longer that is after.
+    `gain` is that share at 25 frames per second. Consecutive frames look alike, the less the longer
+    the time between them.
     """
     frames = dt * REFERENCE_RATE if dt > 0.0 else 1.0
     return 1.0 - math.pow(1.0 - gain, frames)

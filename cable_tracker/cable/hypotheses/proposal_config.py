@@ -18,13 +18,15 @@ from cable_tracker.cable.model.state import pose_units
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 
 DETECTION_SIGMAS = np.array([2.0, np.deg2rad(1.0), 2.8, np.deg2rad(1.0)])
-"""How far from a detection a cable is drawn: d, alpha, w, beta [px at the reference width, rad]."""
+"""Kernel scales of the proposal about a detection: d, alpha, w, beta [px at the reference width,
+rad]."""
 
 SMALLEST_SIGMAS = np.array([0.15, np.deg2rad(0.08), 0.2, np.deg2rad(0.08)])
-"""A round draws about particles with at least this scale [px at the reference width, rad]."""
+"""Added in quadrature to the kernel scales of a round [px at the reference width, rad]."""
 
 MOST_REFINED, LEAST_REFINED = 3, 0.02
-"""A round draws about so many clusters at most, each with at least this mass."""
+"""Largest number of clusters that a round draws about, and their minimum mass (the heaviest is
+always one)."""
 
 
 class ProposalConfig(NamedTuple):
@@ -35,9 +37,10 @@ class ProposalConfig(NamedTuple):
     image_size : (float, float)
         Width and height of the frames [px].
     limits : StateLimits
-        Poses beyond are impossible.
+        Limits of d, alpha, w, beta; poses beyond are impossible.
     degrees_of_freedom : float
-        Of the movement and of all proposals; infinite for Gaussian ones.
+        Degrees of freedom of the Student-t of the movement and of all proposals; infinite for a
+        Gaussian.
     cluster_radii, detection_sigmas, smallest_sigmas : FloatArray
         `RADII`, `DETECTION_SIGMAS`, `SMALLEST_SIGMAS` for frames of this size, shape (4,) [px,
         rad].
@@ -46,11 +49,11 @@ class ProposalConfig(NamedTuple):
     most_refined, least_refined : int, float
         `MOST_REFINED`, `LEAST_REFINED`.
     rules : CorrectionRules
-        How much of the evidence counts.
+        Limits of the correction of the groups' weights.
     near : FloatArray
         `NEAR` for frames of this size, shape (4,) [px, rad].
     shadows : ShadowRules
-        What makes a dark strip a shadow.
+        Limits of what counts as a shadow.
     """
 
     image_size: tuple[float, float]

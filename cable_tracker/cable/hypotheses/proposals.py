@@ -47,26 +47,26 @@ from cable_tracker.particle_filter.weights import normalise_log_weights
 
 
 class ProposalInputs(NamedTuple):
-    """What a frame brings.
+    """Inputs of the proposals that change with every frame.
 
     Attributes
     ----------
     predicted : PredictedDensity
         The density f before the frame is looked at.
     noise : FrameNoise
-        Random numbers.
+        Random numbers of the frame.
     scan, model : FrameScan, RatioModel
-        The frame, and what turns it into likelihood ratios.
+        The scanned frame, and the tables of its log-likelihood ratios.
     polarity : PolarityPrior
-        How likely a cable is a bright one.
+        Probability that a cable is brighter than the bottom.
     reference_angle : float
-        Middle of the chart of all particles [rad].
+        Angle within pi/2 of which the normals of all particles are written [rad].
     ancestors : IndexArray
-        Kernel of f that each survivor is drawn from, shape (S,).
+        Index of the kernel of f that each survivor is drawn from, shape (S,).
     detected : FloatArray
         d, alpha, w, beta of cables that a detector sees [px, rad], shape (K, 4).
     anchors : FloatArray
-        Where the cluster that leads is expected, shape (0 or 1, 8).
+        Expected state of the leading cluster, shape (0 or 1, 8).
     """
 
     predicted: PredictedDensity

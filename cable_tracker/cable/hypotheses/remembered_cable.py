@@ -13,11 +13,11 @@ from cable_tracker.cable.model.state import POSE_SIZE, StateColumn, pose_units
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 
 SPREAD = np.array([4.0, math.radians(2.0), 3.0, math.radians(1.0)])
-"""How far from where it was a cable is looked for at once: d, alpha, w, beta [px at the reference
+"""Scales of the search about the last place, at first: d, alpha, w, beta [px at the reference
 width, rad]."""
 
 SPREADING = np.array([100.0, math.radians(37.0), 50.0, math.radians(7.5)])
-"""How much farther after every second [px/s at the reference width, rad/s]."""
+"""Growth of these scales per second [px/s at the reference width, rad/s]."""
 
 WIDEST = np.array([120.0, math.radians(60.0), 40.0, math.radians(10.0)])
 """Largest spread about the last place; a cable farther away is found by the uninformed search."""
@@ -37,7 +37,7 @@ class RememberedCable:
     side : float
         Sign of d if it was leaving the image there; 0 if it was not.
     seconds : float
-        How long ago that was [s].
+        Time since the cable was last tracked [s].
     """
 
     pose: FloatArray

@@ -34,19 +34,19 @@ class Sample(NamedTuple):
     Attributes
     ----------
     states : FloatArray
-        Shape (N, 8), in one chart.
+        The particles, shape (N, 8), unwrapped about one reference angle.
     densities : DensityValues
         Densities before the frame is looked at.
     measured : CableLogRatios
         Log-likelihood ratios of the frame, for either polarity.
     log_likelihoods : FloatArray
-        Log-likelihood ratios, polarity not known, width judged, shape (N,); -inf for what is
-        impossible.
+        Log-likelihood ratios averaged over the polarity, plus the width penalties, shape (N,);
+        -inf for impossible poses [nats].
     proposal_density : FloatArray
         Density q of the mixture of proposals that the particles were drawn from, times their
         number, shape (N,).
     shadow_losses : FloatArray
-        What those that are taken for shadows lose of their ratio as dark cables, shape (N,) [nats].
+        Reduction of the ratio as a dark cable of particles in shadows, shape (N,) [nats].
     shadows : Shadows
         Room for the shadows among them.
     """

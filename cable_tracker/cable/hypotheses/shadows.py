@@ -33,23 +33,24 @@ from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, WI
 from cable_tracker.compilation import compiled_inside, compiled_loop, compiled_part
 
 MOST_DARK = 3
-"""So many dark strips of a frame are looked at, those with the highest likelihood ratios."""
+"""Number of dark strips that may be shadows: those with the highest log-likelihood ratios."""
 
 LEAST_RATIO = 6.0
-"""Strips with a lower log-likelihood ratio are not looked at [nats]."""
+"""Minimum log-likelihood ratio of a dark strip, and of the bright one beside it [nats]."""
 
 LEAST_STEP = 2.0
-"""A cable is so much brighter than the bottom beyond its shadow [scales of the contrast]."""
+"""Minimum brightness of a cable over the bottom beyond its shadow [scales of the contrast]."""
 
 LEAST_SHARED_SCORE = 0.3
 """Minimum `shared_border_score`, 0..1, for two borders to be the same."""
 
 RAMP = 4.0
-"""A strip loses all where it lies in a shadow, less within a quarter of its edge."""
+"""Slope of the loss factor min(RAMP s, 1), s the overlap score of `_within` (1 centre, 0 border):
+the full loss applies from s = 1/4."""
 
 
 class ShadowRules(NamedTuple):
-    """What makes a dark strip a shadow.
+    """Limits of what counts as a shadow.
 
     Attributes
     ----------
@@ -58,7 +59,8 @@ class ShadowRules(NamedTuple):
     limit : float
         The parameter `evidence_limit` [nats], upper bound of a bright cable's ratio.
     near : FloatArray
-        Strips that are nearer than this in all components are one, shape (4,) [px, rad].
+        Largest differences of d, alpha, w, beta between strips that count as one, shape (4,) [px,
+        rad].
     unit : float
         Pixels of the frame per pixel at the reference width.
     """
@@ -77,7 +79,7 @@ class Shadows(NamedTuple):
     poses : FloatArray
         d, alpha, w, beta, shape (M, 4) [px, rad].
     ceilings : FloatArray
-        The log-likelihood ratio of a dark strip in a shadow is no higher, shape (M,) [nats].
+        Upper bound of the log-likelihood ratio of a dark strip in each shadow, shape (M,) [nats].
     strips : IndexArray
         Rows of the dark strips that were looked at, shape (`MOST_DARK`,).
     """
@@ -113,9 +115,9 @@ def find_shadows(
     measured : CableLogRatios
         Their log-likelihood ratios; it may have more rows.
     rules : ShadowRules
-        What makes a shadow.
+        Limits of what counts as a shadow.
     shadows : Shadows
-        Room.
+        Buffers that are filled in.
     """
     found = 0
     for number in range(MOST_DARK):
@@ -203,13 +205,13 @@ def fill_shadow_losses(
     Parameters
     ----------
     states, measured : FloatArray, CableLogRatios
-        As above.
+        Particles, shape (N, 8), and their log-likelihood ratios; see `find_shadows`.
     shadows, count : Shadows, int
-        The first so many of them.
+        The shadows of the frame, and their number.
     unit : float
         See `ShadowRules`.
     losses : FloatArray
-        At least 0, shape (N,) [nats].
+        Reduction of each particle's ratio as a dark cable, at least 0, shape (N,) [nats].
     """
     changed = False
     for row in range(len(states)):
@@ -226,7 +228,7 @@ def fill_shadow_losses(
 
 @compiled_inside
 def _within(state: FloatArray, pose: FloatArray, unit: float) -> float:
-    """Return how far a strip lies in another, from 1 in its middle down to 0 at its borders."""
+    """Return the overlap score of a strip with another: 1 in its centre, 0 at its borders."""
     shifted = state[ANGLE] - pose[ANGLE]
     wrapped = wrapped_angle(shifted)
     sign = turn_sign(shifted, wrapped)

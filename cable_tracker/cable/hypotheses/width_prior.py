@@ -16,7 +16,7 @@ TAIL = 4.0
 """Degrees of freedom of the Student-t about the mean width."""
 
 YOUNG_DOUBT = 3.0
-"""How much wider, at first, the prior is than after a long time."""
+"""Increase of the prior's relative scale at first, decaying with `width_time`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,9 +28,9 @@ class WidthPrior:
     log_width : float
         Logarithm of the mean width [px].
     untracked_time : float
-        How long no cable was tracked [s].
+        Time since a cable was last tracked [s].
     tracked_time : float
-        How long one was tracked [s].
+        Total time for which a cable was tracked [s].
     """
 
     log_width: float

@@ -23,22 +23,23 @@ from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.compilation import compiled, compiled_inside, compiled_part
 
 BEHIND = 0.25
-"""The inside is looked at so deep behind the border, as a share of the cable's width ..."""
+"""Depth behind the border at which the first inside level is read, as a share of the width; the
+second is read at half the width."""
 
 NEAREST, FARTHEST_BEHIND, FARTHEST_MIDDLE = 3.0, 12.0, 40.0
-"""... and in the middle, within these limits [px at the reference width]."""
+"""Minimum of both depths, maximum of the first, of the second [px at the reference width]."""
 
 OUTSIDE = 6.0
-"""The outside is looked at so far from the border [px at the reference width]."""
+"""Distance before the border at which the outside level is read [px at the reference width]."""
 
 MINIMUM_POINTS = 3.0
-"""A border with fewer points inside the image shows nothing."""
+"""Minimum length of a border inside the image for a claim [distances of the scan lines]."""
 
 SMALLEST_RESPONSE = np.float32(1.0)
 """Added to a response before its slope is divided by it [robust scales]: noise has no ridge."""
 
 BLOCK, GROUP = 64, 16
-"""So many crossings are measured together at most, and so many at once."""
+"""Crossings per block (buffer length), and the multiple to which a block is padded for SIMD."""
 
 
 class FrameScan(NamedTuple):
@@ -47,15 +48,15 @@ class FrameScan(NamedTuple):
     Attributes
     ----------
     rows, columns : ScanLines
-        Where steep and where flat borders are measured.
+        Scan lines along which steep and flat borders are measured.
     reduction : float
         Working pixels per frame pixel.
     scale : float
         Working pixels per pixel of an image of the reference width.
     expected : float
-        Points of a border that runs through the picture.
+        Number of points of a border that runs through the picture.
     shape : GradientShape
-        How strong gradients are in each direction.
+        Covariance of the gradients, by which responses are divided.
     """
 
     rows: ScanLines
@@ -85,16 +86,17 @@ class BorderLine(NamedTuple):
     Attributes
     ----------
     start, step : float
-        It crosses the line at v in u = start + step v, from the middle of the line [working px].
+        It crosses the line at v in u = start + step v, u from the middle of the line [working px].
     length : float
         Length of border that a crossing stands for [distances of the scan lines], at least 1.
     along, across : float32
         Inward normal along and across the lines, times the gain of responses.
     slope_factor : float32
-        Of slopes along the line, to have them along the normal, per px at the reference width.
+        Factor on slopes along the line, which gives them along the normal per px at the reference
+        width.
     outside, behind, deep : float
-        Where the contrast is looked at, along the line from the crossing [working px], and half a
-        pixel more, which rounds to the nearest.
+        Positions of the outside and the two inside levels, along the line from the crossing
+        [working px], plus half a pixel, so that rounding down gives the nearest pixel.
     """
 
     start: float
@@ -114,13 +116,17 @@ class Crossings(NamedTuple):
     Attributes
     ----------
     positions : FloatArray
-        Where they are, counted from the left end of their line [working px], shape (BLOCK,).
+        Positions from the left end of their line [working px], shape (BLOCK,).
     pixels : Image
-        Which pixels of the line are looked at, uint32, shape (4, BLOCK); also cells of tables.
+        Indices, uint32, shape (4, BLOCK): `measure_responses` row 0, the pixel to the left;
+        `measure_contrasts` rows 0 to 2, the pixels outside, behind and deep; afterwards rows 0 and
+        1, the cells of the tables of edges and contrasts.
     levels : Image
-        What is read there, float32, shape (3, BLOCK).
+        Values read from the line, float32, shape (3, BLOCK): in `measure_responses` gradient along
+        the line, gradient across it, slope; from `measure_contrasts` on the grey levels outside,
+        behind and deep.
     shares : Image
-        How far they are on the way to the next pixel, float32, shape (BLOCK,).
+        Fractions of a pixel from the pixel to the left, float32, shape (BLOCK,).
     responses, slopes, contrasts : Image
         See `PointMeasures`, float32, shape (BLOCK,).
     """
@@ -264,7 +270,7 @@ def find_crossings(
 def whole_groups(count: int) -> int:
     """Return for how many crossings to work: in whole groups, the processor does them all at once.
 
-    What is worked out for those beyond `count` means nothing.
+    Values of the padding beyond `count` are not used.
     """
     return (count + GROUP - 1) // GROUP * GROUP
 
@@ -359,9 +365,9 @@ class BorderPoints(NamedTuple):
     Attributes
     ----------
     measures : PointMeasures
-        What is there, each of shape (P,).
+        Response, slope and contrast at the points, each of shape (P,).
     borders : IndexArray
-        Which border it is of: twice the number of the cable, plus one for the right; shape (P,).
+        Index of each point's border: twice that of the cable, plus one for the right; shape (P,).
     """
 
     measures: PointMeasures

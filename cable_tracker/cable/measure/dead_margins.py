@@ -13,8 +13,8 @@ BRIGHTEST = 24.0
 """Bars are black: a flat bottom beside a strip is none [grey levels]."""
 
 OUTERMOST_SHARE, LATER_SHARE = 0.9, 0.5
-"""A margin is one grey level in so much of its outermost line, and of each further one: captions
-may be written on it."""
+"""Minimum share of one grey level in the outermost line of a margin, and in each further line:
+captions may be written on it."""
 
 FEWEST_LINES = 2
 """Thinner margins are left."""

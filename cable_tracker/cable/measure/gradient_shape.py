@@ -19,10 +19,10 @@ from cable_tracker.arrays import Image
 from cable_tracker.compilation import compiled_inside, compiled_loop
 
 ITERATIONS = 5
-"""The shape of a frame hardly changes after so many."""
+"""Number of fixed-point iterations of Tyler's estimator."""
 
 SHAPE_STEP = 8
-"""It is found from every eighth point of the scan lines: they say the same as all."""
+"""Stride of the points of the scan lines that the shape is estimated from."""
 
 LEAST_GRADIENT = 0.05
 """Weaker gradients are rounding and have no direction [robust scales]."""

@@ -53,12 +53,12 @@ def table_from_histograms(
     Parameters
     ----------
     borders : sequence of ResponseHistograms
-        Of each class of strength. A class that was never met is taken to look like the nearest one
-        that was.
+        Histograms of each class of strength. An empty class is filled in with the nearest one that
+        is not.
     background : ResponseHistograms
-        Elsewhere.
+        Histograms of points elsewhere.
     source : str
-        What they were counted in.
+        Description of the recordings that they were counted in.
 
     Raises
     ------

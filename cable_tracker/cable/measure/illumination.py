@@ -20,17 +20,17 @@ from cable_tracker.cholesky import cholesky_factor, solve_factored
 from cable_tracker.compilation import compiled, compiled_fast_part, compiled_loop
 
 CELLS = (20, 15)
-"""The light is fitted to the mean grey levels of so many cells across and down."""
+"""Columns and rows of cells, to whose mean grey levels the light is fitted."""
 
 DEGREE = 2
-"""Of the polynomial in x and y that the logarithm of the light is taken to be."""
+"""Degree of the polynomial in x and y that stands for the logarithm of the light."""
 
 FITS, TUNING = 4, 2.0
-"""So many fits of least squares, after that of a constant; each counts cells less whose residual is
-beyond so many robust standard deviations of the last: cables, shadows, glare."""
+"""Number of reweighted least-squares iterations, and tuning constant in robust standard deviations.
+Cells of cables, shadows and glare lose weight."""
 
 SMALLEST_DEVIATION = 0.02
-"""Of the residuals, for pictures that are lit just so [log grey levels]."""
+"""Lower bound of the robust standard deviation of the residuals [log grey levels]."""
 
 DOUBTED, TRUSTED = 0.6, 0.85
 """A surface that explains a smaller share of the variance than the first is not of light; one that

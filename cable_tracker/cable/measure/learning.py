@@ -103,7 +103,7 @@ class ResponseCounts:
         self._count_elsewhere(self._random_cables(image), image)
 
     def table(self, source: str) -> ResponseTable:
-        """Return the tables learnt so far.
+        """Return the tables learnt from the frames that were added.
 
         Raises
         ------

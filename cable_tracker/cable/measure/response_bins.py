@@ -31,7 +31,7 @@ CONTRAST_BINS = 25
 """An odd number: a contrast of nothing at all, which is frequent, lies in the middle of a bin."""
 
 COARSE = 4
-"""So many bins of the response are one where it stands beside the contrast."""
+"""Bins of the response that are merged into one in the table of contrasts."""
 
 RESPONSE_MIDDLE, CONTRAST_MIDDLE = np.float32(RESPONSE_LIMIT), np.float32(CONTRAST_LIMIT)
 RESPONSE_FACTOR = np.float32(RESPONSE_BINS / (2 * RESPONSE_LIMIT))

@@ -58,7 +58,7 @@ class ResponseTable:
         float32, shape (4, 24, 25): class; response from -12 to 12, contrast from -12 to 12 of its
         scales; the ratio of the contrast, given the response.
     source : str
-        What they were learnt from, for people.
+        Description of the recordings that they were learnt from.
     """
 
     edges: Image
@@ -80,8 +80,8 @@ class ResponseTable:
     def limited_contrasts(self) -> Image:
         """The table of contrasts so that no point says more than `LARGEST_RATIO` with any slope.
 
-        What is too much is taken off the same for all slopes: how exactly an edge lies here still
-        counts where it is strong.
+        The excess is taken off the contrasts, so equally for all slopes: the slope still tells how
+        exactly a strong edge lies here.
         """
         most = self.edges.max(axis=2).reshape(CLASSES, -1, COARSE).max(axis=2)
         limited: Image = np.minimum(self.contrasts, LARGEST_RATIO - most[..., None])

@@ -44,14 +44,14 @@ DARK = 6.0
 """Added to grey levels before gradients are divided by them [grey levels]: below, all is noise."""
 
 MOST_TEXTURE = 1.5
-"""A gradient over the grey level counts no more for texture than so many times the ordinary one at
-the mean grey level: edges are no texture, and a flat picture has none."""
+"""Upper bound of the gradient over the grey level in sums of texture, in units of the robust scale
+over the mean grey level: edges are no texture, and a flat picture has none."""
 
 TEXTURE_STEP = 2
 """Texture is known of every second scan line: they say the same as all."""
 
 REACH = 3.0
-"""Filters end at so many sigma."""
+"""Half-width of the filters, in sigma."""
 
 
 ALONG, ACROSS, SLOPE = range(3)
@@ -138,7 +138,7 @@ class ScannedFrame:
     Attributes
     ----------
     rows, columns : ScanLines
-        Where steep and where flat borders are measured.
+        Scan lines along which steep and flat borders are measured.
     scale : float
         Robust standard deviation of the gradient over the frame [grey levels per px]. A cable
         covers too little of it to move the median.
@@ -146,7 +146,7 @@ class ScannedFrame:
         Robust standard deviation of the smoothed picture over a few pixels [grey levels]: what slow
         changes of the light alone make of the inside and the outside of a border.
     shape : GradientShape
-        How strong gradients are in each direction; round where only gradients are asked for.
+        Covariance of the gradients; the identity where only gradients are asked for.
     """
 
     rows: ScanLines

@@ -25,23 +25,25 @@ from cable_tracker.cable.measure.scanned_gradients import TEXTURE_STEP, ScanLine
 from cable_tracker.compilation import compiled_inside
 
 NEAREST_INSIDE, DEPTH_INSIDE = 6.0, 12.0
-"""The inside is looked at from so far behind a border on, and so deep, but not beyond the middle
-[px at the reference width] ..."""
+"""Start of the inner window behind the border, and its depth, which ends at the middle of the cable
+[px at the reference width]."""
 
 NEAREST_OUTSIDE, DEPTH_OUTSIDE = 6.0, 15.0
-"""... and the outside from so far before it on: nearer, the border itself is seen."""
+"""Start of the outer window before the border, and its depth [px at the reference width]: nearer,
+the border itself would be in it."""
 
 INNERMOST = 2.0
-"""At least so much before the middle of the cable is looked at [px at the reference width]."""
+"""Minimum depth of the inner window, before the middle of the cable [px at the reference width]."""
 
 THINNEST = 12.0
-"""Narrower strips have no inside to look at [px at the reference width]."""
+"""Minimum width of a strip whose texture is measured [px at the reference width]."""
 
 FEWEST_PIXELS = 12
-"""Fewer pixels on a side say nothing."""
+"""Minimum number of pixels in each window; with fewer the texture says nothing."""
 
 ORDINARY_STEP, STEP_SLOPE = 0.26, 40.0
-"""Steps of the log texture above the first speak for a cable, by so many nats per unit."""
+"""Log-likelihood ratio = STEP_SLOPE (step - ORDINARY_STEP), not below 0, step the difference of log
+texture outside less inside; STEP_SLOPE in nats per unit."""
 
 
 @compiled_inside
@@ -51,8 +53,8 @@ def texture_log_ratio(left: float, right: float, limit: float) -> float:
     Parameters
     ----------
     left, right : float
-        How much smoother the inside is than the bottom at each border, see `smoothness`.
-        Their harmonic mean counts, for a strip that is smoother than one side alone is none.
+        Smoothness of the inside against the bottom at each border, see `smoothness`. Their
+        harmonic mean counts: a cable is smoother than the bottom on both sides.
     limit : float
         See the parameter `texture_limit`.
     """
@@ -68,10 +70,10 @@ class TextureWindows(NamedTuple):
     Attributes
     ----------
     inside, outside : (float, float)
-        From where to where, left to right [working px from the crossing], and half a pixel more,
-        which rounds to the nearest.
+        Left and right end of each window [working px from the crossing], plus half a pixel, so that
+        rounding down gives the nearest pixel.
     looked_at : bool
-        Whether there is anything to look at.
+        Whether the strip is wide enough, and texture counts at all.
     """
 
     inside: tuple[float, float]
@@ -86,9 +88,9 @@ def texture_windows(stretch: float, width: float, scale: float, limit: float) ->
     Parameters
     ----------
     stretch : float
-        Along the line, inwards, per px across the border.
+        Distance along the line, positive to the right, per px inwards across the border.
     width, scale : float
-        Of the cable, and of the working picture [working px].
+        Width of the cable [working px]; working px per px at the reference width.
     limit : float
         See `texture_log_ratio`.
     """

@@ -30,8 +30,8 @@ CONTRAST_LAG = 12
 """Distance of the places whose difference is the contrast [px at the reference width]."""
 
 THINNED_FROM, ROWS_PER_THINNED = 6, 3
-"""Frames that are reduced so many times are averaged over every third row only: to read all of a
-large frame takes longer than the rest, and the mean is over a dozen pixels still."""
+"""Reduction from which on only every third row is averaged, and that three: to read all of a large
+frame takes longer than the rest, and the mean is still over a dozen pixels."""
 
 LARGEST_LEVEL = 1e12
 """Largest grey level, of either sign: squares of sums of larger ones leave the range of float32."""

@@ -16,7 +16,7 @@ from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, TrackerPar
 from cable_tracker.particle_filter.student_t import standard_student_t
 
 DOUBT_STRIDE = 4
-"""One in so many states does not follow odometry."""
+"""Every fourth state goes on by its own rates instead of odometry."""
 
 
 def rate_damping_over(parameters: TrackerParameters, dt: float) -> float:
@@ -60,7 +60,7 @@ class CableMovement:
 
     @property
     def degrees_of_freedom(self) -> float:
-        """Of the diffusion's Student-t distribution; infinite for a Gaussian."""
+        """Degrees of freedom of the diffusion's Student-t; infinite for a Gaussian."""
         return self._parameters.diffusion_degrees_of_freedom or math.inf
 
     def propagate(

@@ -43,7 +43,7 @@ MARCH_TIME, MARCH_GAIN, MARCH_SIGMA = 1.6, 25.0, 1.2
 the gradient; smoothing [px]."""
 
 SPREAD_LIMIT = 6.0
-"""Distances of a pixel from the usual colour count up to so many deviations."""
+"""Upper bound of a pixel's distance from the usual colour, in deviations."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

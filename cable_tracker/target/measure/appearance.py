@@ -28,11 +28,11 @@ class Appearance:
     Attributes
     ----------
     bins : Bins
-        Of pixels.
+        Bins of pixels.
     first : FloatArray
         Histogram of the target at the start: shares of the bins, shape (B,), summing to one.
     target, surroundings : FloatArray
-        The present ones.
+        Present histograms of target and surroundings, shape (B,), each summing to one.
     limit : float
         Largest log-likelihood ratio of one pixel.
     """
@@ -81,9 +81,9 @@ class Appearance:
 
 
 def _hues(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
-    """Return the shares of the chromas, whatever the luma; of a grey picture, those of all bins.
+    """Return the chroma histogram summed over luma (luma depends on distance), smoothed twice.
 
-    The nearer, the brighter: luma says less about what it is. Twice smoothed, for the same reason.
+    Of a grey picture, the histogram of all bins, smoothed once.
     """
     if shape[2] == 1:
         return _smoothed(histogram, shape)
@@ -125,7 +125,7 @@ def learn_histograms(
     Parameters
     ----------
     bins : BinMap
-        Of the frame.
+        Bins of the frame's pixels.
     mask : BoolArray
         The target, of the same shape.
     near : (int, int, int, int)

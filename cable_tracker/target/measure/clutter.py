@@ -13,7 +13,7 @@ TAIL = 3.0
 """Degrees of freedom of the Student-t about the usual score of clutter."""
 
 LEAST_SPREAD = 0.2
-"""Of the scores of clutter; also that of pictures without any texture."""
+"""Lower bound of the spread of scores; also the spread of pictures without any texture."""
 
 STUDENT_PEAK = math.gamma((TAIL + 1) / 2) / (math.gamma(TAIL / 2) * math.sqrt(TAIL * math.pi))
 
@@ -25,7 +25,7 @@ class UsualScore:
     Attributes
     ----------
     mean, variance : float
-        Running.
+        Exponential moving mean and variance of the score.
     """
 
     mean: float
@@ -44,11 +44,11 @@ def log_ratio_of_likeness(likeness: float, usual: UsualScore, least: float) -> f
     Parameters
     ----------
     likeness : float
-        Of what the contour shows to the target.
+        Likeness of what the contour shows to the target, 0 to 1.
     usual : UsualScore
-        Of the target to itself.
+        Mean and variance of the target's own likeness.
     least : float
-        Its spread is at least so large.
+        Lower bound of the spread of that likeness.
     """
     spread = max(math.sqrt(usual.variance), least)
     below = min(likeness - usual.mean, 0.0) / spread
@@ -62,7 +62,7 @@ class Clutter:
     Attributes
     ----------
     middle, spread : float
-        Robust.
+        Median and half the 16-84 % range of the scores.
     anything : float
         Share of clutter with any score at all.
     """
@@ -79,7 +79,7 @@ class Clutter:
         scores : FloatArray
             Shape (N,).
         usual : UsualScore
-            Of the target. A score above the usual is as good as the usual one.
+            Scores of the target. A score above the usual is as good as the usual one.
         least : float
             Least spread of the usual score, as a share of it.
         """
@@ -100,7 +100,7 @@ def clutter_of(scores: FloatArray, anything: float) -> Clutter:
     Parameters
     ----------
     scores : FloatArray
-        Of places where the target is not, shape (K,).
+        Scores of places where the target is not, shape (K,).
     anything : float
         See `Clutter`.
     """

@@ -26,7 +26,7 @@ BOX_SOFTNESS = 0.15
 """Softness of the ellipse in a box as a prior of shape, in roots of its area."""
 
 BOX_ERROR = 0.15
-"""A target is at most so much beyond the box that marks it, in sides of the box."""
+"""Largest distance of a target's outline beyond the box that marks it, in sides of the box."""
 
 
 class FirstLook(NamedTuple):

@@ -12,7 +12,7 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.errors import FrameError
 
 LEAST_SIDE = 3.0
-"""A marked box is at least so wide and high [px]."""
+"""Minimum width and height of a marked box [px]."""
 
 ROUNDNESS = 0.95
 """Axes of the ellipse that a box stands for, against its sides."""

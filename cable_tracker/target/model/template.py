@@ -17,7 +17,7 @@ SIDE = 97
 """Rows and columns of the map of distances; odd, the origin is in the middle."""
 
 UNIT = 24.0
-"""Its texels per unit: the square root of the target's area."""
+"""Pixels of the distance map per template unit (1 unit = square root of the target's area)."""
 
 RING = (0.12, 0.5)
 """The points around the target are this far from its outline, in units."""

@@ -20,16 +20,16 @@ from cable_tracker.target.poses.pose_belief import PoseBelief
 from cable_tracker.target.poses.rivals import RIVAL_SCORE
 
 PEAK_SPREAD = (0.25, 0.15, 0.12)
-"""Of the kernels about peaks: position in roots of the area, log scale, angle [rad]."""
+"""Scales of the kernels about peaks: position in roots of the area, log scale, angle [rad]."""
 
 REFINED_SPREAD = (0.06, 0.05, 0.06)
-"""The same about the best particles of the frame."""
+"""Scales of the kernels about the best particles of the frame, in the same units."""
 
 REFINED = 5
-"""So many are the best."""
+"""Number of best-scoring particles that refinement kernels are centred on."""
 
 DRAWN_TAIL = 4.0
-"""Degrees of freedom of those kernels."""
+"""Degrees of freedom of the kernels about peaks and best particles."""
 
 OWN_REACH = 0.8
 """The target is seen at its own place this near to where it is expected, in roots of the area."""
@@ -78,11 +78,11 @@ class ScoredPoses(NamedTuple):
     log_prior : FloatArray
         Log-density of the forecast, sizes included, shape (N,).
     log_birth : FloatArray
-        That of the births, shape (N,).
+        Log-density of the births, shape (N,).
     kernel_values : FloatArray
         Kernels of the forecast over their peak, shape (N, M).
     scores : FloatArray
-        How much their regions look like the target, shape (N,).
+        Scores of their regions, shape (N,).
     """
 
     states: FloatArray
@@ -103,9 +103,9 @@ class DrawnParticles:
     log_prior, log_proposal : FloatArray
         Log-densities of the forecast and of what they were drawn from, shape (N,).
     scores : FloatArray
-        How much they look like the target, shape (N,).
+        Scores of their regions, shape (N,).
     own_scores : FloatArray
-        The same, lower where another target is seen, shape (N,).
+        Scores less the penalty where another target is seen, shape (N,).
     """
 
     states: FloatArray
@@ -124,7 +124,7 @@ class FrameSampler:
     belief : PoseBelief
         After the frame before, carried on to this one.
     forecast : Forecast
-        What it says of this frame.
+        Forecast of the belief for this frame.
     measured : MeasuredFrame
         The frame.
     dt : float

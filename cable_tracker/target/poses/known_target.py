@@ -22,13 +22,14 @@ from cable_tracker.target.model.template import Template, distances_about, make_
 from cable_tracker.target.parameters.parameters import TargetParameters
 
 FIRST_LIKENESS, FIRST_GREY_LIKENESS = UsualScore(0.8, 0.01), UsualScore(0.95, 0.0025)
-"""Of a target to itself, before any frame has shown it: in colour, and in grey."""
+"""Prior of the likeness of a target's contour to the target: in colour, and in grey."""
 
 SIZE_TAIL = 4.0
 """Degrees of freedom of the log scale about its running mean."""
 
 RESHAPED_EVERY = 3
-"""The remembered shape follows every so many lessons, so much faster each time."""
+"""The template is updated every RESHAPED_EVERY adaptations, with rate 1 - (1 -
+shape_rate)**RESHAPED_EVERY."""
 
 SCORE_RATE = 0.05
 """Share per frame with which the usual score follows."""
@@ -47,7 +48,7 @@ class KnownTarget:
     usual : UsualScore
         Scores of its region.
     usual_likeness : UsualScore
-        How like itself its contour looks.
+        Mean and variance of the likeness of its contour to the target.
     usual_log_scale : float
         Running mean of the log scale.
     births : Births
@@ -84,7 +85,7 @@ class KnownTarget:
         states : FloatArray
             Poses, shape (N, 6).
         spread : float
-            Of the log scale, while the target is in view.
+            Spread of the log scale, while the target is in view.
         """
         # The longer it has not been seen, the less its size is known.
         widened = spread * (1.0 + self.births.seconds)
@@ -111,7 +112,7 @@ class ShownTarget:
     target, around : FloatArray
         Histograms within and around it.
     likeness : float
-        Of the first to the target's, 0 to 1.
+        Likeness of `target` to the histogram of the known target, 0 to 1.
     """
 
     target: FloatArray

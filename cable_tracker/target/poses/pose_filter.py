@@ -52,13 +52,13 @@ CROWD = 0.4
 """Standard deviation of what it costs to be near another target, in roots of the area."""
 
 GOOD_OVERLAP = 0.6
-"""With the expected shape, of a contour that may teach."""
+"""Minimum overlap with the expected shape of a contour that the target is adapted to."""
 
 WHOLE_SIZE = 0.2
 """Log scales this far from the usual one still belong to a target that nothing hides."""
 
 WHOLE_HASTE = 3.0
-"""The usual size follows so much faster while the whole contour is seen, in its usual shape."""
+"""Factor on the rate of the usual size while the whole contour is seen, in its usual shape."""
 
 
 class PoseFilter(TargetEngine):

@@ -15,23 +15,24 @@ RIVAL_SCORE = 0.75
 """Another peak whose region scores at least this share of the target's usual score is like it."""
 
 RIVAL_NEAR, RIVAL_FAR, RIVAL_TOUCHES = 1.2, 2.6, 1.9
-"""At such distances from the target it may soon cover it, or just has; one that is last seen nearer
-than the third has merged with it: in roots of the area."""
+"""Range of distances of a rival that is watched, and distance below which one that is not seen any
+more has merged with the target, in roots of the area."""
 
 RIVAL_FRAMES = 5
-"""Both must be seen in so many frames in a row: a target that jumps is beside itself for one."""
+"""Consecutive frames in which both must be seen; a jump of the estimate mimics a rival for one
+frame."""
 
 RIVAL_TIME = 1.2
-"""For so long after one was there, and is not any more, both are taken for one [s]."""
+"""Time after a rival was last seen for which it counts as merged with the target [s]."""
 
 HELD_GAIN = 0.15
-"""Of the usual gain of the rates while a rival is near."""
+"""Factor on the gain of the rates while a rival is near."""
 
 MERGED_SHARPNESS = 0.01
-"""Of the usual weight of the score while two are one: it is best in the middle of both."""
+"""Factor on the weight of the score while two are merged: it is best in the middle of both."""
 
 MERGED_JUMPS = 0.1
-"""Of the usual share of jumps while two are one: each of them goes on as it went."""
+"""Factor on the share of jumps while two are merged: each of them goes on as it went."""
 
 
 @dataclass(frozen=True, slots=True)

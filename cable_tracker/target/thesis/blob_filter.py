@@ -39,7 +39,7 @@ MARGIN = 0.5
 """The window reaches beyond the shape by this share of its sides."""
 
 LEAST_MARGIN = 4
-"""And by so many pixels at least."""
+"""Lower bound of that margin [px]."""
 
 REGULARISER = ContourSettings(regulariser=0.02, balance=0.02, flooding=False)
 """rho_1 and eps_N: the thesis gives neither."""

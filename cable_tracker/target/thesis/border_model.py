@@ -13,7 +13,7 @@ RATE = 3.0
 """l of (35): the thesis gives no value."""
 
 LOST_FRAMES = 3
-"""Without a contour worth evolving for so many frames, the target is outside."""
+"""Consecutive frames without a contour worth evolving after which the target is outside."""
 
 RETURN = 0.02
 """(37): both rows are (.02, .98)."""
@@ -22,7 +22,7 @@ BORDER_SHARE = 0.1
 """Width of the area at the border, as a share of the picture; our choice."""
 
 GROWTH = 0.01
-"""By so much of the picture's side the interval about the point of exit grows a frame."""
+"""Growth per frame of the interval about the point of exit, as a share of the picture's side."""
 
 
 def transitions(distance: float) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cable_tracker.arrays import BoolArray, FloatArray
 
 FARTHEST_SHIFT = 5
-"""Frames are aligned by shifts up to so many pixels."""
+"""Largest shift by which frames are aligned [px]."""
 
 EDGE_SHARE = 0.5
 """l_e of (34); that of the movement is the rest."""
@@ -24,7 +24,7 @@ HORIZON_REACH, HORIZON_COST = 1, 0.5
 """(33): within a pixel of the horizon half the edges are the horizon's."""
 
 SUN_REACH, SUN_COST = 7, 1.0
-"""(33): within so many pixels of the sun's column all edges are the sun's."""
+"""(33): distance from the sun's column within which edges are the sun's [px], and their share."""
 
 SATURATED, LEAST_SATURATED = 0.98, 4
 """Intensity of a pixel of the sun, and how many of them its column has at least."""
