@@ -33,19 +33,17 @@ def _distances_to_zero(values: NDArray[np.uint8]) -> NDArray[np.float32]:
     return distances.astype(np.float32, copy=False)
 
 
-def log_odds(mask: BoolArray, softness: float, limit: float) -> NDArray[np.float32]:
-    """Return the log-odds of being inside, given an expected mask.
+def log_odds(distances: NDArray[np.float32], softness: float, limit: float) -> NDArray[np.float32]:
+    """Return the log-odds of being inside, given the distances from an expected outline.
 
     Parameters
     ----------
-    mask : BoolArray
-        Expected inside, shape (H, W).
+    distances : array
+        Signed distances from the outline, negative inside, float32, shape (H, W).
     softness : float
-        Distance from its outline at which the odds are e : 1 [px].
+        Distance from the outline at which the odds are e : 1, in the unit of `distances`.
     limit : float
         Largest log-odds.
     """
-    odds: NDArray[np.float32] = np.clip(
-        -signed_distances(mask) / np.float32(softness), -limit, limit
-    )
+    odds: NDArray[np.float32] = np.clip(-distances / np.float32(softness), -limit, limit)
     return odds

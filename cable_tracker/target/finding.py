@@ -104,7 +104,3 @@ class TargetEngine(ABC):
     def configure(self, parameters: TargetParameters) -> None:
         """Take other parameters from now on, and keep the belief."""
         self._parameters = parameters
-
-    def use(self, rng: np.random.Generator) -> None:
-        """Draw from another generator."""
-        self._rng = rng

@@ -17,7 +17,7 @@ def test_distances_are_those_to_the_nearest_pixel_on_the_other_side():
 def test_odds_are_even_at_the_outline_and_limited_far_from_it():
     mask = np.zeros((30, 30), bool)
     mask[10:20, 10:20] = True
-    odds = log_odds(mask, softness=2.0, limit=2.0)
+    odds = log_odds(signed_distances(mask), softness=2.0, limit=2.0)
     assert odds[15, 10] == pytest.approx(0.25)
     assert odds[15, 9] == pytest.approx(-0.25)
     assert odds[15, 15] == odds.max() == 2.0
@@ -25,7 +25,7 @@ def test_odds_are_even_at_the_outline_and_limited_far_from_it():
 
 
 def test_an_empty_mask_is_far_from_everything():
-    assert (log_odds(np.zeros((5, 5), bool), 1.0, 3.0) == -3.0).all()
+    assert (log_odds(signed_distances(np.zeros((5, 5), bool)), 1.0, 3.0) == -3.0).all()
 
 
 def test_equal_masks_have_equal_distances_wherever_they_lie_in_memory():

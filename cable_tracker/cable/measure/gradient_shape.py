@@ -59,7 +59,7 @@ def gradient_shape(rows: Image, columns: Image) -> GradientShape:
         xx, xy, yy = first[0] + second[0], first[1] + second[1], first[2] + second[2]
         trace = xx + yy
         if trace <= 0.0:
-            return GradientShape(1.0, 0.0, 1.0)
+            return ROUND
         share = 2.0 * (1.0 - LEAST_VARIANCE) / trace
         xx, xy, yy = share * xx + LEAST_VARIANCE, share * xy, share * yy + LEAST_VARIANCE
     return GradientShape(xx, xy, yy)

@@ -21,7 +21,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, IndexArray
-from cable_tracker.cable.measure.gradient_shape import GradientShape, gradient_shape
+from cable_tracker.cable.measure.gradient_shape import ROUND, GradientShape, gradient_shape
 from cable_tracker.cable.measure.robust_scale import robust_scale
 from cable_tracker.compilation import (
     compiled,
@@ -209,7 +209,7 @@ def _scan_both(
             ScanLines(turned_gradients, turned_smooth, places[1], turned_smooth),
             scale,
             SMALLEST_CONTRAST,
-            GradientShape(1.0, 0.0, 1.0),
+            ROUND,
         )
     contrast_scale = _contrast_scale(smooth, turned_smooth, kernels.contrast_lag)
     contrast_scale = max(contrast_scale, SMALLEST_CONTRAST)

@@ -19,8 +19,9 @@ from cable_tracker.target.model.template import LEAST_AREA, Template, centroid, 
 ROUNDS = 3
 """How often outline and appearance are worked out in turn."""
 
-NEARNESS = 1.0
-"""What is near a target reaches this far beyond its box, in sides of the box."""
+NEAR_REACH, LEAST_NEAR_REACH = 0.75, 4
+"""Reach of what is near a target beyond its box: this share of the box's side, and as many pixels
+more."""
 
 BOX_SOFTNESS = 0.15
 """Softness of the ellipse in a box as a prior of shape, in roots of its area."""
@@ -55,8 +56,8 @@ def near(mask: BoolArray) -> tuple[int, int, int, int]:
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if len(rows) == 0:
         return 0, 0, 0, 0
-    reach_x = int(NEARNESS * (columns[-1] - columns[0] + 1) * 0.75) + 4
-    reach_y = int(NEARNESS * (rows[-1] - rows[0] + 1) * 0.75) + 4
+    reach_x = int(NEAR_REACH * (columns[-1] - columns[0] + 1)) + LEAST_NEAR_REACH
+    reach_y = int(NEAR_REACH * (rows[-1] - rows[0] + 1)) + LEAST_NEAR_REACH
     return (
         max(int(columns[0]) - reach_x, 0), max(int(rows[0]) - reach_y, 0),
         min(int(columns[-1]) + reach_x + 1, mask.shape[1]),

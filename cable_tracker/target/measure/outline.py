@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.compilation import compiled
-from cable_tracker.contour.evolution import ContourSettings, Window
-from cable_tracker.contour.levels import levels_of_mask
-from cable_tracker.contour.switching import FEWEST, SwitchingSettings, switch_points
+from cable_tracker.contour.evolution import ContourSettings, Window, evolve_by_ratio
+from cable_tracker.contour.shape_prior import log_odds
+from cable_tracker.contour.switching import FEWEST
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.model.template import SIDE, UNIT, Template
 
@@ -131,13 +131,8 @@ def find_outline(
     count = int(expected.sum())
     if count < FEWEST or expected.size - count < FEWEST:
         return None
-    prior = np.clip(-distances / np.float32(softness), -PRIOR_LIMIT, PRIOR_LIMIT)
-    levels = levels_of_mask(expected)
-    switching = SwitchingSettings(False, settings.regulariser, settings.balance, settings.flooding)
-    switch_points(
-        ratios[top:bottom, left:right] + prior, levels, switching, settings.iterations, np.empty(0)
-    )
-    mask = levels < 0
+    prior = log_odds(distances, softness, PRIOR_LIMIT)
+    mask = evolve_by_ratio(ratios[top:bottom, left:right] + prior, expected, settings).mask
     overlap = float((mask & expected).sum() / max(int((mask | expected).sum()), 1))
     return Outline(mask, window, overlap)
 

@@ -17,6 +17,13 @@ SURROUND = 2.0
 """Side of what is around the target against its own."""
 
 
+SURROUND_WEIGHT = 0.6
+"""Factor on the mean log-ratio around the target, which is subtracted from that within."""
+
+ELLIPSE_SIDE = 0.87
+"""Side of the box of an ellipse's area, over that of the box about it: about the root of pi/4."""
+
+
 class Place(NamedTuple):
     """A peak.
 
@@ -61,11 +68,10 @@ def find_places(
     places = []
     for log_scale in log_scales:
         factor = float(np.exp(log_scale)) * 2.0 / COARSENESS
-        # An ellipse fills its box by about three quarters.
-        sides = [max(0.87 * half * factor, 1.0) for half in half_extent]
+        sides = [max(ELLIPSE_SIDE * half * factor, 1.0) for half in half_extent]
         inner = cv2.boxFilter(coarse, -1, _kernel(sides, 1.0), borderType=cv2.BORDER_REPLICATE)
         outer = cv2.boxFilter(coarse, -1, _kernel(sides, SURROUND), borderType=cv2.BORDER_REPLICATE)
-        response = inner - 0.6 * outer
+        response = inner - SURROUND_WEIGHT * outer
         reach = [max(int(side / 2), 1) for side in sides]
         for _ in range(count):
             row, column = divmod(int(response.argmax()), small[0])

@@ -18,6 +18,33 @@ NO_SCORE = -10.0
 
 
 @compiled_inside
+def _pixel_of(
+    point: FloatArray,
+    place: tuple[float, float],
+    turn: tuple[float, float],
+    width: int,
+    height: int,
+) -> tuple[int, int]:
+    """Return the column and row of a template's point at a pose; it may lie beyond the picture.
+
+    Parameters
+    ----------
+    point : FloatArray
+        The point in units of the template, shape (2,).
+    place : (float, float)
+        Origin of the template from the image centre, y up [px].
+    turn : (float, float)
+        Length of a unit times cosine and sine of the pose's angle [px].
+    width, height : int
+        Size of the picture [px].
+    """
+    across, up = point[0], point[1]
+    column = math.floor((width - 1) * 0.5 + place[0] + turn[0] * across - turn[1] * up + 0.5)
+    row = math.floor((height - 1) * 0.5 - place[1] - turn[1] * across - turn[0] * up + 0.5)
+    return column, row
+
+
+@compiled_inside
 def _mean_around(
     ratios: NDArray[np.float32],
     points: FloatArray,
@@ -29,9 +56,7 @@ def _mean_around(
     total = 0.0
     within = 0
     for index in range(len(points)):
-        across, up = points[index, 0], points[index, 1]
-        column = math.floor((width - 1) * 0.5 + place[0] + turn[0] * across - turn[1] * up + 0.5)
-        row = math.floor((height - 1) * 0.5 - place[1] - turn[1] * across - turn[0] * up + 0.5)
+        column, row = _pixel_of(points[index], place, turn, width, height)
         if 0 <= column < width and 0 <= row < height:
             total += ratios[row, column]
             within += 1
@@ -76,9 +101,7 @@ def _seen_inside(
     sum_of_ratios = 0.0
     within = 0
     for index in range(len(points)):
-        across, up = points[index, 0], points[index, 1]
-        column = math.floor((width - 1) * 0.5 + place[0] + turn[0] * across - turn[1] * up + 0.5)
-        row = math.floor((height - 1) * 0.5 - place[1] - turn[1] * across - turn[0] * up + 0.5)
+        column, row = _pixel_of(points[index], place, turn, width, height)
         if 0 <= column < width and 0 <= row < height:
             sum_of_ratios += ratios[row, column]
             counts[hues.bins[row, column] % kinds] += 1.0

@@ -41,9 +41,12 @@ from cable_tracker.target.poses.presence import (
 )
 from cable_tracker.target.poses.rivals import RivalWatch
 
-FIRST_SPREAD, FIRST_TURN, FIRST_RATE = 0.05, 0.02, 0.5
+FIRST_SPREAD, FIRST_TURN = 0.05, 0.02
 """Standard deviations about a marked target: position in roots of the area; log scale and angle
-[rad]; rates in roots of the area a second."""
+[rad]."""
+
+FIRST_RATE_PER_SPREAD = 10.0
+"""Standard deviation of the rates of position over that of the position [1/s]."""
 
 CLUSTER = 1.0
 """Particles within this many roots of the area of the best one make the estimate."""
@@ -100,7 +103,7 @@ class PoseFilter(TargetEngine):
                 f" {look.score:.2f}, needs {p.least_separation:.2f}); mark it where it does"
             )
         spread = FIRST_SPREAD * look.template.size
-        rate = 10.0 * spread
+        rate = FIRST_RATE_PER_SPREAD * spread
         scales = np.array([spread, spread, FIRST_TURN, FIRST_TURN, rate, rate])
         noise = self._rng.standard_normal((p.particle_count, STATE_SIZE))
         belief = PoseBelief(

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.contour.evolution import ContourSettings, evolve_by_means
-from cable_tracker.contour.shape_prior import signed_distances
+from cable_tracker.contour.shape_energy import level_set_energy
 from cable_tracker.errors import FrameError
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import multinomial_resampling
@@ -222,7 +222,7 @@ class BlobFilter(TargetEngine):
         energy = (cut[found] - means[0]) @ (cut[found] - means[0])
         energy += (cut[~found] - means[1]) @ (cut[~found] - means[1])
         return Blob(
-            found, left, top, float(energy) / cut.size, _shape_energy(found, start), contrast
+            found, left, top, float(energy) / cut.size, level_set_energy(found, start), contrast
         )
 
     def _finding(self, frame: WorkingFrame, blob: Blob, n_eff: float, *, claims: bool) -> Finding:
@@ -302,10 +302,3 @@ def _corner(state: FloatArray, mask: BoolArray, shape: tuple[int, ...]) -> tuple
 
 def _corners(states: FloatArray, mask: BoolArray, frame: WorkingFrame) -> list[tuple[int, int]]:
     return [_corner(state, mask, frame.shape) for state in states]
-
-
-def _shape_energy(found: BoolArray, expected: BoolArray) -> float:
-    if not found.any():
-        return math.inf
-    squared = (signed_distances(found) - signed_distances(expected)) ** 2
-    return float(0.5 * (squared[found].mean() + squared[expected].mean()))
