@@ -64,9 +64,10 @@ class BorderLines:
 
 
 @compiled_inside
+@compiled_inside
 def turn_between(angle: Number, reference: Number) -> Number:
-    """Return the turn from a reference to an angle, in [-pi, pi)."""
-    turn: Number = np.mod(angle - reference + np.pi, 2 * np.pi) - np.pi
+    """Return the turn from a reference to an angle, in [-pi, pi) [rad]."""
+    turn: Number = (angle - reference + math.pi) % (2 * math.pi) - math.pi
     return turn
 
 

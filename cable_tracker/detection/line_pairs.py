@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import borders_cross_inside, turn_sign, wrapped_angle
+from cable_tracker.cable.model.geometry import borders_cross_inside, relative_direction
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE, CableState
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled, compiled_loop
-from cable_tracker.detection.border_lines import BorderLines
+from cable_tracker.detection.border_lines import BorderLines, turn_between
 from cable_tracker.detection.detector import Detection
 from cable_tracker.detection.pair_limits import PairLimits
 from cable_tracker.detection.search_region import SearchRegion
@@ -153,7 +153,7 @@ def _cable_between(
     """Fill in d, alpha, w, beta of the cable between two lines; tell whether it is bright."""
     # The normals of a strip's borders are opposite: turn the second line's round.
     turned = -other_offset
-    turn = (other + math.pi - angle + math.pi) % (2 * math.pi) - math.pi
+    turn = turn_between(other + math.pi, angle)
     left, right = angle, angle + turn
     bright = offset <= turned
     if not bright:
@@ -161,8 +161,7 @@ def _cable_between(
     skew = (right - left) / 2
     cos_skew = math.cos(skew)
     middle = (left + right) / 2
-    wrapped = wrapped_angle(middle)
-    sign = turn_sign(middle, wrapped)
+    wrapped, sign = relative_direction(middle, 0.0)
     pose[0] = sign * (offset + turned) / (2 * cos_skew)
     pose[1] = wrapped
     pose[2] = abs(turned - offset) / cos_skew

@@ -59,14 +59,19 @@ def relative_density(squared_distance: float, degrees_of_freedom: float, dimensi
     return math.exp(relative_log_density(squared_distance, degrees_of_freedom, dimensions))
 
 
+@compiled_inside
+def log_peak_density(degrees_of_freedom: float, dimensions: int) -> float:
+    """Return the log-density at the location for a unit scale; degrees of freedom are finite."""
+    return (
+        math.lgamma((degrees_of_freedom + dimensions) / 2)
+        - math.lgamma(degrees_of_freedom / 2)
+        - 0.5 * dimensions * math.log(degrees_of_freedom * math.pi)
+    )
+
+
 @compiled
 def peak_density(degrees_of_freedom: float, dimensions: int) -> float:
     """Return the density at the location for a unit scale."""
     if math.isinf(degrees_of_freedom):
         return math.pow(2.0 * math.pi, -0.5 * dimensions)
-    log_peak = (
-        math.lgamma((degrees_of_freedom + dimensions) / 2)
-        - math.lgamma(degrees_of_freedom / 2)
-        - 0.5 * dimensions * math.log(degrees_of_freedom * math.pi)
-    )
-    return math.exp(log_peak)
+    return math.exp(log_peak_density(degrees_of_freedom, dimensions))

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
-from cable_tracker.compilation import compiled, compiled_part
+from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.compilation import compiled, compiled_loop, compiled_part
 
 
 class NormalisedWeights(NamedTuple):
@@ -51,6 +51,22 @@ def log_sum_exp(values: FloatArray) -> float:
     total = 0.0
     for value in values:
         total += math.exp(value - peak)
+    return peak + math.log(total)
+
+
+@compiled_loop
+def masked_log_sum_exp(values: FloatArray, labels: IndexArray, label: int) -> float:
+    """Return log(sum(exp(values))) over the rows of one label, shapes (N,); -inf for none."""
+    peak = -math.inf
+    for row in range(len(labels)):
+        if labels[row] == label:
+            peak = max(peak, values[row])
+    if peak == -math.inf:
+        return peak
+    total = 0.0
+    for row in range(len(labels)):
+        if labels[row] == label:
+            total += math.exp(values[row] - peak)
     return peak + math.log(total)
 
 

@@ -18,9 +18,8 @@ from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable
 from cable_tracker.cable.model.geometry import (
     inset,
     reach_at,
-    turn_sign,
+    relative_direction,
     wrap_states,
-    wrapped_angle,
 )
 from cable_tracker.cable.model.initial_state import SearchBox, between
 from cable_tracker.cable.model.state import (
@@ -173,8 +172,7 @@ def _middle_at(angle: float, births: BirthDensity) -> float:
 @compiled_inside
 def birth_density(state: FloatArray, births: BirthDensity) -> float:
     """Return the density of births at the places of a state (8,)."""
-    wrapped = wrapped_angle(state[ANGLE])
-    sign = turn_sign(state[ANGLE], wrapped)
+    wrapped, sign = relative_direction(state[ANGLE], 0.0)
     lower, upper = births.lower, births.upper
     inside = (
         lower[DISTANCE] <= sign * state[DISTANCE] <= upper[DISTANCE]
@@ -191,9 +189,7 @@ def birth_density(state: FloatArray, births: BirthDensity) -> float:
 @compiled_inside
 def _density_near(state: FloatArray, births: BirthDensity) -> float:
     """Return the density about the memory, over all half turns that the angle may have made."""
-    shifted = state[ANGLE] - births.pose[ANGLE]
-    wrapped = wrapped_angle(shifted)
-    turned = turn_sign(shifted, wrapped)
+    wrapped, turned = relative_direction(state[ANGLE], births.pose[ANGLE])
     # A half turn changes the signs of d and beta, and nothing else.
     middle = _middle_at(wrapped + births.pose[ANGLE], births)
     scales = births.scales

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.cable.model.geometry import turn_sign, unwrap_state, wrapped_angle
+from cable_tracker.cable.model.geometry import relative_direction, unwrap_state
 from cable_tracker.cable.model.state import (
     ANGLE,
     DISTANCE,
@@ -186,12 +186,10 @@ def _gather(
             continue
         # Most particles are far away in one component already.
         c = (states[row, WIDTH] - mean[WIDTH]) / radii[WIDTH]
-        shifted = states[row, ANGLE] - mean[ANGLE]
-        wrapped = wrapped_angle(shifted)
+        wrapped, sign = relative_direction(states[row, ANGLE], mean[ANGLE])
         b = wrapped / radii[ANGLE]
         if b * b + c * c > 1.0:
             continue
-        sign = turn_sign(shifted, wrapped)
         a = (sign * states[row, DISTANCE] - mean[DISTANCE]) / radii[DISTANCE]
         d = (sign * states[row, SKEW] - mean[SKEW]) / radii[SKEW]
         if a * a + b * b + c * c + d * d <= 1.0:
@@ -219,9 +217,7 @@ def _centre(
         if not members[row]:
             continue
         weight = math.exp(log_weights[row] - most)
-        shifted = states[row, ANGLE] - reference
-        wrapped = wrapped_angle(shifted)
-        sign = turn_sign(shifted, wrapped)
+        wrapped, sign = relative_direction(states[row, ANGLE], reference)
         total += weight
         sums[DISTANCE] += weight * sign * states[row, DISTANCE]
         sums[ANGLE] += weight * (wrapped + reference)

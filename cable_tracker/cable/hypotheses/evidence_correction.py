@@ -15,12 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Groups
 from cable_tracker.cable.hypotheses.predicted_density import DensityValues
 from cable_tracker.cable.hypotheses.presence import thin_factor
 from cable_tracker.cable.model.state import WIDTH
-from cable_tracker.compilation import compiled_loop, compiled_part
+from cable_tracker.compilation import compiled_part
+from cable_tracker.particle_filter.weights import masked_log_sum_exp
 
 
 class CorrectionRules(NamedTuple):
@@ -63,10 +64,10 @@ def corrected_weights(
     reference, heaviest = 0.0, -np.inf
     for group in range(count):
         label = group + NO_CLUSTER
-        posterior_mass = _group_sum(log_posterior, labels, label)
+        posterior_mass = masked_log_sum_exp(log_posterior, labels, label)
         if posterior_mass == -math.inf:
             continue
-        prior_mass = _group_sum(log_prior, labels, label)
+        prior_mass = masked_log_sum_exp(log_prior, labels, label)
         width = 0.0
         for row in range(len(labels)):
             if labels[row] != label:
@@ -98,19 +99,3 @@ def corrected_weights(
         share = survived[group]
         corrected[row] += share * old + (1.0 - share) * new - group_log_ratio[group]
     return corrected
-
-
-@compiled_loop
-def _group_sum(values: FloatArray, labels: IndexArray, label: int) -> float:
-    """Return log(sum(exp(values))) over a group; -inf for an empty one."""
-    peak = -math.inf
-    for row in range(len(labels)):
-        if labels[row] == label:
-            peak = max(peak, values[row])
-    if peak == -math.inf:
-        return peak
-    total = 0.0
-    for row in range(len(labels)):
-        if labels[row] == label:
-            total += math.exp(values[row] - peak)
-    return peak + math.log(total)

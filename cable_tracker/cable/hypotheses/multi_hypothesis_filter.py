@@ -79,7 +79,7 @@ from cable_tracker.cable.model.state import (
     StateColumn,
     pose_units,
 )
-from cable_tracker.cable.model.statistics import turned_covariance
+from cable_tracker.cable.model.statistics import wrapped_estimate
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, TrackerParameters
 from cable_tracker.particle_filter.existence import (
     PredictedExistence,
@@ -89,6 +89,7 @@ from cable_tracker.particle_filter.existence import (
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+from cable_tracker.tracking.rates import event_probability
 
 GIVEN_PRESENCE = 0.95
 """Probability of a cable at the place that an operator or planner gave."""
@@ -243,7 +244,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             expected=expected,
             log_odds=belief.log_odds,
             survival=existence.survived / max(belief.presence, LEAST_PROBABILITY),
-            appearance=-math.expm1(-parameters.appearance_rate * dt),
+            appearance=event_probability(parameters.appearance_rate, dt),
             gain=gain_over(parameters.presence_gain, dt),
         )
 
@@ -265,7 +266,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
         # Without movement the kernel would be a point: the first frame after a given prior.
         sigmas = self._movement.diffusion_sigmas(max(dt, 1.0 / REFERENCE_RATE), motion)
-        birth = -math.expm1(-parameters.appearance_rate * dt)
+        birth = event_probability(parameters.appearance_rate, dt)
         existence = predict_existence(belief.presence, survival, birth)
         predicted = PredictedDensity(
             kernels=kernel_mixture(
@@ -282,7 +283,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             width_spread=width_prior.spread(parameters) if width_prior is not None else math.inf,
             births=births,
             mass_jumped=max(
-                existence.survived * -math.expm1(-BORDER_ERROR_RATE * dt), LEAST_PROBABILITY
+                existence.survived * event_probability(BORDER_ERROR_RATE, dt), LEAST_PROBABILITY
             ),
             jump=self._jump_from(leader),
         )
@@ -407,17 +408,15 @@ class MultiHypothesisFilter(CableFilter[Belief]):
 
     def _leading_estimate(self, hypotheses: Hypotheses) -> tuple[FloatArray, FloatArray]:
         """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters."""
-        leader, covariance = hypotheses.clusters.means[0], hypotheses.covariance
-        mean = wrap_state(leader)
-        turns = round((leader[StateColumn.ANGLE] - mean[StateColumn.ANGLE]) / math.pi)
+        leader = hypotheses.clusters.means[0]
         displaced = displaced_covariance(
-            covariance,
+            hypotheses.covariance,
             hypotheses.border_means,
             float(leader[StateColumn.WIDTH]),
             self._parameters,
             self._image_size[0],
         )
-        return mean, turned_covariance(displaced) if turns % 2 else displaced
+        return wrapped_estimate(leader, displaced)
 
 
 def _reported(clusters: Clusters) -> tuple[Hypothesis, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
+from cable_tracker.tracking.rates import over_time
 
 POLARITY_DOUBT = 0.02
 """The probability that the cable is bright stays this far from 0 and 1."""
@@ -26,7 +26,7 @@ def updated_p_bright(
     dt : float
         Time since the frame before [s].
     """
-    kept = memory ** (dt * REFERENCE_RATE)
+    kept = over_time(memory, dt)
     now = presence * found + (1.0 - presence) * before
     p_bright = kept * now + (1.0 - kept) * 0.5
     return float(min(max(p_bright, POLARITY_DOUBT), 1.0 - POLARITY_DOUBT))

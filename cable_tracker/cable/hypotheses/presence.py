@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import turn_sign, wrapped_angle
+from cable_tracker.cable.model.geometry import relative_direction
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
 from cable_tracker.compilation import compiled_inside, compiled_loop
@@ -205,9 +205,7 @@ def goes_on(mean: FloatArray, expected: FloatArray, near: FloatArray) -> bool:
 @compiled_inside
 def largest_difference(state: FloatArray, expected: FloatArray, near: FloatArray) -> float:
     """Return the largest difference of d, alpha, w, beta, in the chart about what is expected."""
-    shifted = state[ANGLE] - expected[ANGLE]
-    wrapped = wrapped_angle(shifted)
-    sign = turn_sign(shifted, wrapped)
+    wrapped, sign = relative_direction(state[ANGLE], expected[ANGLE])
     beside = max(
         abs(sign * state[DISTANCE] - expected[DISTANCE]) / near[DISTANCE],
         abs(state[WIDTH] - expected[WIDTH]) / near[WIDTH],

@@ -28,7 +28,7 @@ from cable_tracker.cable.hypotheses.shared_borders import (
     shared_border_score,
 )
 from cable_tracker.cable.measure.likelihood_ratio import BRIGHT, DARK, CableLogRatios
-from cable_tracker.cable.model.geometry import border_offset, border_side, turn_sign, wrapped_angle
+from cable_tracker.cable.model.geometry import border_offset, border_side, relative_direction
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop, compiled_part
 
@@ -229,9 +229,7 @@ def fill_shadow_losses(
 @compiled_inside
 def _within(state: FloatArray, pose: FloatArray, unit: float) -> float:
     """Return the overlap score of a strip with another: 1 in its centre, 0 at its borders."""
-    shifted = state[ANGLE] - pose[ANGLE]
-    wrapped = wrapped_angle(shifted)
-    sign = turn_sign(shifted, wrapped)
+    wrapped, sign = relative_direction(state[ANGLE], pose[ANGLE])
     margin = SHARED_OFFSET * unit
     apart = (sign * state[DISTANCE] - pose[DISTANCE]) / (0.5 * pose[WIDTH] + margin)
     turn = wrapped / (2.0 * SHARED_ANGLE)

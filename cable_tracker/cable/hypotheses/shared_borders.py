@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import border_offset, turn_sign, wrapped_angle
+from cable_tracker.cable.model.geometry import border_offset, relative_direction, wrapped_angle
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.compilation import compiled_inside, compiled_loop
@@ -20,9 +20,7 @@ def is_within_shared_border_limits(strip: FloatArray, mean: FloatArray, image_wi
     Distances are between the crossings d -+ w/2 with the centrelines' normals. `strip` and `mean`
     have shape (8,), `image_width` is in px.
     """
-    shifted = strip[ANGLE] - mean[ANGLE]
-    wrapped = wrapped_angle(shifted)
-    sign = turn_sign(shifted, wrapped)
+    wrapped, sign = relative_direction(strip[ANGLE], mean[ANGLE])
     offset, angle, skew = sign * strip[DISTANCE], wrapped + mean[ANGLE], sign * strip[SKEW]
     nearest = SHARED_OFFSET * image_width / REFERENCE_WIDTH
     for side in (-1.0, 1.0):
@@ -60,12 +58,11 @@ def shared_border_score(
         windows of distance and angle, 1 for the same line, 0 from `SHARED_OFFSET` or
         `SHARED_ANGLE` on.
     """
-    shifted = state[ANGLE] - angle
-    sign = turn_sign(shifted, wrapped_angle(shifted))
+    _, sign = relative_direction(state[ANGLE], angle)
     own = sign * side
     its_offset = sign * border_offset(state[DISTANCE], state[WIDTH], state[SKEW], own)
     apart = (its_offset - offset) / (SHARED_OFFSET * unit)
-    turn = wrapped_angle(shifted + own * state[SKEW]) / SHARED_ANGLE
+    turn = wrapped_angle(state[ANGLE] - angle + own * state[SKEW]) / SHARED_ANGLE
     return (1 if own > 0.0 else 0), parabolic_window(apart) * parabolic_window(turn)
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled_inside
+from cable_tracker.particle_filter.student_t import relative_log_density
 
 TAIL = 4.0
 """Degrees of freedom of the Student-t about the mean width."""
@@ -57,7 +58,7 @@ def width_penalty(width: float, log_width: float, spread: float) -> float:
     if math.isinf(spread):
         return 0.0
     deviation = (math.log(max(width, 1e-3)) - log_width) / spread
-    return -0.5 * (TAIL + 1.0) * math.log1p(deviation * deviation / TAIL)
+    return relative_log_density(deviation * deviation, TAIL, 1)
 
 
 def updated_width_prior(

@@ -2,6 +2,10 @@
 
 All angles in radians, all lengths in pixels, in the image frame: origin at the image centre, x to
 the right, y up. A line is given in Hesse normal form, ``x cos(angle) + y sin(angle) = offset``.
+
+(d, alpha) and (-d, alpha +- pi) are one line. A *chart* about a reference angle is the way to write
+cables with alpha within pi/2 of that angle: unwrapped about it, nearby cables have nearby numbers,
+so that they can be compared and averaged as vectors.
 """
 
 from __future__ import annotations
@@ -97,6 +101,21 @@ def turn_sign(angle: float, wrapped: float) -> float:
 
 
 @compiled_inside
+def relative_direction(angle: float, reference: float) -> tuple[float, float]:
+    """Return how the normal of a line lies to a reference direction [rad].
+
+    Returns
+    -------
+    (float, float)
+        Difference angle - reference, wrapped to (-pi/2, pi/2]; sign of d and beta as the line is
+        written with that angle: -1 if the normal is turned round for it, else 1.
+    """
+    shifted = angle - reference
+    wrapped = wrapped_angle(shifted)
+    return wrapped, turn_sign(shifted, wrapped)
+
+
+@compiled_inside
 def unwrap_pose(pose: FloatArray, reference_angle: float, result: FloatArray) -> float:
     """Fill in the way to write d, alpha, w, beta whose normal is within pi/2 of an angle [rad].
 
@@ -104,9 +123,7 @@ def unwrap_pose(pose: FloatArray, reference_angle: float, result: FloatArray) ->
     borders and the sense of "up the cable", so that the skew changes its sign too. Returns the
     sign: -1 if the normal was turned round. `result` may be `pose`.
     """
-    angle = pose[ANGLE] - reference_angle
-    wrapped = wrapped_angle(angle)
-    sign = turn_sign(angle, wrapped)
+    wrapped, sign = relative_direction(pose[ANGLE], reference_angle)
     result[DISTANCE] = sign * pose[DISTANCE]
     result[ANGLE] = wrapped + reference_angle
     result[WIDTH] = pose[WIDTH]

@@ -14,6 +14,7 @@ from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, TrackerParameters
 from cable_tracker.particle_filter.student_t import standard_student_t
+from cable_tracker.tracking.rates import over_time
 
 DOUBT_STRIDE = 4
 """Every fourth state goes on by its own rates instead of odometry."""
@@ -21,7 +22,7 @@ DOUBT_STRIDE = 4
 
 def rate_damping_over(parameters: TrackerParameters, dt: float) -> float:
     """Return the factor on the rates over `dt` seconds."""
-    return float(parameters.rate_damping ** (dt * REFERENCE_RATE))
+    return over_time(parameters.rate_damping, dt)
 
 
 def effective_time(parameters: TrackerParameters, dt: float) -> float:

@@ -1,11 +1,13 @@
 """Mean and covariance of cables, correct across the wrap of the angle.
 
 (d, alpha) and (-d, alpha + pi) are one line, so directions are averaged on the double cover: the
-angles are doubled, averaged as directions, and halved. In the chart around that mean direction the
+angles are doubled, averaged as directions, and halved. Unwrapped about that mean direction, the
 cables are averaged as vectors.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
@@ -14,7 +16,7 @@ from cable_tracker.cable.model.geometry import (
     SIGN_CHANGING_COLUMNS,
     unwrap_states,
     wrap_angle,
-    wrap_states,
+    wrap_state,
 )
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.particle_filter.estimates import weighted_covariance, weighted_mean
@@ -38,8 +40,13 @@ def cable_mean_and_covariance(
     chart = unwrap_states(states, mean_line_angle(states[:, StateColumn.ANGLE], weights))
     mean = weighted_mean(chart, weights)
     covariance = weighted_covariance(chart, weights, mean)
-    wrapped = wrap_states(mean[None, :])[0]
-    half_turns = np.rint((mean[StateColumn.ANGLE] - wrapped[StateColumn.ANGLE]) / np.pi)
+    return wrapped_estimate(mean, covariance)
+
+
+def wrapped_estimate(mean: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Write an estimate, shapes (8,) and (8, 8), with its normal angle in (-pi/2, pi/2]."""
+    wrapped = wrap_state(mean)
+    half_turns = round(float(mean[StateColumn.ANGLE] - wrapped[StateColumn.ANGLE]) / math.pi)
     return wrapped, turned_covariance(covariance) if half_turns % 2 else covariance
 
 

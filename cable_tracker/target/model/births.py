@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.compilation import compiled
-from cable_tracker.particle_filter.student_t import standard_student_t
+from cable_tracker.particle_filter.student_t import log_peak_density, standard_student_t
 from cable_tracker.target.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.tracking.survival import share_about_last_place
 
@@ -86,17 +86,8 @@ class Births:
         )  # fmt: skip
 
 
-def _log_peak(dimensions: int) -> float:
-    """Return the log-density of a Student-t distribution at its middle, for a unit scale."""
-    return (
-        math.lgamma((TAIL + dimensions) / 2)
-        - math.lgamma(TAIL / 2)
-        - 0.5 * dimensions * math.log(TAIL * math.pi)
-    )
-
-
-PEAKS = _log_peak(POSE_SIZE), _log_peak(2)
-"""Of the whole place, and of scale and angle."""
+PEAKS = log_peak_density(TAIL, POSE_SIZE), log_peak_density(TAIL, 2)
+"""Log-density at the middle for a unit scale: of the whole place, and of scale and angle."""
 
 
 @compiled

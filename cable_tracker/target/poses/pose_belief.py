@@ -20,6 +20,7 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.known_target import KnownTarget, relearnt
 from cable_tracker.target.poses.rivals import RivalWatch
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
+from cable_tracker.tracking.rates import over_time
 from cable_tracker.tracking.survival import SurvivalRates, survival_probability
 
 
@@ -111,7 +112,7 @@ def forecast_of(
     states = belief.particles.states
     ancestors = states[systematic_resampling(belief.particles.weights, p.ancestor_count, rng)]
     damping = 1.0 if belief.rivals.is_near else p.rate_damping
-    rates = ancestors[:, POSE_SIZE:] * damping**frames
+    rates = ancestors[:, POSE_SIZE:] * over_time(damping, dt)
     centres = ancestors[:, :POSE_SIZE].copy()
     centres[:, :2] += rates * dt
     centres[:, 3] = belief.angle + wrap_angle(centres[:, 3] - belief.angle)
