@@ -9,6 +9,7 @@ from hypothesis.extra.numpy import arrays
 from cable_tracker.particle_filter.weights import (
     effective_sample_size,
     log_sum_exp,
+    masked_log_sum_exp,
     normalise_log_weights,
     uniform_log_weights,
 )
@@ -99,3 +100,9 @@ def test_the_effective_size_is_one_over_the_sum_of_squares():
 def test_the_effective_size_lies_between_one_and_the_number_of_particles(log_weights):
     normalised = normalise_log_weights(log_weights).log_weights
     assert 1.0 <= effective_sample_size(normalised) <= len(log_weights)
+
+
+def test_a_masked_sum_is_that_of_the_rows_of_a_label():
+    values, labels = np.array([0.0, 1.0, -2.0, 7.0]), np.array([3, -1, 3, 0])
+    assert masked_log_sum_exp(values, labels, 3) == pytest.approx(log_sum_exp(values[[0, 2]]))
+    assert masked_log_sum_exp(values, labels, 5) == -np.inf

@@ -120,12 +120,15 @@ def find_groups(
     gathered = np.empty(len(states), np.bool_)
     count = 0
     if len(anchors):
-        count += _take(states, log_weights, radii, anchors[0], labels, gathered, count)
+        centre = anchors[0]
+        count += _label_one_cluster(states, log_weights, radii, centre, labels, gathered, count)
     while count < MOST_CLUSTERS:
         heaviest = _heaviest_free(log_weights, labels)
         if heaviest < 0:
             break
-        count += _take(states, log_weights, radii, states[heaviest], labels, gathered, count)
+        count += _label_one_cluster(
+            states, log_weights, radii, states[heaviest], labels, gathered, count
+        )
     return Groups(labels, count)
 
 
@@ -140,7 +143,7 @@ def _heaviest_free(log_weights: FloatArray, labels: IndexArray) -> int:
 
 
 @compiled_part
-def _take(
+def _label_one_cluster(
     states: FloatArray,
     log_weights: FloatArray,
     radii: FloatArray,
@@ -149,14 +152,17 @@ def _take(
     members: BoolArray,
     label: int,
 ) -> int:
-    """Label the particles about a centre; return 1 if there are any, else 0."""
+    """Label the unlabelled particles about a centre; return 1 if there are any, else 0.
+
+    `members` (N,) is a buffer for the marks.
+    """
     mean = centre[:POSE_SIZE].copy()
     found = False
     for _ in range(CENTRINGS):
-        if not _gather(states, log_weights, radii, mean, labels, members, found):
+        if not _mark_members(states, log_weights, radii, mean, labels, members, found):
             break
         found = True
-        _centre(states, log_weights, members, mean)
+        _update_mean(states, log_weights, members, mean)
     if not found:
         return 0
     for row in range(len(labels)):
@@ -166,7 +172,7 @@ def _take(
 
 
 @compiled_part
-def _gather(
+def _mark_members(
     states: FloatArray,
     log_weights: FloatArray,
     radii: FloatArray,
@@ -175,9 +181,10 @@ def _gather(
     members: BoolArray,
     keep: bool,
 ) -> bool:
-    """Mark the free particles about a mean. If there is none, `keep` leaves the marks as they are.
+    """Mark unlabelled particles inside the ellipsoid `radii` about `mean`.
 
-    The mean of a ring may lie on none of its particles; they stay together.
+    Returns False if there is none; then, with `keep`, the previous marks stay: the mean of a
+    ring-shaped cluster may lie outside it.
     """
     gathered = np.zeros(len(labels), np.bool_)
     any_gathered = False
@@ -202,10 +209,10 @@ def _gather(
 
 
 @compiled_part
-def _centre(
+def _update_mean(
     states: FloatArray, log_weights: FloatArray, members: BoolArray, mean: FloatArray
 ) -> None:
-    """Move a mean (4,) to that of its members, in the chart about its angle."""
+    """Replace a mean (4,) by that of its members, unwrapped about its angle."""
     reference = mean[ANGLE]
     most = -math.inf
     for row in range(len(members)):
@@ -235,16 +242,42 @@ def group_means(
 
     Shapes (K,), (K,), (K, 8). A mean is taken in the chart about the heaviest member.
     """
+    masses, heaviest = _masses_and_heaviest(weights, groups)
+    means = _means_about_heaviest(states, weights, groups, masses, heaviest)
+    order = _order_by_mass(masses)
+    sorted_masses, sorted_means = np.empty(len(order)), np.empty((len(order), STATE_SIZE))
+    for index in range(len(order)):
+        sorted_masses[index] = masses[order[index]]
+        for column in range(STATE_SIZE):
+            sorted_means[index, column] = means[order[index], column]
+    return order, sorted_masses, sorted_means
+
+
+@compiled_part
+def _masses_and_heaviest(weights: FloatArray, groups: Groups) -> tuple[FloatArray, IndexArray]:
+    """Return the sum of weights of each group, and the row of its heaviest particle, (K,) each."""
     labels, count = groups
-    masses, means = np.zeros(count), np.zeros((count, STATE_SIZE))
-    heaviest = np.full(count, -1, np.int64)
+    masses, heaviest = np.zeros(count), np.full(count, -1, np.int64)
     for row in range(len(labels)):
         label = labels[row]
         if label != NO_CLUSTER:
             masses[label] += weights[row]
             if heaviest[label] < 0 or weights[row] > weights[heaviest[label]]:
                 heaviest[label] = row
-    member = np.empty(STATE_SIZE)
+    return masses, heaviest
+
+
+@compiled_part
+def _means_about_heaviest(
+    states: FloatArray,
+    weights: FloatArray,
+    groups: Groups,
+    masses: FloatArray,
+    heaviest: IndexArray,
+) -> FloatArray:
+    """Return the weighted means (K, 8), particles unwrapped about the angle of the heaviest."""
+    labels, count = groups
+    means, member = np.zeros((count, STATE_SIZE)), np.empty(STATE_SIZE)
     for row in range(len(labels)):
         label = labels[row]
         if label != NO_CLUSTER and masses[label] > SMALLEST_MASS:
@@ -252,22 +285,22 @@ def group_means(
             share = weights[row] / masses[label]
             for column in range(STATE_SIZE):
                 means[label, column] += share * member[column]
-    order, kept = np.empty(count, np.int64), 0
-    for label in range(count):
+    return means
+
+
+@compiled_part
+def _order_by_mass(masses: FloatArray) -> IndexArray:
+    """Return the groups heavier than `SMALLEST_MASS`, heaviest first; of equal ones the first."""
+    order, kept = np.empty(len(masses), np.int64), 0
+    for label in range(len(masses)):
         if masses[label] > SMALLEST_MASS:
             place = kept
-            # Of equal masses the first comes first.
             while place > 0 and masses[order[place - 1]] < masses[label]:
                 order[place] = order[place - 1]
                 place -= 1
             order[place] = label
             kept += 1
-    sorted_masses, sorted_means = np.empty(kept), np.empty((kept, STATE_SIZE))
-    for index in range(kept):
-        sorted_masses[index] = masses[order[index]]
-        for column in range(STATE_SIZE):
-            sorted_means[index, column] = means[order[index], column]
-    return order[:kept], sorted_masses, sorted_means
+    return order[:kept]
 
 
 @compiled_part

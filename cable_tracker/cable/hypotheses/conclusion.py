@@ -15,11 +15,12 @@ from cable_tracker.cable.hypotheses.background import (
 from cable_tracker.cable.hypotheses.clusters import (
     NO_CLUSTER,
     Clusters,
+    Groups,
     clusters_of,
     find_groups,
     leading_covariance,
 )
-from cable_tracker.cable.hypotheses.evidence_correction import corrected_weights
+from cable_tracker.cable.hypotheses.evidence_correction import corrected_log_weights
 from cable_tracker.cable.hypotheses.presence import (
     PriorPresence,
     Standing,
@@ -121,6 +122,25 @@ def draw_and_conclude(
     return conclude(sample, end, inputs, config, prior)
 
 
+class CorrectedClusters(NamedTuple):
+    """Clusters of the particles after the correlation between frames has been corrected for.
+
+    Attributes
+    ----------
+    log_weights, weights : FloatArray
+        Corrected weights, normalised, and their logarithms, shape (N,).
+    clusters : Clusters
+        Clusters by these weights.
+    background : Background
+        Background of the groups that `clusters.group_of` names.
+    """
+
+    log_weights: FloatArray
+    weights: FloatArray
+    clusters: Clusters
+    background: Background
+
+
 @compiled_part
 def conclude(
     sample: Sample, end: int, inputs: ProposalInputs, config: ProposalConfig, prior: PriorPresence
@@ -128,20 +148,51 @@ def conclude(
     """Conclude from the first `end` rows of a sample."""
     states = _wrapped_states(sample, end)
     log_prior = importance_log_weights(sample, end, 0.0)
-    log_posterior = _sum(log_prior, sample.log_likelihoods)
+    log_posterior = add_log_likelihoods(log_prior, sample.log_likelihoods)
     groups = find_groups(states, log_posterior, config.cluster_radii, inputs.anchors)
     if groups.number == 0:
-        return _nothing(states, log_posterior)
+        return impossible_posterior(states, log_posterior)
+    found = corrected_clusters(states, log_prior, log_posterior, groups, sample, inputs, config)
+    clear = border_clearness(found.clusters.means, inputs.scan, inputs.model)
+    hypotheses, p_bright = leader_measures(states, found, clear, sample, inputs)
+    margins, scores = margins_and_scores(found, sample)
+    log_odds = _log_odds(found.clusters.means, margins, scores, clear, config, prior)
+    return Conclusion(states, found.log_weights, hypotheses, log_odds, p_bright)
+
+
+@compiled_part
+def corrected_clusters(
+    states: FloatArray,
+    log_prior: FloatArray,
+    log_posterior: FloatArray,
+    groups: Groups,
+    sample: Sample,
+    inputs: ProposalInputs,
+    config: ProposalConfig,
+) -> CorrectedClusters:
+    """Correct the weights of the particles, and return their clusters.
+
+    Parameters
+    ----------
+    states : FloatArray
+        The particles, angles in (-pi/2, pi/2], shape (N, 8).
+    log_prior, log_posterior : FloatArray
+        Their log-weights before and after the frame, shape (N,).
+    groups : Groups
+        Groups of particles by the posterior, at least one.
+    sample, inputs, config : Sample, ProposalInputs, ProposalConfig
+        The sample that they come from, and what it was drawn with.
+    """
     background = background_of_groups(states, log_posterior, groups, inputs, config)
     corrected = normalise_log_weights(
-        corrected_weights(
+        corrected_log_weights(
             log_posterior,
             log_prior,
             states,
             sample.densities,
             groups,
             background.alike,
-            config.rules,
+            config.evidence_limits,
         )
     ).log_weights
     weights = exponentials(corrected)
@@ -152,22 +203,30 @@ def conclude(
         groups = find_groups(states, corrected, config.cluster_radii, nowhere)
         background = background_of_groups(states, corrected, groups, inputs, config)
         clusters = clusters_of(states, weights, groups)
-    weaker_border_mean, visible_length, p_bright = _leader_and_polarity(
-        clusters, weights, sample, inputs
-    )
-    clear = border_clearness(clusters.means, inputs.scan, inputs.model)
+    return CorrectedClusters(corrected, weights, clusters, background)
+
+
+@compiled_part
+def leader_measures(
+    states: FloatArray,
+    found: CorrectedClusters,
+    clear: BorderClearness,
+    sample: Sample,
+    inputs: ProposalInputs,
+) -> tuple[Hypotheses, float]:
+    """Return the clusters with what the frame measures of the leading one, and P(bright)."""
+    clusters, weights = found.clusters, found.weights
+    border_mean, visible_length, p_bright = _leader_and_polarity(clusters, weights, sample, inputs)
     hypotheses = Hypotheses(
         clusters,
         leading_covariance(states, weights, clusters),
-        effective_sample_size(corrected),
-        weaker_border_mean,
+        effective_sample_size(found.log_weights),
+        border_mean,
         visible_length,
         _leading_border_means(clusters.means, inputs),
         clear.clearness[0] * shown_share(clear.shown[0]),
     )
-    margins, standard_scores = _above(background, clusters, weights, sample)
-    log_odds = _log_odds(clusters.means, margins, standard_scores, clear, config, prior)
-    return Conclusion(states, corrected, hypotheses, log_odds, p_bright)
+    return hypotheses, p_bright
 
 
 @compiled_part
@@ -180,7 +239,7 @@ def _wrapped_states(sample: Sample, end: int) -> FloatArray:
 
 
 @compiled_part
-def _sum(log_prior: FloatArray, log_likelihoods: FloatArray) -> FloatArray:
+def add_log_likelihoods(log_prior: FloatArray, log_likelihoods: FloatArray) -> FloatArray:
     """Return the logarithms of prior times likelihood; `log_likelihoods` may have more rows."""
     result = np.empty(len(log_prior))
     for row in range(len(log_prior)):
@@ -189,7 +248,8 @@ def _sum(log_prior: FloatArray, log_likelihoods: FloatArray) -> FloatArray:
 
 
 @compiled_part
-def _nothing(states: FloatArray, log_posterior: FloatArray) -> Conclusion:
+def impossible_posterior(states: FloatArray, log_posterior: FloatArray) -> Conclusion:
+    """Return the conclusion without clusters: every particle is impossible."""
     labels = np.full(len(states), NO_CLUSTER, np.int64)
     none = np.empty(0)
     clusters = Clusters(labels, none, np.empty((0, STATE_SIZE)), labels[:0], 1.0)
@@ -228,10 +288,13 @@ def _leading_border_means(means: FloatArray, inputs: ProposalInputs) -> FloatArr
 
 
 @compiled_part
-def _above(
-    background: Background, clusters: Clusters, weights: FloatArray, sample: Sample
-) -> tuple[FloatArray, FloatArray]:
-    """Return margins and standard scores of the clusters above the background of their groups."""
+def margins_and_scores(found: CorrectedClusters, sample: Sample) -> tuple[FloatArray, FloatArray]:
+    """Return the margin [nats] and the score [standard deviations] of each cluster, (K,) each.
+
+    They are weighted means over its particles of the log-likelihood ratio above the best strip like
+    it, and above the mean of strips of any kind.
+    """
+    clusters, weights, background = found.clusters, found.weights, found.background
     count = len(clusters.masses)
     margins, scores = np.zeros(count), np.zeros(count)
     for row in range(len(weights)):
@@ -259,7 +322,7 @@ def _log_odds(
     log_odds = np.empty(len(means))
     for index in range(len(means)):
         # Any bottom has thin lines: what speaks for them counts less.
-        factor = thin_factor(means[index, WIDTH], config.rules.thin_width)
+        factor = thin_factor(means[index, WIDTH], config.evidence_limits.thin_width)
         standing = Standing(
             factor * margins[index],
             factor * scores[index],

@@ -1,11 +1,12 @@
-"""Frame after frame is not independent evidence: how much of it counts.
+"""Frames are not independent evidence: the log-likelihood ratios of groups of particles, corrected.
 
-Particles of one group compete by their likelihood. Between groups what counts is how well the frame
-is explained. Of a group that goes on, a part counts in each frame: a furrow that is there in this
-frame is there in the next. Of a new group all counts that it explains better than the heaviest of
-those that go on, up to a limit, which is lower beside a cable that is known. A width that is not
-the one of before lowers the limit: the clearest rope is no cable. Evidence for thin strips counts
-less: any bottom has lines.
+Correlation between frames. Particles of one group compete by their likelihood; what is corrected is
+the weight of each group as a whole. A group's log-likelihood ratio is log(posterior mass / prior
+mass), less that of the bottom at its place, times `thin_factor`. Of a surviving group only
+`evidence_repeated` times min(ratio, limit) is added: a furrow that is there in this frame is there
+in the next. Of a new group: that part of the reference group's ratio plus min(ratio - reference
+ratio, limit). The reference is the surviving group of largest prior mass. limit = `evidence_limit`
+plus the group's mean width penalty (<= 0): a width that is not the one of before lowers it.
 """
 
 from __future__ import annotations
@@ -20,82 +21,161 @@ from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Groups
 from cable_tracker.cable.hypotheses.predicted_density import DensityValues
 from cable_tracker.cable.hypotheses.presence import thin_factor
 from cable_tracker.cable.model.state import WIDTH
-from cable_tracker.compilation import compiled_part
+from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import masked_log_sum_exp
 
 
-class CorrectionRules(NamedTuple):
-    """How much of the evidence for a group counts; see the parameters of the same names [px]."""
+class EvidenceLimits(NamedTuple):
+    """Limits of the correction.
+
+    Attributes
+    ----------
+    evidence_limit : float
+        Upper bound of the log-likelihood ratio of a group that counts [nats].
+    evidence_repeated : float
+        Share of the ratio of a surviving group that counts, 0 to 1.
+    thin_width : float
+        Width below which ratios count less [px of the frame].
+    """
 
     evidence_limit: float
     evidence_repeated: float
     thin_width: float
 
 
+class GroupEvidence(NamedTuple):
+    """What the frame says of K groups of particles, each of shape (K + 1,).
+
+    Rows are addressed by label: the last one, -1, is that of the particles of no group.
+
+    Attributes
+    ----------
+    log_ratio : FloatArray
+        log(posterior mass / prior mass) [nats]; -inf for a group without posterior mass.
+    above_background : FloatArray
+        `log_ratio` less that of the bottom at the place of the group, times `thin_factor` [nats].
+    survived_share : FloatArray
+        Share of the prior mass that survived from the frame before, 0 to 1.
+    width_penalty : FloatArray
+        Mean width penalty over the posterior, at most 0 [nats].
+    prior_mass : FloatArray
+        Logarithm of the prior mass [nats]; -inf for a group without posterior mass.
+    """
+
+    log_ratio: FloatArray
+    above_background: FloatArray
+    survived_share: FloatArray
+    width_penalty: FloatArray
+    prior_mass: FloatArray
+
+
 @compiled_part
-def corrected_weights(
+def corrected_log_weights(
     log_posterior: FloatArray,
     log_prior: FloatArray,
     states: FloatArray,
     densities: DensityValues,
     groups: Groups,
     backgrounds: FloatArray,
-    rules: CorrectionRules,
+    limits: EvidenceLimits,
 ) -> FloatArray:
-    """Return log-weights (N,) with the evidence for each group corrected.
+    """Return log-weights (N,) with the log-likelihood ratio of each group corrected.
 
     Parameters
     ----------
     log_posterior, log_prior : FloatArray
         Log-weights of the particles after the frame and before it, shape (N,).
     states, densities : FloatArray, DensityValues
-        The particles, shape (N, 8), and the densities that they had before the frame.
+        The particles, shape (N, 8), and their densities before the frame.
     groups : Groups
         Groups of the particles.
     backgrounds : FloatArray
-        Log-likelihood ratio that the bottom explains at each group, shape (K,).
-    rules : CorrectionRules
+        Log-likelihood ratio of the bottom at each group, shape (K,) [nats].
+    limits : EvidenceLimits
         Limits of the correction.
     """
+    found = group_evidence(
+        log_posterior, log_prior, states, densities, groups, backgrounds, limits.thin_width
+    )
+    leader = reference_group(found)
+    reference = found.above_background[leader] if leader != NO_CLUSTER else 0.0
+    corrections = np.zeros(groups.number + 1)
+    for label in range(NO_CLUSTER, groups.number):
+        if found.log_ratio[label] != -np.inf:
+            counted = counted_log_ratio(found, label, reference, limits)
+            corrections[label] = counted - found.log_ratio[label]
+    corrected = np.empty(len(log_posterior))
+    for row in range(len(corrected)):
+        corrected[row] = log_posterior[row] + corrections[groups.labels[row]]
+    return corrected
+
+
+@compiled_part
+def group_evidence(
+    log_posterior: FloatArray,
+    log_prior: FloatArray,
+    states: FloatArray,
+    densities: DensityValues,
+    groups: Groups,
+    backgrounds: FloatArray,
+    thin_width: float,
+) -> GroupEvidence:
+    """Sum up what the frame says of each group; arguments as of `corrected_log_weights`."""
     labels, count = groups.labels, groups.number + 1
-    # The first is of the particles that belong to no group.
-    group_log_ratio, log_ratio_above_background = np.full(count, -np.inf), np.zeros(count)
-    survived, penalties = np.zeros(count), np.zeros(count)
-    reference, heaviest = 0.0, -np.inf
-    for group in range(count):
-        label = group + NO_CLUSTER
+    found = GroupEvidence(
+        np.full(count, -np.inf),
+        np.zeros(count),
+        np.zeros(count),
+        np.zeros(count),
+        np.full(count, -np.inf),
+    )
+    for label in range(NO_CLUSTER, groups.number):
         posterior_mass = masked_log_sum_exp(log_posterior, labels, label)
         if posterior_mass == -math.inf:
             continue
         prior_mass = masked_log_sum_exp(log_prior, labels, label)
-        width = 0.0
+        width, penalty, survived = 0.0, 0.0, 0.0
         for row in range(len(labels)):
             if labels[row] != label:
                 continue
             share = math.exp(log_posterior[row] - posterior_mass)
-            penalties[group] += share * densities.width_penalties[row]
+            penalty += share * densities.width_penalties[row]
             width += share * states[row, WIDTH]
             if densities.prior[row] > 0.0:
                 kept = densities.prior_survival[row] / densities.prior[row]
-                survived[group] += math.exp(log_prior[row] - prior_mass) * kept
-        survived[group] = min(survived[group], 1.0)
-        group_log_ratio[group] = posterior_mass - prior_mass
+                survived += math.exp(log_prior[row] - prior_mass) * kept
         background = backgrounds[label] if label != NO_CLUSTER else 0.0
-        log_ratio_above_background[group] = thin_factor(width, rules.thin_width) * (
-            group_log_ratio[group] - background
-        )
-        if label != NO_CLUSTER and survived[group] > 0.5 and prior_mass > heaviest:
-            reference, heaviest = log_ratio_above_background[group], prior_mass
-    corrected = log_posterior.copy()
-    limit = rules.evidence_limit
-    for row in range(len(labels)):
-        group = labels[row] - NO_CLUSTER
-        if group_log_ratio[group] == -np.inf:
-            continue
-        highest = limit + penalties[group]
-        old = rules.evidence_repeated * min(log_ratio_above_background[group], highest)
-        better = min(max(log_ratio_above_background[group] - reference, -limit), highest)
-        new = rules.evidence_repeated * min(reference, highest) + better
-        share = survived[group]
-        corrected[row] += share * old + (1.0 - share) * new - group_log_ratio[group]
-    return corrected
+        ratio = posterior_mass - prior_mass
+        found.log_ratio[label] = ratio
+        found.above_background[label] = thin_factor(width, thin_width) * (ratio - background)
+        found.survived_share[label] = min(survived, 1.0)
+        found.width_penalty[label] = penalty
+        found.prior_mass[label] = prior_mass
+    return found
+
+
+@compiled_loop
+def reference_group(found: GroupEvidence) -> int:
+    """Return the label of the surviving group of largest prior mass; `NO_CLUSTER` if none is."""
+    reference, heaviest = NO_CLUSTER, -np.inf
+    for label in range(len(found.prior_mass) - 1):
+        if found.survived_share[label] > 0.5 and found.prior_mass[label] > heaviest:
+            reference, heaviest = label, found.prior_mass[label]
+    return reference
+
+
+@compiled_loop
+def counted_log_ratio(
+    found: GroupEvidence, label: int, reference: float, limits: EvidenceLimits
+) -> float:
+    """Return the log-likelihood ratio of a group that counts [nats].
+
+    `reference` is the ratio above the background of the reference group, 0 without one [nats]. A
+    group counts as surviving by its survived share, as new by the rest.
+    """
+    limit, repeated = limits.evidence_limit, limits.evidence_repeated
+    highest, ratio = limit + found.width_penalty[label], found.above_background[label]
+    surviving = repeated * min(ratio, highest)
+    new = repeated * min(reference, highest) + min(max(ratio - reference, -limit), highest)
+    share = found.survived_share[label]
+    return float(share * surviving + (1.0 - share) * new)

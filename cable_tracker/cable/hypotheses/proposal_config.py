@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.clusters import RADII
-from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules
+from cable_tracker.cable.hypotheses.evidence_correction import EvidenceLimits
 from cable_tracker.cable.hypotheses.presence import NEAR
 from cable_tracker.cable.hypotheses.rounds import annealing_power, widening_in
 from cable_tracker.cable.hypotheses.shadows import ShadowRules
@@ -48,7 +48,7 @@ class ProposalConfig(NamedTuple):
         Power of the likelihood, and factor on the covariance, in each round, shape (R,).
     most_refined, least_refined : int, float
         `MOST_REFINED`, `LEAST_REFINED`.
-    rules : CorrectionRules
+    evidence_limits : EvidenceLimits
         Limits of the correction of the groups' weights.
     near : FloatArray
         `NEAR` for frames of this size, shape (4,) [px, rad].
@@ -66,7 +66,7 @@ class ProposalConfig(NamedTuple):
     widenings: FloatArray
     most_refined: int
     least_refined: float
-    rules: CorrectionRules
+    evidence_limits: EvidenceLimits
     near: FloatArray
     shadows: ShadowRules
 
@@ -88,7 +88,7 @@ def proposal_config(
         widenings=np.array([widening_in(number) for number in rounds]),
         most_refined=MOST_REFINED,
         least_refined=LEAST_REFINED,
-        rules=CorrectionRules(
+        evidence_limits=EvidenceLimits(
             parameters.evidence_limit,
             parameters.evidence_repeated,
             parameters.thin_width * width / REFERENCE_WIDTH,
@@ -108,5 +108,7 @@ def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) 
 
     It is not taken for a shadow, either.
     """
-    rules = config.rules._replace(evidence_limit=parameters.evidence_limit_known)
-    return config._replace(rules=rules, shadows=config.shadows._replace(evidence=math.inf))
+    limits = config.evidence_limits._replace(evidence_limit=parameters.evidence_limit_known)
+    return config._replace(
+        evidence_limits=limits, shadows=config.shadows._replace(evidence=math.inf)
+    )

@@ -6,10 +6,15 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Groups
-from cable_tracker.cable.hypotheses.evidence_correction import CorrectionRules, corrected_weights
+from cable_tracker.cable.hypotheses.evidence_correction import (
+    EvidenceLimits,
+    GroupEvidence,
+    corrected_log_weights,
+    reference_group,
+)
 from cable_tracker.cable.hypotheses.predicted_density import empty_densities
 
-RULES = CorrectionRules(evidence_limit=8.0, evidence_repeated=0.15, thin_width=12.0)
+LIMITS = EvidenceLimits(evidence_limit=8.0, evidence_repeated=0.15, thin_width=12.0)
 
 
 def corrected(log_posterior, log_prior, survived, labels, penalty=0.0, width=30.0, background=0.0):
@@ -24,8 +29,8 @@ def corrected(log_posterior, log_prior, survived, labels, penalty=0.0, width=30.
     )
     groups = Groups(np.array(labels), max(labels) + 1)
     backgrounds = np.full(groups.number, background)
-    return corrected_weights(
-        log_posterior, log_prior, states, densities, groups, backgrounds, RULES
+    return corrected_log_weights(
+        log_posterior, log_prior, states, densities, groups, backgrounds, LIMITS
     )
 
 
@@ -80,3 +85,17 @@ def test_within_a_group_the_likelihood_decides_as_before():
 def test_what_is_impossible_stays_so():
     impossible = np.full(2, -math.inf)
     assert (corrected(impossible, impossible, [1.0] * 2, [0, 0]) == -math.inf).all()
+
+
+@pytest.mark.parametrize(
+    ("survived", "masses", "reference"),
+    [
+        ([0.9, 0.8, 0.1], [-2.0, -1.0, 0.0], 1),
+        ([0.4, 0.1, 0.0], [-2.0, -1.0, 0.0], NO_CLUSTER),
+        ([0.9, 0.9, 0.9], [-1.0, -1.0, -math.inf], 0),
+    ],
+)
+def test_the_reference_is_the_heaviest_group_that_survived(survived, masses, reference):
+    none = np.zeros(4)
+    found = GroupEvidence(none, none, np.array([*survived, 1.0]), none, np.array([*masses, 9.0]))
+    assert reference_group(found) == reference

@@ -13,6 +13,7 @@ from cable_tracker.cable.model.geometry import (
     image_to_pixel,
     lengths_inside,
     project_borders,
+    relative_direction,
     sample_points,
     segment_inside,
     states_from_borders,
@@ -240,3 +241,11 @@ def test_no_rounding_leaves_an_angle_outside_the_range(turns):
 def test_states_of_another_shape_are_refused_before_compiled_code_sees_them(shape):
     with pytest.raises(ValueError, match="shape"):
         unwrap_states(np.zeros(shape), 0.0)
+
+
+@given(st.floats(-10, 10), ANGLES)
+def test_a_direction_is_written_within_a_quarter_turn_of_its_reference(angle, reference):
+    difference, sign = relative_direction(angle, reference)
+    assert -np.pi / 2 <= difference <= np.pi / 2
+    normals = np.array([[np.cos(a), np.sin(a)] for a in (angle, reference + difference)])
+    np.testing.assert_allclose(sign * normals[0], normals[1], atol=1e-12)
