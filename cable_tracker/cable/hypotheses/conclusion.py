@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.association import inherited_log_odds
 from cable_tracker.cable.hypotheses.background import (
     BEST_OF_ANY,
     Background,
@@ -21,18 +22,13 @@ from cable_tracker.cable.hypotheses.clusters import (
     leading_covariance,
 )
 from cable_tracker.cable.hypotheses.evidence_correction import corrected_log_weights
-from cable_tracker.cable.hypotheses.presence import (
-    PriorPresence,
-    Standing,
-    inherited_log_odds,
-    shown_share,
-    thin_factor,
-    updated_log_odds,
-)
+from cable_tracker.cable.hypotheses.presence import PriorPresence, updated_log_odds
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs, draw_sample
 from cable_tracker.cable.hypotheses.sample import Sample, importance_log_weights
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
+from cable_tracker.cable.hypotheses.score_likelihood import FrameScores, shown_share
+from cable_tracker.cable.hypotheses.thin_strips import thin_factor
 from cable_tracker.cable.measure.likelihood_ratio import (
     BRIGHT,
     DARK,
@@ -323,12 +319,12 @@ def _log_odds(
     for index in range(len(means)):
         # Any bottom has thin lines: what speaks for them counts less.
         factor = thin_factor(means[index, WIDTH], config.evidence_limits.thin_width)
-        standing = Standing(
+        frame_scores = FrameScores(
             factor * margins[index],
             factor * scores[index],
             clear.clearness[index],
             clear.shown[index],
         )
-        inherited = inherited_log_odds(prior, means[index], config.near)
-        log_odds[index] = updated_log_odds(inherited, standing, prior)
+        inherited = inherited_log_odds(prior, means[index], config.same_hypothesis_radii)
+        log_odds[index] = updated_log_odds(inherited, frame_scores, prior)
     return log_odds

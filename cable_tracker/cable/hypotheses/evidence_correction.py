@@ -19,7 +19,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Groups
 from cable_tracker.cable.hypotheses.predicted_density import DensityValues
-from cable_tracker.cable.hypotheses.presence import thin_factor
+from cable_tracker.cable.hypotheses.thin_strips import thin_factor
 from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import masked_log_sum_exp

@@ -41,17 +41,17 @@ from cable_tracker.cable.hypotheses.ancestors import (
     survival_rates,
     surviving_ancestors,
 )
+from cable_tracker.cable.hypotheses.association import is_same_hypothesis
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
 from cable_tracker.cable.hypotheses.births import BirthDensity, birth_density_of, draw_births
 from cable_tracker.cable.hypotheses.border_displacement import displaced_covariance
 from cable_tracker.cable.hypotheses.border_jump import BORDER_ERROR_RATE, BorderJump, jump_from
 from cable_tracker.cable.hypotheses.clusters import Clusters
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses, draw_and_conclude
-from cable_tracker.cable.hypotheses.first_claim import needed_clearness
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise, draw_frame_noise
 from cable_tracker.cable.hypotheses.polarity import updated_p_bright
 from cable_tracker.cable.hypotheses.predicted_density import LEAST_PROBABILITY, PredictedDensity
-from cable_tracker.cable.hypotheses.presence import PriorPresence, gain_over, goes_on
+from cable_tracker.cable.hypotheses.presence import PriorPresence, gain_over
 from cable_tracker.cable.hypotheses.proposal_config import (
     ProposalConfig,
     beside_a_known_cable,
@@ -62,6 +62,7 @@ from cable_tracker.cable.hypotheses.remembered_cable import remember
 from cable_tracker.cable.hypotheses.rounds import refined_counts
 from cable_tracker.cable.hypotheses.sample import empty_sample
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts, sample_counts
+from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
 from cable_tracker.cable.hypotheses.width_prior import updated_width_prior
 from cable_tracker.cable.measure.border_points import MINIMUM_POINTS, frame_scan
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
@@ -349,7 +350,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             memory = remember(wrap_state(leader), self._image_size, parameters)
             width = float(leader[StateColumn.WIDTH])
             width_prior = updated_width_prior(width_prior, width, dt, parameters)
-        is_held = presence >= KNOWN_PRESENCE and goes_on(leader, expected, self._config.near)
+        is_held = presence >= KNOWN_PRESENCE and is_same_hypothesis(
+            leader, expected, self._config.same_hypothesis_radii
+        )
         known_time = before.known_time + (dt if is_learnt_from else 0.0)
         return Belief(
             particles=Particles(found.states, found.log_weights),

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.clusters import RADII
 from cable_tracker.cable.hypotheses.evidence_correction import EvidenceLimits
-from cable_tracker.cable.hypotheses.presence import NEAR
 from cable_tracker.cable.hypotheses.rounds import annealing_power, widening_in
 from cable_tracker.cable.hypotheses.shadows import ShadowRules
 from cable_tracker.cable.model.limits import StateLimits, state_limits
@@ -50,8 +50,8 @@ class ProposalConfig(NamedTuple):
         `MOST_REFINED`, `LEAST_REFINED`.
     evidence_limits : EvidenceLimits
         Limits of the correction of the groups' weights.
-    near : FloatArray
-        `NEAR` for frames of this size, shape (4,) [px, rad].
+    same_hypothesis_radii : FloatArray
+        `SAME_HYPOTHESIS_RADII` for frames of this size, shape (4,) [px, rad].
     shadows : ShadowRules
         Limits of what counts as a shadow.
     """
@@ -67,7 +67,7 @@ class ProposalConfig(NamedTuple):
     most_refined: int
     least_refined: float
     evidence_limits: EvidenceLimits
-    near: FloatArray
+    same_hypothesis_radii: FloatArray
     shadows: ShadowRules
 
 
@@ -93,11 +93,11 @@ def proposal_config(
             parameters.evidence_repeated,
             parameters.thin_width * width / REFERENCE_WIDTH,
         ),
-        near=NEAR * units,
+        same_hypothesis_radii=SAME_HYPOTHESIS_RADII * units,
         shadows=ShadowRules(
             parameters.shadow_evidence,
             parameters.evidence_limit,
-            NEAR * units,
+            SAME_HYPOTHESIS_RADII * units,
             width / REFERENCE_WIDTH,
         ),
     )

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.presence import largest_difference
+from cable_tracker.cable.hypotheses.association import scaled_pose_distance
 from cable_tracker.cable.hypotheses.shared_borders import (
     SHARED_ANGLE,
     SHARED_OFFSET,
@@ -58,7 +58,7 @@ class ShadowRules(NamedTuple):
         The parameter `shadow_evidence` [nats]; infinite: nothing is a shadow.
     limit : float
         The parameter `evidence_limit` [nats], upper bound of a bright cable's ratio.
-    near : FloatArray
+    same_radii : FloatArray
         Largest differences of d, alpha, w, beta between strips that count as one, shape (4,) [px,
         rad].
     unit : float
@@ -67,7 +67,7 @@ class ShadowRules(NamedTuple):
 
     evidence: float
     limit: float
-    near: FloatArray
+    same_radii: FloatArray
     unit: float
 
 
@@ -155,7 +155,9 @@ def _clearest_dark_strip(
             continue
         is_new = True
         for other in others:
-            is_new = is_new and largest_difference(states[row], states[other], rules.near) >= 1.0
+            is_new = (
+                is_new and scaled_pose_distance(states[row], states[other], rules.same_radii) >= 1.0
+            )
         if is_new:
             clearest, most = row, ratio
     return clearest

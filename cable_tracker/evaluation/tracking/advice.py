@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cable_tracker.cable.hypotheses.first_claim import needed_clearness
+from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.sequences.estimates import EstimateRow
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.hypotheses.presence import NEAR
+from cable_tracker.cable.hypotheses.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.shadows import (
     ShadowRules,
     empty_shadows,
@@ -20,7 +20,9 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 SIZE = (320, 240)
 PARAMETERS = TrackerParameters()
 RATIO = BorderLikelihoodRatio(PARAMETERS)
-RULES = ShadowRules(PARAMETERS.shadow_evidence, PARAMETERS.evidence_limit, NEAR, 1.0)
+RULES = ShadowRules(
+    PARAMETERS.shadow_evidence, PARAMETERS.evidence_limit, SAME_HYPOTHESIS_RADII, 1.0
+)
 
 CABLE = CableState(-20.0, 0.2, 40.0, 0.0)
 SHADOW = CableState(15.0, 0.2, 30.0, 0.0)

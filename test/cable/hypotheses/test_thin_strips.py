@@ -1,14 +1,17 @@
 from __future__ import annotations
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.hypotheses.first_claim import (
+from cable_tracker.cable.hypotheses.thin_strips import (
     LEAST_FACTOR,
     MOST_FACTOR,
     USUAL_WIDTH,
     needed_clearness,
+    thin_factor,
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -40,3 +43,8 @@ def test_a_wider_one_never_needs_more_and_there_are_limits(width, other):
 def test_who_asks_for_nothing_gets_any_width(evidence):
     parameters = TrackerParameters(evidence_to_find=evidence)
     assert needed_clearness(4.0, parameters, 320) == evidence
+
+
+def test_thin_strips_count_less_but_something():
+    factors = [thin_factor(width, 12.0) for width in (0.0, 3.0, 6.0, 12.0, 100.0)]
+    assert factors == pytest.approx([0.5, 0.5, math.sqrt(0.5), 1.0, 1.0])

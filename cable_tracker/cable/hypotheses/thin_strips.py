@@ -1,14 +1,19 @@
-"""How clear a cable must be to be claimed when nothing was known of it.
+"""What a strip's width asks of its evidence.
 
 Any bottom has thin lines, and few wide ones: what is claimed where there is no cable is thin more
-often than cables are. So a thin hypothesis has to be clearer than a wide one. What counts is how
-clear its borders are where they are in view: a strip that crosses a corner of the picture may be as
-clear as any.
+often than cables are. So evidence for thin strips counts less, and a thin hypothesis of which
+nothing was known has to be clearer than a wide one to be claimed.
 """
 
 from __future__ import annotations
 
+import math
+
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.compilation import compiled_inside
+
+THINNEST_FACTOR = 0.5
+"""Lower bound of `thin_factor`."""
 
 USUAL_WIDTH = 2.0
 """Width, in units of `thin_width`, at which the clearness that is needed is `evidence_to_find`."""
@@ -16,6 +21,15 @@ USUAL_WIDTH = 2.0
 LEAST_FACTOR, MOST_FACTOR = 2.0 / 3.0, 3.0
 """Limits of the factor on `evidence_to_find`, for wide and for thin strips. Chosen on the simulated
 worlds to tune on (`tune_*`) and on crisp strips."""
+
+
+@compiled_inside
+def thin_factor(width: float, thin_width: float) -> float:
+    """Return the factor on the evidence for a strip of a width: sqrt(width / thin_width), 0.5 to 1.
+
+    Any bottom has thin lines.
+    """
+    return min(max(math.sqrt(max(width, 0.0) / thin_width), THINNEST_FACTOR), 1.0)
 
 
 def needed_clearness(width: float, parameters: TrackerParameters, image_width: float) -> float:

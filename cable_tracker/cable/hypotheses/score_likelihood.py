@@ -1,0 +1,125 @@
+"""The log-likelihood ratio of a frame, a cable against none, by the scores of a hypothesis.
+
+On coarse gravel any strip fits well somewhere, on ripples any that runs along them. A hypothesis is
+judged by its score and its margin: how far its log-likelihood ratio is above that of strips of any
+kind [their standard deviations], and of strips like it [nats], see `background`. Even without a
+cable the best of all strips has a high score; what is compared is the density of the score with a
+cable and without.
+
+The constants were chosen on the simulated worlds to tune on (`tune_*`) and on frames of real sea
+bed without a cable.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from cable_tracker.compilation import compiled_inside
+
+
+class ScoreModel(NamedTuple):
+    """Model of score, margin and clearness of hypotheses, with a cable in view and without.
+
+    Attributes
+    ----------
+    empty_mode, empty_scale : float
+        Mode and scale of the Gumbel density of the best hypothesis' score on frames without a
+        cable.
+    cable_mean, cable_deviation : float
+        Mean and standard deviation of the Gaussian of the score of a visible cable.
+    highest_score : float
+        Upper bound of the score.
+    ordinary_margin, ordinary_slope : float
+        Below `ordinary_margin` [nats] the log-likelihood ratio is at most `ordinary_slope` times
+        (margin - `ordinary_margin`): ripples and grain have such margins.
+    clear_margin, clear_slope : float
+        Above `clear_margin` [nats] `clear_slope` (margin - `clear_margin`) is added to the
+        log-likelihood ratio: only cables have such margins.
+    clearness, clearness_slope : float
+        Above `clearness` [nats per point in view] `clearness_slope` (c - `clearness`), times
+        `shown_share`, is added to the log-likelihood ratio, c the clearness of the borders.
+    least_shown, enough_shown : float
+        Length in view, as a share of the picture's height, up to which the clearness does not
+        count, and from which it counts fully; linear between. Short edges of the bottom are clear,
+        too.
+    hidden_share : float
+        Probability q that a frame shows nothing of a cable in view: growth, sand, shadows.
+    largest_log_ratio : float
+        Upper bound of the log-likelihood ratio of one frame [nats].
+    """
+
+    empty_mode: float = 4.3
+    empty_scale: float = 1.33
+    cable_mean: float = 13.0
+    cable_deviation: float = 4.5
+    highest_score: float = 16.0
+    ordinary_margin: float = 8.0
+    ordinary_slope: float = 0.15
+    clear_margin: float = 18.0
+    clear_slope: float = 0.35
+    clearness: float = 1.1
+    clearness_slope: float = 16.0
+    least_shown: float = 0.3
+    enough_shown: float = 0.5
+    hidden_share: float = 0.5
+    largest_log_ratio: float = 6.0
+
+
+MODEL = ScoreModel()
+
+LEAST_LOG_RATIO = math.log(MODEL.hidden_share) - 0.2
+"""Lower bound of the log-likelihood ratio of one frame, in which the cable may be hidden [nats]."""
+
+
+class FrameScores(NamedTuple):
+    """Score, margin and clearness of a hypothesis in a frame.
+
+    Attributes
+    ----------
+    margin : float
+        Log-likelihood ratio above the best strip like it [nats].
+    score : float
+        Log-likelihood ratio above the mean of strips of any kind, over their standard deviation.
+    clearness, shown : float
+        Clearness of its borders and length in view, see `BorderClearness`.
+    """
+
+    margin: float
+    score: float
+    clearness: float
+    shown: float
+
+
+@compiled_inside
+def frame_log_likelihood_ratio(scores: FrameScores) -> float:
+    """Return the log-likelihood ratio of a frame, a cable against none, limited [nats]."""
+    margin = scores.margin
+    ratio = _log_ratio_of_score(scores.score)
+    ratio += MODEL.clear_slope * max(margin - MODEL.clear_margin, 0.0)
+    if margin < MODEL.ordinary_margin:
+        ratio = min(ratio, MODEL.ordinary_slope * (margin - MODEL.ordinary_margin))
+    # A short strip, in a corner, never stands as high as one through the whole picture.
+    clearer = max(scores.clearness - MODEL.clearness, 0.0)
+    ratio += MODEL.clearness_slope * shown_share(scores.shown) * clearer
+    return min(max(ratio, LEAST_LOG_RATIO), MODEL.largest_log_ratio)
+
+
+@compiled_inside
+def shown_share(shown: float) -> float:
+    """Return the factor on the clearness of borders, 0 to 1; `shown` as in `BorderClearness`."""
+    share = (shown - MODEL.least_shown) / (MODEL.enough_shown - MODEL.least_shown)
+    return min(max(share, 0.0), 1.0)
+
+
+@compiled_inside
+def _log_ratio_of_score(score: float) -> float:
+    """Return ln((1 - q) N(score) / G(score) + q), N that of a cable, G the Gumbel density."""
+    # Below its mode the Gumbel density falls steeply, and the ratio would speak for a cable.
+    score = min(max(score, MODEL.empty_mode), MODEL.highest_score)
+    place = (score - MODEL.empty_mode) / MODEL.empty_scale
+    empty = -place - math.exp(min(-place, 50.0)) - math.log(MODEL.empty_scale)
+    deviation = (score - MODEL.cable_mean) / MODEL.cable_deviation
+    cable = -0.5 * deviation * deviation - math.log(MODEL.cable_deviation * math.sqrt(2 * math.pi))
+    visible = (1.0 - MODEL.hidden_share) * math.exp(min(cable - empty, 50.0))
+    return math.log(visible + MODEL.hidden_share)
