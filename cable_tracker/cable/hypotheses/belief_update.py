@@ -1,0 +1,126 @@
+"""The belief after a frame: what its conclusion changes in the belief before."""
+
+from __future__ import annotations
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.association import is_same_hypothesis
+from cable_tracker.cable.hypotheses.belief import Belief
+from cable_tracker.cable.hypotheses.claim_support import is_new_clear
+from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses
+from cable_tracker.cable.hypotheses.polarity import updated_p_bright
+from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable, remember
+from cable_tracker.cable.hypotheses.width_prior import WidthPrior, updated_width_prior
+from cable_tracker.cable.model.geometry import wrap_state
+from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.particle_filter.existence import probability_of
+from cable_tracker.particle_filter.particles import Particles
+
+KNOWN_PRESENCE = 0.5
+"""Minimum presence of a hypothesis that is held for a cable."""
+
+MEMORY_PRESENCE, MEMORY_MASS = 0.9, 0.7
+"""Minimum presence and minimum mass of the leading cluster for updating memory and width prior."""
+
+
+class BeliefUpdate:
+    """Puts the belief after a frame together, for frames of one size.
+
+    Parameters
+    ----------
+    parameters : TrackerParameters
+        The tracker's parameters.
+    image_size : (int, int)
+        Width and height of the frames [px].
+    same_hypothesis_radii : FloatArray
+        `SAME_HYPOTHESIS_RADII` for frames of this size, shape (4,) [px, rad].
+    """
+
+    def __init__(
+        self,
+        parameters: TrackerParameters,
+        image_size: tuple[int, int],
+        same_hypothesis_radii: FloatArray,
+    ) -> None:
+        self._parameters = parameters
+        self._image_size = image_size
+        self._radii = same_hypothesis_radii
+
+    def is_known(self, belief: Belief) -> bool:
+        """Tell whether the leader was given, or has been clear enough to claim for long enough."""
+        return belief.known_time >= self._parameters.known_after
+
+    def updated_belief(
+        self, before: Belief, found: Conclusion, expected_leader: FloatArray, dt: float
+    ) -> Belief:
+        """Return the belief after a frame.
+
+        Parameters
+        ----------
+        before : Belief
+            Belief before the frame, aged to its time.
+        found : Conclusion
+            Particles, clusters and log-odds after the frame, at least one cluster.
+        expected_leader : FloatArray
+            Expected state of the leading cluster before the frame, shape (8,).
+        dt : float
+            Time since the frame before [s].
+        """
+        hypotheses = found.hypotheses
+        presence = probability_of(float(found.log_odds[0]))
+        is_known = self.is_known(before)
+        is_clear = is_new_clear(hypotheses, self._parameters, self._image_size[0])
+        # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
+        is_learnt_from = is_known or is_clear
+        believed = presence if is_learnt_from else 0.0
+        is_remembered = believed >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS
+        leader = hypotheses.clusters.means[0]
+        return Belief(
+            particles=Particles(found.states, found.log_weights),
+            hypotheses=hypotheses,
+            presence=presence,
+            p_bright=updated_p_bright(
+                before.p_bright, found.p_bright, believed, self._parameters.polarity_memory, dt
+            ),
+            memory=self._memory_of(leader) if is_remembered else before.memory,
+            width_prior=(
+                self._updated_width_prior(before.width_prior, leader, dt)
+                if is_remembered
+                else before.width_prior
+            ),
+            log_odds=found.log_odds,
+            refused_time=(
+                before.refused_time + dt
+                if self._is_refused(hypotheses, presence, is_known=is_known, is_clear=is_clear)
+                else 0.0
+            ),
+            known_time=(
+                before.known_time + (dt if is_learnt_from else 0.0)
+                if self._is_held(leader, expected_leader, presence)
+                else 0.0
+            ),
+        )
+
+    def _memory_of(self, leader: FloatArray) -> RememberedCable:
+        return remember(wrap_state(leader), self._image_size, self._parameters)
+
+    def _updated_width_prior(
+        self, before: WidthPrior | None, leader: FloatArray, dt: float
+    ) -> WidthPrior:
+        width = float(leader[StateColumn.WIDTH])
+        return updated_width_prior(before, width, dt, self._parameters)
+
+    def _is_refused(
+        self, hypotheses: Hypotheses, presence: float, *, is_known: bool, is_clear: bool
+    ) -> bool:
+        """Tell whether a cable is present that is too faint to claim, or, if known, to keep."""
+        parameters = self._parameters
+        if is_known:
+            is_faint = hypotheses.weaker_border_mean < parameters.evidence_to_lose
+        else:
+            is_faint = not is_clear
+        return presence >= parameters.presence_to_track and is_faint
+
+    def _is_held(self, leader: FloatArray, expected: FloatArray, presence: float) -> bool:
+        """Tell whether the leader is held for a cable, and is the one of the frame before."""
+        return presence >= KNOWN_PRESENCE and is_same_hypothesis(leader, expected, self._radii)

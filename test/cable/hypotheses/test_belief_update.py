@@ -1,0 +1,65 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.hypotheses.association import SAME_HYPOTHESIS_RADII
+from cable_tracker.cable.hypotheses.belief import Belief, initial_belief
+from cable_tracker.cable.hypotheses.belief_update import BeliefUpdate
+from cable_tracker.cable.hypotheses.conclusion import Conclusion
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+PARAMETERS = TrackerParameters()
+UPDATE = BeliefUpdate(PARAMETERS, (320, 240), SAME_HYPOTHESIS_RADII)
+LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
+ELSEWHERE = CableState(90.0, 0.2, 30.0, 0.0).to_array()
+YOUNG = 0.5 * PARAMETERS.known_after
+BEFORE = replace(initial_belief(LEADER[None], 0.9), known_time=YOUNG, refused_time=0.3)
+CLEAR, FAINT = 100.0, -100.0
+
+
+def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0) -> Conclusion:
+    hypotheses = BEFORE.hypotheses._replace(
+        scaled_clearness=clearness, weaker_border_mean=border_mean
+    )
+    return Conclusion(LEADER[None], np.zeros(1), hypotheses, np.array([log_odds]), 1.0)
+
+
+def updated(found: Conclusion, before: Belief = BEFORE, expected=LEADER) -> Belief:
+    return UPDATE.updated_belief(before, found, expected, 0.1)
+
+
+def test_a_clear_cable_is_remembered_and_its_time_grows():
+    belief = updated(concluded())
+    assert belief.known_time == pytest.approx(YOUNG + 0.1)
+    assert belief.refused_time == 0.0
+    assert belief.p_bright > BEFORE.p_bright
+    np.testing.assert_array_equal(belief.memory.pose, LEADER[:4])
+    assert math.exp(belief.width_prior.log_width) == pytest.approx(30.0)
+
+
+def test_from_what_could_not_be_claimed_nothing_is_learnt():
+    belief = updated(concluded(clearness=FAINT))
+    assert belief.known_time == YOUNG
+    assert belief.refused_time == pytest.approx(0.4)
+    assert belief.p_bright == BEFORE.p_bright
+    assert belief.memory is None
+    assert belief.width_prior is None
+
+
+def test_a_known_cable_may_be_faint_as_long_as_it_would_be_kept():
+    known = replace(BEFORE, known_time=PARAMETERS.known_after)
+    assert UPDATE.is_known(known)
+    assert not UPDATE.is_known(BEFORE)
+    kept, lost = (updated(concluded(FAINT, mean), known) for mean in (CLEAR, FAINT))
+    assert (kept.refused_time, lost.refused_time) == (0.0, pytest.approx(0.4))
+    assert kept.memory is not None
+
+
+def test_another_hypothesis_or_an_absent_one_is_not_known():
+    assert updated(concluded(), expected=ELSEWHERE).known_time == 0.0
+    assert updated(concluded(log_odds=-2.0)).known_time == 0.0
