@@ -237,6 +237,41 @@ def gain_across(steep: bool, along: float, across: float, shape: GradientShape) 
 
 
 @compiled_inside
+def border_on_scan(
+    state: FloatArray,
+    side: float,
+    scan: FrameScan,
+    inward: float,
+    depths: tuple[float, float, float],
+    directional: bool,
+) -> tuple[bool, float, BorderLine]:
+    """Return how a border of a cable lies on the scan lines of a frame.
+
+    Parameters
+    ----------
+    state : FloatArray
+        The cable, shape (8,).
+    side : float
+        -1 for the left border, 1 for the right one.
+    scan : FrameScan
+        The frame.
+    inward, depths : float, (float, float, float)
+        See `border_line`.
+    directional : bool
+        Whether responses are divided by the scale of the gradients in their direction.
+
+    Returns
+    -------
+    (bool, float, BorderLine)
+        Whether it is measured where it crosses rows (else columns); component of its normal along
+        these lines; how it crosses them.
+    """
+    steep, along, across, offset = border_normal(state, side, scan.reduction)
+    gain = gain_across(steep, along, across, scan.shape) if directional else 1.0
+    return steep, along, border_line(along, across, offset, inward, depths, scan.scale, gain)
+
+
+@compiled_inside
 def find_crossings(
     lines: ScanLines, start: int, border: BorderLine, crossings: Crossings
 ) -> tuple[int, int]:
@@ -261,14 +296,14 @@ def find_crossings(
     count = stop - first
     for index in range(count):
         positions[index] = positions[first + index]
-    for index in range(count, whole_groups(count)):
+    for index in range(count, padded_count(count)):
         positions[index] = 0.0
     return start + first, count
 
 
 @compiled_inside
-def whole_groups(count: int) -> int:
-    """Return for how many crossings to work: in whole groups, the processor does them all at once.
+def padded_count(count: int) -> int:
+    """Return `count` rounded up to a multiple of `GROUP`, so that whole SIMD registers are filled.
 
     Values of the padding beyond `count` are not used.
     """
@@ -293,7 +328,7 @@ def measure_responses(
     # A picture may be one pixel high.
     last = _last_pixel(lines)
     most, right = max(last - 1.0, 0.0), np.uint64(min(last, 1.0))
-    for index in range(whole_groups(count)):
+    for index in range(padded_count(count)):
         pixel = np.int32(min(positions[index], most))
         left[index] = np.uint32(pixel)
         shares[index] = np.float32(positions[index] - pixel)
@@ -304,7 +339,7 @@ def measure_responses(
         along[index] = here[ALONG] + (there[ALONG] - here[ALONG]) * share
         across[index] = here[ACROSS] + (there[ACROSS] - here[ACROSS]) * share
         slope[index] = here[SLOPE] + (there[SLOPE] - here[SLOPE]) * share
-    for index in range(whole_groups(count)):
+    for index in range(padded_count(count)):
         response = border.along * along[index] + border.across * across[index]
         size = abs(border.slope_factor * slope[index])
         crossings.responses[index] = response
@@ -321,7 +356,7 @@ def measure_contrasts(
     """
     positions, last = crossings.positions, _last_pixel(lines)
     pixels, levels = crossings.pixels, crossings.levels
-    for index in range(whole_groups(count)):
+    for index in range(padded_count(count)):
         pixels[0, index] = pixel_at(positions[index] + border.outside, last)
         pixels[1, index] = pixel_at(positions[index] + border.behind, last)
         pixels[2, index] = pixel_at(positions[index] + border.deep, last)
@@ -330,9 +365,9 @@ def measure_contrasts(
         levels[0, index] = line[np.uint64(pixels[0, index])]
         levels[1, index] = line[np.uint64(pixels[1, index])]
         levels[2, index] = line[np.uint64(pixels[2, index])]
-    for index in range(whole_groups(count)):
+    for index in range(padded_count(count)):
         without = levels[0, index]
-        crossings.contrasts[index] = agreed_contrast(
+        crossings.contrasts[index] = weaker_common_contrast(
             levels[1, index] - without, levels[2, index] - without
         )
 
@@ -348,8 +383,8 @@ def pixel_at(position: float, last: float) -> np.uint32:
 
 
 @compiled_inside
-def agreed_contrast(behind: np.float32, middle: np.float32) -> np.float32:
-    """Return how much brighter the inside is than the outside; 0 where its parts disagree.
+def weaker_common_contrast(behind: np.float32, middle: np.float32) -> np.float32:
+    """Return the contrast of smaller size, inside less outside; 0 where the two have other signs.
 
     A furrow has dark borders too, but what lies between them is bottom: the inside is looked at
     close behind the border and in the middle of the cable, and the smaller contrast counts.
@@ -392,10 +427,8 @@ def _record_points(
     for border in range(2 * len(states)):
         state, side = states[border // 2], border_side(border % 2)
         depths = contrast_depths(width_across(state, scan.reduction), scan.scale)
-        steep, along, across, offset = border_normal(state, side, scan.reduction)
+        steep, _, crossing = border_on_scan(state, side, scan, -side, depths, True)
         lines = scan.rows if steep else scan.columns
-        gain = gain_across(steep, along, across, scan.shape)
-        crossing = border_line(along, across, offset, -side, depths, scan.scale, gain)
         for start in range(0, len(lines.places), BLOCK):
             first, found = find_crossings(lines, start, crossing, crossings)
             measure_responses(lines, first, found, crossing, crossings)

@@ -23,16 +23,14 @@ from cable_tracker.cable.measure.border_points import (
     BorderLine,
     Crossings,
     FrameScan,
-    border_line,
-    border_normal,
+    border_on_scan,
     contrast_depths,
     find_crossings,
     frame_scan,
-    gain_across,
     measure_contrasts,
     measure_responses,
+    padded_count,
     room_for_crossings,
-    whole_groups,
     width_across,
 )
 from cable_tracker.cable.measure.polarity_prior import (
@@ -215,7 +213,7 @@ def fill_log_ratios(
     measured: CableLogRatios,
 ) -> None:
     """Fill in the log-likelihood ratios of the states from `start` to `stop`."""
-    log_ratios, weaker, visible = measured[:3]
+    visible = measured.visible_lengths
     # Arrays of its own: in others', every addition would go through memory.
     sums, shares = np.empty((2, 2 * CLASSES), np.float32), np.empty((2, CLASSES))
     crossings, texture, smoother = room_for_crossings(), np.empty((2, 2)), np.zeros(2)
@@ -226,35 +224,67 @@ def fill_log_ratios(
         visible[cable], longest = np.inf, scan.expected
         for border in range(2):
             side = border_side(border)
-            steep, along, across, offset = border_normal(state, side, scan.reduction)
+            steep, along, line = border_on_scan(state, side, scan, -side, depths, True)
             lines = scan.rows if steep else scan.columns
-            gain = gain_across(steep, along, across, scan.shape)
-            line = border_line(along, across, offset, -side, depths, scan.scale, gain)
             windows = texture_windows(-side / along, width, scan.scale, model.texture_limit)
             length, measured.outsides[cable, border] = _sum_border(
                 lines, line, windows, model, crossings, sums[border], texture
             )
             smoother[border] = smoothness(texture)
-            # A border that runs through the picture has as many points as the picture is high.
-            # Points beyond the edge cannot be seen, but a cable without is not believed for free.
-            lacking = max(scan.expected - length, 0.0)
-            for strength in range(CLASSES):
-                cost = np.float32(lacking * model.missing[strength])
-                sums[border, strength] += cost
-                sums[border, CLASSES + strength] += cost
+            _add_missing_points(max(scan.expected - length, 0.0), model, sums[border])
             visible[cable] = min(visible[cable], length)
             longest = max(longest, length)
         smoothest = texture_log_ratio(smoother[0], smoother[1], model.texture_limit)
-        for polarity in range(2):
-            ratio, left, right = _over_strengths(sums, polarity * CLASSES, model.tempering, shares)
-            log_ratios[cable, polarity] = ratio + smoothest
-            points = model.tempering * longest
-            weaker[cable, polarity] = (min(left, right) + smoothest) / points
-            measured.border_means[cable, polarity, 0] = left / points
-            measured.border_means[cable, polarity, 1] = right / points
-            if polarity == BRIGHT:
-                measured.bright_border_log_ratios[cable, 0] = left
-                measured.bright_border_log_ratios[cable, 1] = right
+        _combine_borders(sums, smoothest, model.tempering, longest, shares, measured, cable)
+
+
+@compiled_inside
+def _add_missing_points(lacking: float, model: RatioModel, sums: Image) -> None:
+    """Add the ratios of the length that a border lacks in view to its sums (8,).
+
+    A border that runs through the picture has as many points as the picture is high. Points beyond
+    the edge cannot be seen, but a cable without is not believed for free.
+    """
+    for strength in range(CLASSES):
+        cost = np.float32(lacking * model.missing[strength])
+        sums[strength] += cost
+        sums[CLASSES + strength] += cost
+
+
+@compiled_inside
+def _combine_borders(
+    sums: Image,
+    smoothest: float,
+    tempering: float,
+    longest: float,
+    shares: FloatArray,
+    measured: CableLogRatios,
+    cable: int,
+) -> None:
+    """Fill in the log-likelihood ratios of a cable from those along its borders.
+
+    Parameters
+    ----------
+    sums, tempering, shares : Image, float, FloatArray
+        See `_log_ratio_over_strengths`.
+    smoothest : float
+        Log-likelihood ratio of the texture [nats].
+    longest : float
+        Length over which means per point are taken: that in view of the longer border, at least
+        that of a border through the picture [distances of the scan lines].
+    measured, cable : CableLogRatios, int
+        Row of the arrays that is filled in.
+    """
+    for polarity in range(2):
+        ratio, left, right = _log_ratio_over_strengths(sums, polarity * CLASSES, tempering, shares)
+        measured.log_ratios[cable, polarity] = ratio + smoothest
+        points = tempering * longest
+        measured.weaker_border_mean[cable, polarity] = (min(left, right) + smoothest) / points
+        measured.border_means[cable, polarity, 0] = left / points
+        measured.border_means[cable, polarity, 1] = right / points
+        if polarity == BRIGHT:
+            measured.bright_border_log_ratios[cable, 0] = left
+            measured.bright_border_log_ratios[cable, 1] = right
 
 
 class BorderClearness(NamedTuple):
@@ -290,7 +320,7 @@ def border_clearness(states: FloatArray, scan: FrameScan, model: RatioModel) -> 
 
 
 @compiled_inside
-def _over_strengths(
+def _log_ratio_over_strengths(
     sums: Image, first: int, tempering: float, shares: FloatArray
 ) -> tuple[float, float, float]:
     """Return the log-likelihood ratio of a cable, and those of its two borders, each alone.
@@ -357,7 +387,7 @@ def _sum_border(
 def _add_ratios(count: int, model: RatioModel, crossings: Crossings, sums: Image) -> None:
     """Add the ratios of measured crossings to the sums (8,) of their border."""
     cells = crossings.pixels
-    for index in range(whole_groups(count)):
+    for index in range(padded_count(count)):
         response = crossings.responses[index]
         cells[0, index] = edge_cell(response, crossings.slopes[index])
         cells[1, index] = contrast_cell(response, crossings.contrasts[index])

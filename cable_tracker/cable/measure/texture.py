@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.measure.border_points import Crossings, pixel_at, whole_groups
+from cable_tracker.cable.measure.border_points import Crossings, padded_count, pixel_at
 from cable_tracker.cable.measure.scanned_gradients import TEXTURE_STEP, ScanLines
 from cable_tracker.compilation import compiled_inside
 
@@ -126,7 +126,7 @@ def add_texture(
     last = float(lines.texture.shape[1] - 1)
     skipped = -first % TEXTURE_STEP
     looked_at = max(count - skipped + TEXTURE_STEP - 1, 0) // TEXTURE_STEP
-    for index in range(whole_groups(looked_at)):
+    for index in range(padded_count(looked_at)):
         position = positions[skipped + TEXTURE_STEP * index]
         pixels[0, index] = pixel_at(position + windows.inside[0], last)
         pixels[1, index] = pixel_at(position + windows.inside[1], last)

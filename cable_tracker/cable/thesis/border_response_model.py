@@ -14,8 +14,7 @@ from cable_tracker.cable.measure.border_points import (
     BLOCK,
     MINIMUM_POINTS,
     FrameScan,
-    border_line,
-    border_normal,
+    border_on_scan,
     find_crossings,
     frame_scan,
     measure_responses,
@@ -107,9 +106,8 @@ def _sum_responses(
     for cable in range(len(states)):
         for border in range(2):
             side = border_side(border)
-            steep, along, across, offset = border_normal(states[cable], side, scan.reduction)
+            steep, along, line = border_on_scan(states[cable], side, scan, 1.0, NO_DEPTHS, False)
             lines = scan.rows if steep else scan.columns
-            line = border_line(along, across, offset, 1.0, NO_DEPTHS, scan.scale, 1.0)
             total, count = np.float32(0.0), 0
             for start in range(0, len(lines.places), BLOCK):
                 first, found = find_crossings(lines, start, line, crossings)

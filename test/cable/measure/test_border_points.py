@@ -6,8 +6,8 @@ import pytest
 from cable_tracker.cable.measure.border_points import (
     BLOCK,
     SMALLEST_RESPONSE,
-    agreed_contrast,
     measure_points,
+    weaker_common_contrast,
 )
 from cable_tracker.cable.measure.working_image import WorkingImage, make_working_image
 from cable_tracker.cable.model.state import CableState
@@ -52,7 +52,7 @@ def literal_points(state: np.ndarray, side: float, image: WorkingImage) -> np.nd
             levels[int(np.clip(position + depth * outward + 0.5, 0, last))]
             for depth in (OUTSIDE * image.scale, -BEHIND, -DEEP)
         )
-        contrast = agreed_contrast(behind - outside, deep - outside)
+        contrast = weaker_common_contrast(behind - outside, deep - outside)
         points.append((response, abs(slope) / (abs(response) + SMALLEST_RESPONSE), contrast))
     return np.array(points)
 

@@ -7,7 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.border_points import agreed_contrast, frame_scan, measure_points
+from cable_tracker.cable.measure.border_points import (
+    frame_scan,
+    measure_points,
+    weaker_common_contrast,
+)
 from cable_tracker.cable.measure.likelihood_ratio import (
     EITHER,
     JOINT_STRENGTHS,
@@ -224,7 +228,7 @@ def test_on_the_border_of_a_strip_the_response_is_high_the_slope_low_and_the_ins
 def test_where_the_parts_of_the_inside_disagree_there_is_no_contrast():
     behind = np.array([3.0, 3.0, -3.0, -3.0, 0.0], np.float32)
     middle = np.array([2.0, -2.0, -5.0, 5.0, 1.0], np.float32)
-    assert list(map(agreed_contrast, behind, middle)) == [2.0, 0.0, -3.0, 0.0, 0.0]
+    assert list(map(weaker_common_contrast, behind, middle)) == [2.0, 0.0, -3.0, 0.0, 0.0]
 
 
 def literal_log_ratios(state, image, table, parameters) -> np.ndarray:
