@@ -55,6 +55,7 @@ CABLE_GROUPS: Groups = (
             "thin_width", "evidence_limit", "evidence_limit_known", "known_after",
             "evidence_repeated", "presence_gain", "appearance_rate", "disappearance_rate",
             "leaving_rate", "leaving_margin", "memory_time", "width_spread", "width_time",
+            "width_memory",
         ),
     ),
     (

@@ -228,9 +228,7 @@ def _yaw(orientation: Message) -> float:
 def yaw_of(quaternion: Message) -> float:
     """Return the yaw of a Quaternion [rad], whatever its length."""
     q = quaternion
-    return math.atan2(
-        2 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z
-    )
+    return math.atan2(2 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z)
 
 
 def read_prior(message: Message) -> GivenState:

@@ -68,13 +68,16 @@ class BeliefUpdate:
         """
         hypotheses = found.hypotheses
         presence = probability_of(float(found.log_odds[0]))
-        is_known = self.is_known(before)
-        is_clear = is_new_clear(hypotheses, self._parameters, self._image_size[0])
+        leader = hypotheses.clusters.means[0]
+        goes_on = is_same_hypothesis(leader, expected_leader, self._radii)
+        is_known = goes_on and self.is_known(before)
+        is_clear = is_new_clear(
+            hypotheses, before.width_prior, self._parameters, self._image_size[0]
+        )
         # Of what could not be claimed nothing is learnt: neither place nor width nor polarity.
         is_learnt_from = is_known or is_clear
         believed = presence if is_learnt_from else 0.0
         is_remembered = believed >= MEMORY_PRESENCE and hypotheses.clusters.masses[0] >= MEMORY_MASS
-        leader = hypotheses.clusters.means[0]
         return Belief(
             particles=Particles(found.states, found.log_weights),
             hypotheses=hypotheses,
@@ -96,7 +99,7 @@ class BeliefUpdate:
             ),
             known_time=(
                 before.known_time + (dt if is_learnt_from else 0.0)
-                if self._is_held(leader, expected_leader, presence)
+                if goes_on and presence >= KNOWN_PRESENCE
                 else 0.0
             ),
         )
@@ -120,7 +123,3 @@ class BeliefUpdate:
         else:
             is_faint = not is_clear
         return presence >= parameters.presence_to_track and is_faint
-
-    def _is_held(self, leader: FloatArray, expected: FloatArray, presence: float) -> bool:
-        """Tell whether the leader is held for a cable, and is the one of the frame before."""
-        return presence >= KNOWN_PRESENCE and is_same_hypothesis(leader, expected, self._radii)

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.filter_interface import BeliefSummary
+from cable_tracker.cable.hypotheses.association import is_same_hypothesis
 from cable_tracker.cable.hypotheses.belief import Belief
 from cable_tracker.cable.hypotheses.border_displacement import displaced_covariance
 from cable_tracker.cable.hypotheses.clusters import Clusters
 from cable_tracker.cable.hypotheses.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
+from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.measure.border_points import MINIMUM_POINTS
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.cable.model.statistics import wrapped_estimate
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+FAMILIAR = 2.0
+"""Largest difference from the remembered cable, in scales of its place and spreads of its width."""
 
 SMALLEST_HYPOTHESIS = 0.01
 """Minimum mass of a cluster that is reported; the leading one always is."""
@@ -28,8 +33,10 @@ def belief_summary(
     mean, covariance = leading_estimate(hypotheses, parameters, image_width)
     evidence = hypotheses.weaker_border_mean
     visible = hypotheses.visible_length >= MINIMUM_POINTS
+    is_clear = is_new_clear(hypotheses, belief.width_prior, parameters, image_width)
+    is_acceptable = visible and (is_clear or is_familiar(belief, parameters, image_width))
     is_claimable = (
-        visible
+        is_acceptable
         and belief.presence >= parameters.presence_to_track
         and evidence >= parameters.evidence_to_track
     )
@@ -39,8 +46,8 @@ def belief_summary(
         effective_sample_size=hypotheses.effective_size,
         evidence=evidence,
         supports_claim=is_claimable,
-        supports_new_claim=is_claimable and is_new_clear(hypotheses, parameters, image_width),
-        supports_keeping=visible
+        supports_new_claim=is_claimable and is_clear,
+        supports_keeping=is_acceptable
         and belief.presence >= parameters.presence_to_lose
         and evidence >= parameters.evidence_to_lose,
         presence=belief.presence,
@@ -48,10 +55,38 @@ def belief_summary(
     )
 
 
-def is_new_clear(hypotheses: Hypotheses, parameters: TrackerParameters, image_width: int) -> bool:
-    """Tell whether the leader is clear enough to claim it where nothing was known of it."""
+def is_new_clear(
+    hypotheses: Hypotheses,
+    width_prior: WidthPrior | None,
+    parameters: TrackerParameters,
+    image_width: int,
+) -> bool:
+    """Tell whether the leader is clear enough to claim it where nothing was known of it.
+
+    What is much narrower or wider than the cable that was tracked has to be clearer.
+    """
     width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
-    return hypotheses.scaled_clearness >= needed_clearness(width, parameters, image_width)
+    needed = needed_clearness(width, parameters, image_width)
+    if width_prior is not None and needed > 0.0:
+        needed *= 1.0 + width_prior.deviation(width, parameters) ** 2
+    return hypotheses.scaled_clearness >= needed
+
+
+def is_familiar(belief: Belief, parameters: TrackerParameters, image_width: int) -> bool:
+    """Tell whether the leader may be the cable that was tracked.
+
+    It is the one of the frames before, or lies where that may be by now, and is about as wide.
+    """
+    if belief.known_time > 0.0:
+        return True
+    memory, width_prior = belief.memory, belief.width_prior
+    if memory is None or width_prior is None:
+        return False
+    leader = belief.hypotheses.clusters.means[0]
+    width = float(leader[StateColumn.WIDTH])
+    if abs(width_prior.deviation(width, parameters)) > FAMILIAR:
+        return False
+    return is_same_hypothesis(leader, memory.pose, FAMILIAR * memory.scales(image_width))
 
 
 def leading_estimate(

@@ -191,8 +191,16 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         return self._resample(even, survivors, self._rng)
 
     def _forgotten_belief(self, belief: Belief) -> Belief:
-        """Return the belief without the hypotheses: the leading one can never be claimed."""
-        return replace(self.first_belief(), p_bright=belief.p_bright)
+        """Return the belief without the hypotheses: the leading one can never be claimed.
+
+        The cable that was tracked before is remembered.
+        """
+        return replace(
+            self.first_belief(),
+            p_bright=belief.p_bright,
+            memory=belief.memory,
+            width_prior=belief.width_prior,
+        )
 
     def _restarted_belief(self, before: Belief, births: BirthDensity) -> Belief:
         """Return the belief when every particle is impossible: that of a new search."""

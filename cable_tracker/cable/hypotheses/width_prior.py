@@ -16,6 +16,9 @@ from cable_tracker.particle_filter.student_t import relative_log_density
 TAIL = 4.0
 """Degrees of freedom of the Student-t about the mean width."""
 
+NARROWEST = 1e-3
+"""Lower bound of a width whose logarithm is taken [px]."""
+
 YOUNG_DOUBT = 3.0
 """Increase of the prior's relative scale at first, decaying with `width_time`."""
 
@@ -48,8 +51,13 @@ class WidthPrior:
         It grows while no cable is tracked. A width that was seen for a short time says little.
         """
         doubt = YOUNG_DOUBT * math.exp(-self.tracked_time / parameters.width_time)
-        growth = self.untracked_time / parameters.memory_time
+        growth = self.untracked_time / parameters.width_memory
         return parameters.width_spread * (1.0 + doubt + growth)
+
+    def deviation(self, width: float, parameters: TrackerParameters) -> float:
+        """Return how far the logarithm of a width [px] is from the prior's, in its spreads."""
+        apart = math.log(max(width, NARROWEST)) - self.log_width
+        return apart / self.spread(parameters)
 
 
 @compiled_inside
@@ -57,7 +65,7 @@ def width_penalty(width: float, log_width: float, spread: float) -> float:
     """Return the logarithm of how well a width [px] fits, at most 0; 0 for an infinite spread."""
     if math.isinf(spread):
         return 0.0
-    deviation = (math.log(max(width, 1e-3)) - log_width) / spread
+    deviation = (math.log(max(width, NARROWEST)) - log_width) / spread
     return relative_log_density(deviation * deviation, TAIL, 1)
 
 
@@ -65,7 +73,7 @@ def updated_width_prior(
     before: WidthPrior | None, width: float, dt: float, parameters: TrackerParameters
 ) -> WidthPrior:
     """Return the prior after a frame in which a cable of a width [px] is tracked."""
-    now = math.log(max(width, 1e-3))
+    now = math.log(max(width, NARROWEST))
     if before is None:
         return WidthPrior(now)
     share = -math.expm1(-dt / parameters.width_time)

@@ -313,9 +313,14 @@ def border_clearness(states: FloatArray, scan: FrameScan, model: RatioModel) -> 
     in_view = FrameScan(scan.rows, scan.columns, scan.reduction, scan.scale, 1.0, scan.shape)
     fill_log_ratios(states, 0, count, in_view, model, measured)
     for row in range(count):
-        weaker = measured.weaker_border_mean[row]
-        clear.clearness[row] = max(weaker[0], weaker[1])
-        clear.shown[row] = min(measured.visible_lengths[row] / scan.expected, 1.0)
+        shown = min(measured.visible_lengths[row] / scan.expected, 1.0)
+        clear.shown[row], clear.clearness[row] = shown, -math.inf
+        for polarity in range(2):
+            left, right = measured.border_means[row, polarity]
+            weaker = min(left, right)
+            # Texture is one number for all of the strip: over few points it would count for much.
+            texture = measured.weaker_border_mean[row, polarity] - weaker
+            clear.clearness[row] = max(clear.clearness[row], weaker + shown * texture)
     return clear
 
 

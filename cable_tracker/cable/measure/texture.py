@@ -41,7 +41,11 @@ THINNEST = 12.0
 FEWEST_PIXELS = 12
 """Minimum number of pixels in each window; with fewer the texture says nothing."""
 
-ORDINARY_STEP, STEP_SLOPE = 0.26, 40.0
+PIXEL_NOISE = 1.0
+"""Standard deviation of the log texture of one pixel about that of its surface; pixels count as
+independent of each other."""
+
+ORDINARY_STEP, STEP_SLOPE = 0.22, 40.0
 """Log-likelihood ratio = STEP_SLOPE (step - ORDINARY_STEP), not below 0, step the difference of log
 texture outside less inside; STEP_SLOPE in nats per unit."""
 
@@ -152,10 +156,14 @@ def add_texture(
 def smoothness(texture: FloatArray) -> float:
     """Return by how much the inside of a border is smoother than the outside, log texture.
 
-    `texture` is what `add_texture` added; 0 where too little of a side is in view.
+    One standard error less: few pixels are smooth by chance. `texture` is what `add_texture` added;
+    0 where too little of a side is in view.
     """
     inside, outside = _mean_texture(texture[0]), _mean_texture(texture[1])
-    return math.log(outside / inside) if inside > 0.0 and outside > 0.0 else 0.0
+    if inside <= 0.0 or outside <= 0.0:
+        return 0.0
+    error = PIXEL_NOISE * math.sqrt(1.0 / texture[0, 1] + 1.0 / texture[1, 1])
+    return math.log(outside / inside) - error
 
 
 @compiled_inside

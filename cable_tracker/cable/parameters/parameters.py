@@ -335,6 +335,13 @@ class TrackerParameters(ParameterSet):
     width_time: float = number(
         2.0, "s", 0.04, 600.0, "Time over which the width prior is averaged."
     )
+    width_memory: float = number(
+        30.0,
+        "s",
+        0.04,
+        1e4,
+        "Time without a cable in which the spread of the width prior grows by `width_spread`.",
+    )
     presence_to_track: float = number(
         0.95, "", 0.0, 1.0, "Presence above which a cable is claimed."
     )
@@ -349,8 +356,10 @@ class TrackerParameters(ParameterSet):
         -10.0,
         100.0,
         "Evidence, in view, above which a cable twice `thin_width` wide is claimed that nothing was"
-        " known of: at the start of a search, and after `memory_time` without a claim; narrower"
-        " ones need up to three times as much, wider ones two thirds (multi_hypothesis filter).",
+        " known of: at the start of a search, after `memory_time` without a claim, and elsewhere"
+        " than the one that was tracked; narrower ones need up to three times as much, wider ones"
+        " two thirds, and more than that if the one that was tracked had another width"
+        " (multi_hypothesis filter).",
     )
     evidence_to_lose: float = number(
         -0.05, "", -10.0, 100.0, "Evidence below which a cable is given up."

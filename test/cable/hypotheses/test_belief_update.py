@@ -63,3 +63,11 @@ def test_a_known_cable_may_be_faint_as_long_as_it_would_be_kept():
 def test_another_hypothesis_or_an_absent_one_is_not_known():
     assert updated(concluded(), expected=ELSEWHERE).known_time == 0.0
     assert updated(concluded(log_odds=-2.0)).known_time == 0.0
+
+
+def test_from_another_hypothesis_than_the_known_one_nothing_is_learnt_unless_it_is_clear():
+    known = replace(BEFORE, known_time=PARAMETERS.known_after)
+    faint, clear = (updated(concluded(c), known, ELSEWHERE) for c in (FAINT, CLEAR))
+    assert faint.memory is None and faint.width_prior is None
+    assert faint.refused_time == pytest.approx(0.4)
+    assert clear.memory is not None

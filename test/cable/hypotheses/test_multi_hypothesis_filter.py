@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -256,6 +257,16 @@ def test_what_cannot_be_claimed_for_long_is_a_new_search(strip):
     assert (np.diff(refused) < 0.0).any()
     given = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 30, FOUND)
     assert not any(belief.refused_time for belief in given)
+
+
+def test_a_new_search_remembers_the_cable_that_was_tracked(strip):
+    cable_filter = make_filter(search_time=0.4)
+    tracked = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 10, FOUND)[-1]
+    refused = replace(tracked, refused_time=0.4)
+    (anew,) = run(make_filter(evidence_to_find=100.0, search_time=0.4), refused, [strip], FOUND)
+    assert anew.refused_time < 0.4
+    assert anew.memory.seconds == pytest.approx(tracked.memory.seconds + FRAME)
+    assert anew.width_prior.log_width == tracked.width_prior.log_width
 
 
 def test_what_cannot_be_is_a_new_search(strip, monkeypatch):

@@ -14,7 +14,7 @@ from cable_tracker.cable.hypotheses.width_prior import (
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
-PARAMETERS = TrackerParameters(width_spread=0.3, width_time=2.0, memory_time=4.0)
+PARAMETERS = TrackerParameters(width_spread=0.3, width_time=2.0, width_memory=4.0)
 
 
 def factors(usual, widths) -> np.ndarray:

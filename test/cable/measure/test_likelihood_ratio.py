@@ -108,6 +108,24 @@ def test_a_strip_in_a_corner_is_clear_though_little_of_it_is_shown(draw_strip, n
     assert max(middle.clearness[1], in_corner.clearness[1]) < 0.0
 
 
+def test_of_a_short_strip_texture_counts_for_less_of_its_clearness(draw_strip, noise_picture):
+    through, corner = CableState(0.0, 0.7, 24.0, 0.0), CableState(60.0, 0.7, 24.0, 0.0)
+    smooth = BorderLikelihoodRatio(TrackerParameters(texture_limit=0.0))
+    gains, shown = [], []
+    for strip in (through, corner):
+        drawn = draw_strip(strip, SIZE)
+        inside = (drawn - drawn.min()) / np.ptp(drawn)
+        rough = noise_picture(1, SIZE, 30.0).astype(np.float32)
+        image = working(128.0 + (rough - 128.0) * (1.0 - inside))
+        scan, states = frame_scan(image), strip.to_array()[None, :]
+        found = [border_clearness(states, scan, each.model_for(image)) for each in (MODEL, smooth)]
+        gains.append(found[0].clearness[0] - found[1].clearness[0])
+        shown.append(found[0].shown[0])
+    # The same texture over fewer points, times the share that is shown.
+    assert gains[0] > 0.0 and shown[1] < 0.6
+    assert 0.0 < gains[1] < 1.2 * gains[0]
+
+
 def test_a_cable_out_of_view_shows_nothing(strip):
     scan, model = frame_scan(working(strip)), MODEL.model_for(working(strip))
     found = border_clearness(changed(distance=500.0)[None, :], scan, model)

@@ -15,7 +15,7 @@ from cable_tracker.cable.measure.scanned_gradients import (
     scan_kernels,
     summed_texture,
 )
-from cable_tracker.cable.measure.texture import STEP_SLOPE, texture_log_ratio
+from cable_tracker.cable.measure.texture import STEP_SLOPE, smoothness, texture_log_ratio
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -127,3 +127,20 @@ def test_summed_texture_is_the_running_sum_of_gradients_over_grey_levels(bottom)
     sums = summed_texture(lines.gradients, lines.smooth, dark, most)
     assert (sums[:, 0] == 0.0).all()
     np.testing.assert_allclose(sums[:, 1:], np.cumsum(relative, axis=1), rtol=1e-4)
+
+
+@given(st.floats(1e-3, 1.0), st.floats(1e-3, 1.0), st.integers(12, 400), st.integers(12, 400))
+def test_sides_differ_by_their_log_ratio_less_an_error_that_falls_with_the_pixels(
+    inside_level, outside_level, inside_pixels, outside_pixels
+):
+    def found(factor):
+        counts = factor * np.array([inside_pixels, outside_pixels], float)
+        return smoothness(np.stack((counts * [inside_level, outside_level], counts), axis=1))
+
+    ratio = np.log(outside_level / inside_level)
+    assert found(1) < found(4) < ratio
+    assert ratio - found(4) == pytest.approx((ratio - found(1)) / 2)
+
+
+def test_of_too_few_pixels_nothing_is_said():
+    assert smoothness(np.array([[0.1, 11.0], [100.0, 100.0]])) == 0.0
