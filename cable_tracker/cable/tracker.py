@@ -176,7 +176,9 @@ class CableTracker:
         before = self._belief
         if self._given is not None:
             before, dt = self._given_belief(self._filter, self._given), 0.0
-            self._status = StatusMachine().expecting(is_certain=self._given.is_certain)
+            self._status = StatusMachine().confirm_with_next_frame(
+                is_certain=self._given.is_certain
+            )
             self._given = None
         elif before is None:
             before = self._filter.first_belief()

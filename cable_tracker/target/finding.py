@@ -80,7 +80,7 @@ class TargetEngine(ABC):
         """
 
     @abstractmethod
-    def advance(
+    def step(
         self,
         frame: WorkingFrame,
         dt: float,

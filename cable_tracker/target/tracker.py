@@ -179,7 +179,7 @@ class TargetTracker:
             return self._search(seen, step.event, in_frame_pixels(others, 1.0 / seen.zoom))
         known = None if step.event else motion
         apart = in_frame_pixels(others, 1.0 / seen.zoom)
-        finding = self._engine.advance(seen, step.dt, known, apart)
+        finding = self._engine.step(seen, step.dt, known, apart)
         return self._estimate(finding, step.dt, step.event)
 
     def _is_searching(self) -> bool:
@@ -217,7 +217,7 @@ class TargetTracker:
     def _begin(self, seen: WorkingFrame, start: TargetStart, event: str) -> TargetEstimate:
         engine = self._make_engine()
         mask = start.mask(seen.shape, seen.zoom)
-        self._status = StatusMachine().expecting()
+        self._status = StatusMachine().confirm_with_next_frame()
         try:
             finding = engine.start(seen, mask, is_exact=not start.is_box)
         except FrameError as error:

@@ -47,23 +47,24 @@ class StatusMachine:
     ----------
     status : TrackingStatus
         What is claimed now.
-    contrary_time : float
-        How long the frames have spoken against the present status without a break [s].
+    time_towards_change : float
+        Time for which consecutive frames supported leaving the present status [s].
     unclaimed_time : float
         How long no target has been claimed, or since the last start from random [s].
-    is_told : bool
-        Whether a target was given by who knows of it, and none has been claimed since.
+    is_given_with_certainty : bool
+        Whether a target was given by an operator or planner, not guessed, and none has been claimed
+        since.
     """
 
     status: TrackingStatus = TrackingStatus.INITIALISING
-    contrary_time: float = 0.0
+    time_towards_change: float = 0.0
     unclaimed_time: float = 0.0
-    is_told: bool = False
+    is_given_with_certainty: bool = False
 
     @property
     def is_confirming(self) -> bool:
         """Whether a target is seen but not claimed yet, so that a search would lose it."""
-        return self.status is not TrackingStatus.TRACKING and self.contrary_time > 0.0
+        return self.status is not TrackingStatus.TRACKING and self.time_towards_change > 0.0
 
     def is_first_claim(self, memory_time: float) -> bool:
         """Tell whether a claim would be the first: of what was not given, or not claimed for long.
@@ -72,7 +73,7 @@ class StatusMachine:
         """
         if self.unclaimed_time > memory_time:
             return True
-        return self.status is TrackingStatus.INITIALISING and not self.is_told
+        return self.status is TrackingStatus.INITIALISING and not self.is_given_with_certainty
 
     def is_search_due(self, search_time: float) -> bool:
         """Tell whether nothing has been claimed or seen for so long that a search starts anew."""
@@ -103,33 +104,33 @@ class StatusMachine:
         self, supports_keeping: bool, dt: float, parameters: StatusTimes
     ) -> StatusMachine:
         if supports_keeping:
-            return replace(self, contrary_time=0.0, unclaimed_time=0.0)
-        contrary = self.contrary_time + min(dt, LARGEST_STEP * parameters.loss_time)
-        if contrary >= parameters.loss_time:
+            return replace(self, time_towards_change=0.0, unclaimed_time=0.0)
+        towards_change = self.time_towards_change + min(dt, LARGEST_STEP * parameters.loss_time)
+        if towards_change >= parameters.loss_time:
             return StatusMachine(TrackingStatus.LOST)
-        return replace(self, contrary_time=contrary)
+        return replace(self, time_towards_change=towards_change)
 
     def _while_unclaimed(
         self, supports_claim: bool, dt: float, parameters: StatusTimes
     ) -> StatusMachine:
         unclaimed = self.unclaimed_time + dt
         if not supports_claim:
-            return replace(self, contrary_time=0.0, unclaimed_time=unclaimed)
-        contrary = self.contrary_time + dt
-        if contrary >= parameters.confirmation_time:
+            return replace(self, time_towards_change=0.0, unclaimed_time=unclaimed)
+        towards_change = self.time_towards_change + dt
+        if towards_change >= parameters.confirmation_time:
             return StatusMachine(TrackingStatus.TRACKING)
-        return replace(self, contrary_time=contrary, unclaimed_time=unclaimed)
+        return replace(self, time_towards_change=towards_change, unclaimed_time=unclaimed)
 
-    def expecting(self, *, is_certain: bool = True) -> StatusMachine:
+    def confirm_with_next_frame(self, *, is_certain: bool = True) -> StatusMachine:
         """Return the status after a given initial state: one good frame confirms it.
 
         Parameters
         ----------
         is_certain : bool
-            Whether who gave it knows of the target, and does not guess.
+            Whether an operator or planner gave it, not a guess.
         """
-        return replace(self, contrary_time=math.inf, is_told=is_certain)
+        return replace(self, time_towards_change=math.inf, is_given_with_certainty=is_certain)
 
     def searched(self) -> StatusMachine:
         """Return the same status with the search begun anew."""
-        return replace(self, contrary_time=0.0, unclaimed_time=0.0)
+        return replace(self, time_towards_change=0.0, unclaimed_time=0.0)

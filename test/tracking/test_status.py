@@ -79,8 +79,11 @@ def test_a_lost_cable_can_be_found_again():
 
 
 def test_who_was_told_where_the_cable_is_needs_one_good_frame():
-    assert run(StatusMachine().expecting(), [GOOD]) == [TRACKING]
-    assert run(StatusMachine().expecting(), [MIDDLING, GOOD]) == [INITIALISING, INITIALISING]
+    assert run(StatusMachine().confirm_with_next_frame(), [GOOD]) == [TRACKING]
+    assert run(StatusMachine().confirm_with_next_frame(), [MIDDLING, GOOD]) == [
+        INITIALISING,
+        INITIALISING,
+    ]
 
 
 def test_the_time_without_a_claim_adds_up_until_a_search_begins():
@@ -106,7 +109,9 @@ def test_a_claim_is_of_something_new_until_there_was_one():
 
 
 def test_what_was_given_is_known_and_what_was_guessed_is_not():
-    told, guessed = (StatusMachine().expecting(is_certain=known) for known in (True, False))
+    told, guessed = (
+        StatusMachine().confirm_with_next_frame(is_certain=known) for known in (True, False)
+    )
     assert not after(told, BAD).is_first_claim(4.0)
     assert guessed.is_first_claim(4.0)
 

@@ -11,16 +11,16 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.particle_filter.kernel_mixture import kernel_mixture
 from cable_tracker.target.measure.measured_frame import MeasuredFrame
+from cable_tracker.target.model.expected_place import ExpectedPlace
 from cable_tracker.target.model.forecast import Forecast, Proposal, choose_columns, log_mix
-from cable_tracker.target.model.own_place import OwnPlace
 from cable_tracker.target.model.state import POSE_SIZE, STATE_SIZE, wrap_angle
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.poses.peaks import Peaks
+from cable_tracker.target.poses.map_maxima import MapMaxima
 from cable_tracker.target.poses.pose_belief import PoseBelief
 from cable_tracker.target.poses.rivals import RIVAL_SCORE
 
-PEAK_SPREAD = (0.25, 0.15, 0.12)
-"""Scales of the kernels about peaks: position in roots of the area, log scale, angle [rad]."""
+MAXIMA_SPREAD = (0.25, 0.15, 0.12)
+"""Scales of the kernels about maxima: position in roots of the area, log scale, angle [rad]."""
 
 REFINED_SPREAD = (0.06, 0.05, 0.06)
 """Scales of the kernels about the best particles of the frame, in the same units."""
@@ -29,21 +29,21 @@ REFINED = 5
 """Number of best-scoring particles that refinement kernels are centred on."""
 
 DRAWN_TAIL = 4.0
-"""Degrees of freedom of the kernels about peaks and best particles."""
+"""Degrees of freedom of the kernels about maxima and best particles."""
 
 OWN_REACH = 0.8
 """The target is seen at its own place this near to where it is expected, in roots of the area."""
 
 
-class SampleCounts(NamedTuple):
+class ProposalCounts(NamedTuple):
     """How many particles each part of the proposal draws.
 
     Attributes
     ----------
     followed : int
         About those of the frame before.
-    peaks : int
-        About peaks of the map of log-ratios.
+    maxima : int
+        About maxima of the map of log-ratios.
     search : int
         Where a target may come into view.
     refined : int
@@ -51,21 +51,21 @@ class SampleCounts(NamedTuple):
     """
 
     followed: int
-    peaks: int
+    maxima: int
     search: int
     refined: int
 
 
-def sample_counts(parameters: TargetParameters, *, has_peaks: bool) -> SampleCounts:
+def proposal_counts(parameters: TargetParameters, *, has_maxima: bool) -> ProposalCounts:
     """Divide the particles among the parts of the proposal."""
     p = parameters
     refined = round(p.refinement_share * p.particle_count)
     search = round(p.search_share * p.particle_count)
-    peaks = round(p.place_share * p.particle_count) if has_peaks else 0
-    followed = p.particle_count - peaks - search - refined
+    maxima = round(p.place_share * p.particle_count) if has_maxima else 0
+    followed = p.particle_count - maxima - search - refined
     if followed < 1:  # Of a handful, all follow.
-        return SampleCounts(p.particle_count, 0, 0, 0)
-    return SampleCounts(followed, peaks, search, refined)
+        return ProposalCounts(p.particle_count, 0, 0, 0)
+    return ProposalCounts(followed, maxima, search, refined)
 
 
 class ScoredPoses(NamedTuple):
@@ -144,18 +144,18 @@ class FrameSampler:
         """Weight of the score in the likelihood."""
         return self.parameters.sharpness * self.belief.rivals.sharpness_factor
 
-    def draw(self, peaks: Peaks, rng: np.random.Generator) -> DrawnParticles:
+    def draw(self, maxima: MapMaxima, rng: np.random.Generator) -> DrawnParticles:
         """Draw the particles, with the densities of belief and proposal at each."""
-        counts = sample_counts(self.parameters, has_peaks=len(peaks.poses) > 0)
+        counts = proposal_counts(self.parameters, has_maxima=len(maxima.poses) > 0)
         followed = Proposal(self.forecast.kernels, self.forecast.even, self._share(counts.followed))
         others = []
         parts = [followed.draw(counts.followed, rng)]
-        if counts.peaks:
-            others.append(self._about(peaks.poses, peaks.strengths, PEAK_SPREAD, counts.peaks))
-            parts.append(others[-1].draw(counts.peaks, rng))
+        if counts.maxima:
+            others.append(self._about(maxima.poses, maxima.strengths, MAXIMA_SPREAD, counts.maxima))
+            parts.append(others[-1].draw(counts.maxima, rng))
         parts.append(self.forecast.births.draw(counts.search, rng)[:, :POSE_SIZE])
         scored = self._scored(np.concatenate(parts))
-        own = self._own_place(scored)
+        own = self._expected_place(scored)
         if counts.refined:
             best = self._best(scored, own)
             even = np.full(len(best), 1.0 / len(best))
@@ -196,16 +196,16 @@ class FrameSampler:
         scores = self.measured.scores(states, known.template)
         return ScoredPoses(states, log_prior, log_birth, kernel_values, scores)
 
-    def _own_place(self, scored: ScoredPoses) -> OwnPlace:
+    def _expected_place(self, scored: ScoredPoses) -> ExpectedPlace:
         """Return where the target is expected, and what that says about other places."""
         belief = self.belief
         x, y = belief.estimate[:2] + belief.estimate[POSE_SIZE:] * self.dt
-        place = OwnPlace(float(x), float(y), OWN_REACH * belief.size)
+        place = ExpectedPlace(float(x), float(y), OWN_REACH * belief.size)
         if belief.presence < self.parameters.presence_to_track:
             return place
         return place.seen(scored.states, scored.scores, RIVAL_SCORE * belief.known.usual.mean)
 
-    def _best(self, scored: ScoredPoses, own: OwnPlace) -> FloatArray:
+    def _best(self, scored: ScoredPoses, own: ExpectedPlace) -> FloatArray:
         """Return the best of the poses that have been drawn, shape (K, 4)."""
         scores = own.own_scores(scored.states, scored.scores)
         worth = scored.log_prior + self.sharpness * scores
@@ -217,7 +217,7 @@ class FrameSampler:
         scored: ScoredPoses,
         followed: Proposal,
         others: list[Proposal],
-        counts: SampleCounts,
+        counts: ProposalCounts,
     ) -> FloatArray:
         """Return the log-density of the whole mixture at each pose, shape (N,)."""
         following = log_mix(scored.kernel_values, followed.weights, followed.kernels)

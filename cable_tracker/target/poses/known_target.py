@@ -55,8 +55,8 @@ class KnownTarget:
         Where it comes into view.
     first_size : float
         Root of its area when it was marked [px].
-    lessons : int
-        Frames that have taught.
+    adaptations : int
+        Number of frames that shape and appearance were adapted to.
     """
 
     template: Template
@@ -66,7 +66,7 @@ class KnownTarget:
     usual_log_scale: float
     births: Births
     first_size: float
-    lessons: int = 0
+    adaptations: int = 0
 
     @property
     def is_coloured(self) -> bool:
@@ -173,7 +173,7 @@ def _rescored(
     return replace(known, usual=usual_score(score, parameters))
 
 
-def shown_by(
+def contour_histograms(
     outline: Outline | None,
     measured: MeasuredFrame,
     known: KnownTarget,
@@ -189,7 +189,7 @@ def shown_by(
     return ShownTarget(target, around, likeness)
 
 
-def taught(
+def adapted_to_contour(
     known: KnownTarget,
     outline: Outline,
     shown: ShownTarget,
@@ -203,24 +203,24 @@ def taught(
     Parameters
     ----------
     known : KnownTarget
-        Before the frame.
+        Target as known before the frame.
     outline : Outline
         The contour.
     shown : ShownTarget
-        What it shows.
+        Histograms within and around it.
     parameters : TargetParameters
         All of them.
     angle : float
-        Of the target [rad].
+        Angle of the target [rad].
     score : float
-        Of its region.
+        Score of its region.
     """
     p = parameters
     appearance = known.appearance.adapted(
         shown.target, shown.around, p.appearance_rate_of_target, p.appearance_rate_around
     )
     template = known.template
-    if p.shape_rate > 0.0 and known.lessons % RESHAPED_EVERY == 0:
+    if p.shape_rate > 0.0 and known.adaptations % RESHAPED_EVERY == 0:
         template = _reshaped(known.template, outline, angle, p)
     return replace(
         known,
@@ -228,7 +228,7 @@ def taught(
         template=template,
         usual=known.usual.seen(score, SCORE_RATE),
         usual_likeness=known.usual_likeness.seen(shown.likeness, SCORE_RATE),
-        lessons=known.lessons + 1,
+        adaptations=known.adaptations + 1,
     )
 
 

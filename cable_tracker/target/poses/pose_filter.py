@@ -1,7 +1,7 @@
 """The filter of the preset `default`: particles are poses, weighed by learnt appearance.
 
-Every frame, particles are drawn from a mixture: about those of the frame before, about peaks of the
-map of log-ratios, and where a target may come into view. Their weight is the density of the
+Every frame, particles are drawn from a mixture: about those of the frame before, about maxima of
+the map of log-ratios, and where a target may come into view. Their weight is the density of the
 predicted belief over that of the whole mixture, times the likelihood of their region.
 """
 
@@ -27,12 +27,12 @@ from cable_tracker.target.model.state import STATE_SIZE, PoseColumn
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.frame_sampler import FrameSampler
 from cable_tracker.target.poses.known_target import (
+    adapted_to_contour,
+    contour_histograms,
     contour_settings,
     first_known,
-    shown_by,
-    taught,
 )
-from cable_tracker.target.poses.peaks import find_peaks, watch_rivals
+from cable_tracker.target.poses.map_maxima import propose_from_map, watch_rivals
 from cable_tracker.target.poses.pose_belief import PoseBelief, forecast_of
 from cable_tracker.target.poses.presence import (
     MOST_PRESENCE,
@@ -115,10 +115,10 @@ class PoseFilter(TargetEngine):
         )
         measured = measure_frame(frame, belief.known.appearance, p)
         weights = np.full(p.particle_count, 1.0 / p.particle_count)
-        finding, self._belief = conclude(belief, measured, weights, p)
+        finding, self._belief = estimate_and_adapt(belief, measured, weights, p)
         return finding
 
-    def advance(
+    def step(
         self,
         frame: WorkingFrame,
         dt: float,
@@ -130,11 +130,11 @@ class PoseFilter(TargetEngine):
         p, rng = self._parameters, self._rng
         belief = self._belief.aged(frame, dt, motion, p)
         measured = measure_frame(frame, belief.known.appearance, p)
-        peaks = find_peaks(belief, measured, p)
-        belief = replace(belief, rivals=watch_rivals(belief, measured, peaks, dt))
+        maxima = propose_from_map(belief, measured, p)
+        belief = replace(belief, rivals=watch_rivals(belief, measured, maxima, dt))
         forecast = forecast_of(belief, frame.shape, dt, p, rng)
         sampler = FrameSampler(belief, forecast, measured, dt, p)
-        drawn = sampler.draw(peaks, rng)
+        drawn = sampler.draw(maxima, rng)
         presence = presence_by_scores(sampler, drawn, rng)
         log_weights = drawn.log_prior - drawn.log_proposal
         log_weights += sampler.sharpness * drawn.own_scores
@@ -143,7 +143,7 @@ class PoseFilter(TargetEngine):
         weights = cluster_weights(particles, CLUSTER * belief.size)
         estimate = weighted_mean(particles.states, weights)
         belief = replace(belief, particles=particles, estimate=estimate, presence=presence)
-        finding, belief = conclude(belief, measured, weights, p)
+        finding, belief = estimate_and_adapt(belief, measured, weights, p)
         self._belief = _with_followed_size(belief, dt, p, is_whole=finding.is_whole)
         return finding
 
@@ -181,7 +181,7 @@ def cluster_weights(particles: Particles, reach: float) -> FloatArray:
     return shares
 
 
-def conclude(
+def estimate_and_adapt(
     belief: PoseBelief, measured: MeasuredFrame, weights: FloatArray, parameters: TargetParameters
 ) -> tuple[Finding, PoseBelief]:
     """Find the outline, learn from it, and say what was found.
@@ -189,11 +189,11 @@ def conclude(
     Parameters
     ----------
     belief : PoseBelief
-        With particles and estimate of the frame.
+        Belief with particles and estimate of the frame.
     measured : MeasuredFrame
         The frame.
     weights : FloatArray
-        Of the particles that make the estimate, shape (N,).
+        Weights of the particles that make the estimate, shape (N,).
     parameters : TargetParameters
         All of them.
     """
@@ -202,7 +202,7 @@ def conclude(
     outline = find_outline(
         measured.ratios, belief.estimate, known.template, softness, contour_settings(p)
     )
-    shown = shown_by(outline, measured, known, p)
+    shown = contour_histograms(outline, measured, known, p)
     presence = presence_by_likeness(belief, shown, p, is_coloured=frame.is_coloured)
     covariance = weighted_covariance(belief.particles.states, weights, belief.estimate)
     sigma = math.sqrt(max(covariance[0, 0], covariance[1, 1]))
@@ -214,7 +214,7 @@ def conclude(
         known = known.seen_at(belief.estimate)
         gap = belief.estimate[PoseColumn.LOG_SCALE] - known.usual_log_scale
         if is_whole and abs(gap) < WHOLE_SIZE and outline is not None and shown is not None:
-            known = taught(known, outline, shown, p, angle=belief.angle, score=score)
+            known = adapted_to_contour(known, outline, shown, p, angle=belief.angle, score=score)
     finding = Finding(
         state=belief.estimate.copy(),
         covariance=covariance,

@@ -144,7 +144,7 @@ class BlobFilter(TargetEngine):
         assert blob is not None
         return self._finding(frame, blob, float(len(states)), claims=True)
 
-    def advance(
+    def step(
         self,
         frame: WorkingFrame,
         dt: float,

@@ -14,11 +14,11 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 
 MARGIN = 0.3
-"""What is elsewhere scores less than the best here by this, while the target is seen here."""
+"""Gap by which scores elsewhere stay below the best score here, while the target is seen here."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class OwnPlace:
+class ExpectedPlace:
     """The expected place of the target.
 
     Attributes
@@ -26,15 +26,15 @@ class OwnPlace:
     x, y : float
         From the image centre, y up [px].
     reach : float
-        What is farther away is elsewhere [px].
-    handicap : float
-        Of scores elsewhere; 0 unless the target is seen here.
+        Distance from the expected place beyond which a pose is elsewhere [px].
+    score_penalty : float
+        Reduction of the scores of poses elsewhere; 0 unless the target is seen here.
     """
 
     x: float
     y: float
     reach: float
-    handicap: float = 0.0
+    score_penalty: float = 0.0
 
     def is_elsewhere(self, states: FloatArray) -> BoolArray:
         """Tell which poses (N, 6) are not here, shape (N,)."""
@@ -42,15 +42,15 @@ class OwnPlace:
         elsewhere: BoolArray = apart > self.reach
         return elsewhere
 
-    def seen(self, states: FloatArray, scores: FloatArray, least: float) -> OwnPlace:
-        """Return it with the handicap that follows from a frame.
+    def seen(self, states: FloatArray, scores: FloatArray, least: float) -> ExpectedPlace:
+        """Return it with the penalty that follows from a frame.
 
         Parameters
         ----------
         states : FloatArray
             Poses in the frame, shape (N, 6).
         scores : FloatArray
-            How much they look like the target, shape (N,).
+            Scores of their regions, shape (N,).
         least : float
             Score from which on the target is seen here.
         """
@@ -59,10 +59,10 @@ class OwnPlace:
         if here < least:
             return self
         best = float(scores[elsewhere].max(initial=here))
-        return replace(self, handicap=max(best - here, 0.0) + MARGIN)
+        return replace(self, score_penalty=max(best - here, 0.0) + MARGIN)
 
     def own_scores(self, states: FloatArray, scores: FloatArray) -> FloatArray:
-        """Return the scores (N,) of poses (N, 6), lower by the handicap elsewhere, shape (N,)."""
-        if self.handicap == 0.0:
+        """Return the scores (N,) of poses (N, 6), less the penalty elsewhere, shape (N,)."""
+        if self.score_penalty == 0.0:
             return scores
-        return scores - self.handicap * self.is_elsewhere(states)
+        return scores - self.score_penalty * self.is_elsewhere(states)

@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from cable_tracker.target.model.own_place import MARGIN, OwnPlace
+from cable_tracker.target.model.expected_place import MARGIN, ExpectedPlace
 
 POSES = np.array([[2.0, 1.0, 0, 0, 0, 0], [60.0, 0, 0, 0, 0, 0], [0.0, -9.0, 0, 0, 0, 0]])
 """Here, elsewhere, here."""
 
-PLACE = OwnPlace(0.0, 0.0, 10.0)
+PLACE = ExpectedPlace(0.0, 0.0, 10.0)
 
 
 def test_what_is_farther_than_the_reach_is_elsewhere():
@@ -33,5 +33,5 @@ def test_what_is_not_seen_here_may_be_elsewhere():
 
 def test_poses_on_one_side_only_are_no_error():
     scores = np.array([5.0, 6.0])
-    assert PLACE.seen(POSES[[0, 2]], scores, 4.5).handicap == pytest.approx(MARGIN)
-    assert PLACE.seen(POSES[[1, 1]], scores, 4.5).handicap == 0.0
+    assert PLACE.seen(POSES[[0, 2]], scores, 4.5).score_penalty == pytest.approx(MARGIN)
+    assert PLACE.seen(POSES[[1, 1]], scores, 4.5).score_penalty == 0.0

@@ -1,4 +1,4 @@
-"""Where a frame speaks for the target: peaks of the map of log-ratios, and rivals among them."""
+"""Where a frame speaks for the target: maxima of the map of log-ratios, and rivals among them."""
 
 from __future__ import annotations
 
@@ -15,31 +15,33 @@ from cable_tracker.target.poses.pose_belief import PoseBelief
 from cable_tracker.target.poses.rivals import RIVAL_SCORE, RivalWatch, are_beside
 
 SCALES_LOOKED_FOR = (-0.3, 0.0, 0.3)
-"""Log scales against the last one at which peaks are looked for."""
+"""Log scales against the last one at which maxima are looked for."""
 
 
-class Peaks(NamedTuple):
-    """Where to propose.
+class MapMaxima(NamedTuple):
+    """Maxima of the filtered map of log-ratios, about which particles are proposed.
 
     Attributes
     ----------
     poses : FloatArray
-        Shape (K, 4).
+        Place, log scale and angle, shape (K, 4).
     strengths : FloatArray
-        Summing to one, shape (K,).
+        Responses of the filter there, scaled to sum to one, shape (K,).
     """
 
     poses: FloatArray
     strengths: FloatArray
 
 
-NO_PEAKS = Peaks(np.empty((0, POSE_SIZE)), np.empty(0))
+NO_MAXIMA = MapMaxima(np.empty((0, POSE_SIZE)), np.empty(0))
 
 
-def find_peaks(belief: PoseBelief, measured: MeasuredFrame, parameters: TargetParameters) -> Peaks:
-    """Return the peaks of a frame."""
+def propose_from_map(
+    belief: PoseBelief, measured: MeasuredFrame, parameters: TargetParameters
+) -> MapMaxima:
+    """Return the maxima of a frame."""
     if parameters.place_count == 0:
-        return NO_PEAKS
+        return NO_MAXIMA
     template = belief.known.template
     extent = template.extent(belief.angle)
     places = find_places(
@@ -49,14 +51,14 @@ def find_peaks(belief: PoseBelief, measured: MeasuredFrame, parameters: TargetPa
         parameters.place_count,
     )
     if not places:
-        return NO_PEAKS
+        return NO_MAXIMA
     poses = np.array([[place.x, place.y, place.log_scale, belief.angle] for place in places])
     strengths = np.array([place.strength for place in places])
-    return Peaks(poses, strengths / strengths.sum())
+    return MapMaxima(poses, strengths / strengths.sum())
 
 
 def _scales_looked_for(belief: PoseBelief, parameters: TargetParameters) -> FloatArray:
-    """Return the log scales at which peaks are looked for."""
+    """Return the log scales at which maxima are looked for."""
     expected = belief.estimate
     if belief.presence < parameters.presence_to_lose:
         # The estimate is then on something else, whose size says nothing.
@@ -66,11 +68,11 @@ def _scales_looked_for(belief: PoseBelief, parameters: TargetParameters) -> Floa
 
 
 def watch_rivals(
-    belief: PoseBelief, measured: MeasuredFrame, peaks: Peaks, dt: float
+    belief: PoseBelief, measured: MeasuredFrame, maxima: MapMaxima, dt: float
 ) -> RivalWatch:
-    """Return what is known of rivals after the peaks of a frame."""
+    """Return what is known of rivals after the maxima of a frame."""
     watch = belief.rivals.aged(dt)
-    poses = peaks.poses
+    poses = maxima.poses
     if len(poses) == 0:
         return watch
     distances = np.hypot(*(poses[:, :2] - belief.estimate[:2]).T) / belief.size
