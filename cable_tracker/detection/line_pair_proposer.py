@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.measure.scanned_gradients import ScanLines
+from cable_tracker.cable.measure.scan_lines import ScanLines
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.compilation import compiled, compiled_inside, compiled_loop
 from cable_tracker.detection.coherent_lines import (

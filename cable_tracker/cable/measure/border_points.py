@@ -16,7 +16,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image, IndexArray
 from cable_tracker.cable.measure.gradient_shape import GradientShape, directional_gain
 from cable_tracker.cable.measure.response_bins import PointMeasures
-from cable_tracker.cable.measure.scanned_gradients import ACROSS, ALONG, SLOPE, ScanLines
+from cable_tracker.cable.measure.scan_lines import ACROSS, ALONG, SLOPE, ScanLines
 from cable_tracker.cable.measure.working_image import WorkingImage
 from cable_tracker.cable.model.geometry import border_offset, border_side
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH

@@ -44,7 +44,7 @@ from cable_tracker.cable.measure.response_bins import (
     edge_cell,
 )
 from cable_tracker.cable.measure.response_table import LARGEST_RATIO, ResponseTable, load_table
-from cable_tracker.cable.measure.scanned_gradients import ScanLines
+from cable_tracker.cable.measure.scan_lines import ScanLines
 from cable_tracker.cable.measure.texture import (
     TextureWindows,
     add_texture,

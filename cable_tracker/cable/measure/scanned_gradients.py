@@ -12,10 +12,7 @@ across that line. The second tells how far away the edge is: it is zero on the e
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from functools import cache
-from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -23,11 +20,24 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image, IndexArray
 from cable_tracker.cable.measure.gradient_shape import ROUND, GradientShape, gradient_shape
 from cable_tracker.cable.measure.robust_scale import robust_scale
+from cable_tracker.cable.measure.scan_filters import (
+    ScanKernels,
+    antisymmetric_along,
+    fold_across,
+    mirror_ends,
+    sum_across,
+    symmetric_along,
+)
+from cable_tracker.cable.measure.scan_lines import ACROSS, ALONG, SLOPE, ScanLines
+from cable_tracker.cable.measure.texture_sums import (
+    MOST_TEXTURE,
+    TEXTURE_LEVEL_OFFSET,
+    summed_texture,
+)
 from cable_tracker.compilation import (
     compiled,
     compiled_fast_loop,
     compiled_fast_part,
-    compiled_loop,
     compiled_part,
 )
 
@@ -39,96 +49,6 @@ SMALLEST_CONTRAST = 0.3
 
 SCALE_STEP = 8
 """Robust scales are taken over every eighth point of the scan lines: they say the same as all."""
-
-DARK = 6.0
-"""Added to grey levels before gradients are divided by them [grey levels]: below, all is noise."""
-
-MOST_TEXTURE = 1.5
-"""Upper bound of the gradient over the grey level in sums of texture, in units of the robust scale
-over the mean grey level: edges are no texture, and a flat picture has none."""
-
-TEXTURE_STEP = 2
-"""Texture is known of every second scan line: they say the same as all."""
-
-REACH = 3.0
-"""Half-width of the filters, in sigma."""
-
-
-ALONG, ACROSS, SLOPE = range(3)
-"""Channels: the last axis of `ScanLines.gradients`."""
-
-
-class ScanKernels(NamedTuple):
-    """The filters, float32, of odd length.
-
-    Attributes
-    ----------
-    gaussian, derivative : Image
-        Of one length: the smoothing filter, and its derivative, which answers a ramp of slope one
-        with one.
-    region : Image
-        The wide smoothing filter, without the fine texture; shape (0,) where gradients alone are
-        looked at: all other measures are zero then.
-    contrast_lag : int
-        Distance of the places whose difference is the contrast [px].
-    """
-
-    gaussian: Image
-    derivative: Image
-    region: Image
-    contrast_lag: int
-
-
-@cache
-def scan_kernels(sigma: float, region_sigma: float, contrast_lag: int) -> ScanKernels:
-    """Return the filters for two sigmas [px]."""
-    x = _taps(sigma)
-    gaussian = _gaussian(x, sigma)
-    derivative = x * gaussian
-    return ScanKernels(
-        gaussian.astype(np.float32),
-        (derivative / float(derivative @ x)).astype(np.float32),
-        _gaussian(_taps(region_sigma), region_sigma).astype(np.float32),
-        contrast_lag,
-    )
-
-
-def _taps(sigma: float) -> FloatArray:
-    radius = max(1, math.ceil(REACH * sigma))
-    return np.arange(-radius, radius + 1, dtype=np.float64)
-
-
-def _gaussian(x: FloatArray, sigma: float) -> FloatArray:
-    values = np.exp(-0.5 * (x / sigma) ** 2)
-    normalised: FloatArray = values / values.sum()
-    return normalised
-
-
-class ScanLines(NamedTuple):
-    """What is known along parallel scan lines.
-
-    Rows are scanned to the right, columns upwards: u is the coordinate along a line, v that of the
-    line, in the image frame of the working picture.
-
-    Attributes
-    ----------
-    gradients : Image
-        float32, shape (L, n, 3), see `ALONG`: gradient along u and along v [robust scales], slope
-        of its modulus along u [robust scales per px].
-    smooth : Image
-        Grey level without the fine texture [scales of the contrast], float32, shape (L, n).
-    places : FloatArray
-        v of each line [px], shape (L,).
-    texture : Image
-        Sums of gradients over grey levels along every `TEXTURE_STEP`-th line, the first one among
-        them, float32, shape (ceil(L / 2), n + 1): the difference of two is the sum over the pixels
-        between.
-    """
-
-    gradients: Image
-    smooth: Image
-    places: FloatArray
-    texture: Image
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -220,7 +140,7 @@ def _scan_both(
         (turned_smooth.reshape(-1), contrast_scale),
     ):
         _multiply(values, np.float32(1.0 / unit))
-    dark = DARK / contrast_scale
+    dark = TEXTURE_LEVEL_OFFSET / contrast_scale
     most = MOST_TEXTURE * ordinary / scale / (max(_mean(smooth.reshape(-1)), 0.0) + dark)
     texture = summed_texture(gradients, smooth, dark, most)
     turned_texture = summed_texture(turned_gradients, turned_smooth, dark, most)
@@ -273,43 +193,6 @@ def _mean(values: Image) -> float:
     return total / len(values)
 
 
-@compiled_part
-def summed_texture(gradients: Image, smooth: Image, dark: float, most: float) -> Image:
-    """Return the sums of gradients over grey levels along scan lines, see `ScanLines`.
-
-    Parameters
-    ----------
-    gradients, smooth : Image
-        See `ScanLines`.
-    dark : float
-        Added to the grey levels [scales of the contrast].
-    most : float
-        A gradient over the grey level counts no more.
-    """
-    lines, length = smooth.shape
-    sums = np.empty(((lines - 1) // TEXTURE_STEP + 1, length + 1), np.float32)
-    for number in range(len(sums)):
-        line = TEXTURE_STEP * number
-        _fill_texture(
-            gradients[line], smooth[line], np.float32(dark), np.float32(most), sums[number]
-        )
-    return sums
-
-
-@compiled_fast_loop
-def _fill_texture(
-    gradients: Image, smooth: Image, dark: np.float32, most: np.float32, sums: Image
-) -> None:
-    """Fill in the sums (n + 1,) along one line."""
-    sums[0] = np.float32(0.0)
-    for x in range(len(smooth)):
-        along, across = gradients[x, ALONG], gradients[x, ACROSS]
-        level = max(smooth[x], np.float32(0.0)) + dark
-        sums[x + 1] = min(np.sqrt(along * along + across * across) / level, most)
-    for x in range(len(smooth)):
-        sums[x + 1] += sums[x]
-
-
 @compiled_fast_part
 def _scan(
     pixels: Image, lines: IndexArray, sign: np.float32, kernels: ScanKernels
@@ -329,99 +212,23 @@ def _scan(
     levels = np.zeros((len(lines), width), np.float32)
     for line in range(len(lines)):
         row = lines[line]
-        _fold_across(pixels, row, gaussian, derivative, smooth[margin:], slope[margin:])
-        _mirror_ends(smooth, margin, width)
-        _mirror_ends(slope, margin, width)
-        _antisymmetric_along(smooth, margin, derivative, along)
-        _symmetric_along(slope, margin, gaussian, across)
+        fold_across(pixels, row, gaussian, derivative, smooth[margin:], slope[margin:])
+        mirror_ends(smooth, margin, width)
+        mirror_ends(slope, margin, width)
+        antisymmetric_along(smooth, margin, derivative, along)
+        symmetric_along(slope, margin, gaussian, across)
         for x in range(width):
             across[x] *= sign
             gradients[line, x, ALONG] = along[x]
             gradients[line, x, ACROSS] = across[x]
         if not len(region):
             continue
-        _sum_across(pixels, row, region, wide[margin:])
-        _mirror_ends(wide, margin, width)
-        _symmetric_along(wide, margin, region, levels[line])
+        sum_across(pixels, row, region, wide[margin:])
+        mirror_ends(wide, margin, width)
+        symmetric_along(wide, margin, region, levels[line])
         for x in range(width):
             modulus[x + 1] = np.sqrt(along[x] * along[x] + across[x] * across[x])
-        _mirror_ends(modulus, 1, width)
+        mirror_ends(modulus, 1, width)
         for x in range(width):
             gradients[line, x, SLOPE] = np.float32(0.5) * (modulus[x + 2] - modulus[x])
     return gradients, levels
-
-
-@compiled_fast_loop
-def _fold_across(
-    pixels: Image, row: int, gaussian: Image, derivative: Image, smooth: Image, slope: Image
-) -> None:
-    """Apply the symmetric and the antisymmetric filter down the columns at a row."""
-    height, width = pixels.shape
-    radius = len(gaussian) // 2
-    here, centre = pixels[row], gaussian[radius]
-    for x in range(width):
-        smooth[x] = centre * np.float32(here[x])
-        slope[x] = np.float32(0.0)
-    for tap in range(1, radius + 1):
-        before, after = pixels[mirrored(row - tap, height)], pixels[mirrored(row + tap, height)]
-        weight, change = gaussian[radius + tap], derivative[radius + tap]
-        for x in range(width):
-            first, second = np.float32(before[x]), np.float32(after[x])
-            smooth[x] += weight * (second + first)
-            slope[x] += change * (second - first)
-
-
-@compiled_fast_loop
-def _sum_across(pixels: Image, row: int, kernel: Image, sums: Image) -> None:
-    height, width = pixels.shape
-    radius = len(kernel) // 2
-    here, centre = pixels[row], kernel[radius]
-    for x in range(width):
-        sums[x] = centre * np.float32(here[x])
-    for tap in range(1, radius + 1):
-        before, after = pixels[mirrored(row - tap, height)], pixels[mirrored(row + tap, height)]
-        weight = kernel[radius + tap]
-        for x in range(width):
-            sums[x] += weight * (np.float32(before[x]) + np.float32(after[x]))
-
-
-@compiled_loop
-def mirrored(index: int, length: int) -> int:
-    """Fold an index beyond either end back inside, the end itself not repeated."""
-    period = max(2 * (length - 1), 1)
-    folded = index % period
-    return folded if folded < length else period - folded
-
-
-@compiled_loop
-def _mirror_ends(padded: Image, margin: int, width: int) -> None:
-    for step in range(1, margin + 1):
-        padded[margin - step] = padded[margin + mirrored(-step, width)]
-        padded[margin + width - 1 + step] = padded[margin + mirrored(width - 1 + step, width)]
-
-
-@compiled_fast_loop
-def _symmetric_along(padded: Image, margin: int, kernel: Image, answers: Image) -> None:
-    radius = len(kernel) // 2
-    width = len(answers)
-    here, centre = padded[margin:], kernel[radius]
-    for x in range(width):
-        answers[x] = centre * here[x]
-    for tap in range(1, radius + 1):
-        weight = kernel[radius + tap]
-        before, after = padded[margin - tap :], padded[margin + tap :]
-        for x in range(width):
-            answers[x] += weight * (after[x] + before[x])
-
-
-@compiled_fast_loop
-def _antisymmetric_along(padded: Image, margin: int, kernel: Image, answers: Image) -> None:
-    radius = len(kernel) // 2
-    width = len(answers)
-    for x in range(width):
-        answers[x] = np.float32(0.0)
-    for tap in range(1, radius + 1):
-        weight = kernel[radius + tap]
-        before, after = padded[margin - tap :], padded[margin + tap :]
-        for x in range(width):
-            answers[x] += weight * (after[x] - before[x])

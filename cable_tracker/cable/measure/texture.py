@@ -21,7 +21,8 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.measure.border_points import Crossings, padded_count, pixel_at
-from cable_tracker.cable.measure.scanned_gradients import TEXTURE_STEP, ScanLines
+from cable_tracker.cable.measure.scan_lines import ScanLines
+from cable_tracker.cable.measure.texture_sums import TEXTURE_STEP
 from cable_tracker.compilation import compiled_inside
 
 NEAREST_INSIDE, DEPTH_INSIDE = 6.0, 12.0

@@ -11,7 +11,8 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.dead_margins import without_dead_margins
 from cable_tracker.cable.measure.illumination import evenly_lit
-from cable_tracker.cable.measure.scanned_gradients import ScannedFrame, scan_frame, scan_kernels
+from cable_tracker.cable.measure.scan_filters import scan_kernels
+from cable_tracker.cable.measure.scanned_gradients import ScannedFrame, scan_frame
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 from cable_tracker.errors import FrameError
 

@@ -7,14 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.scanned_gradients import (
-    ACROSS,
-    ALONG,
-    TEXTURE_STEP,
-    scan_frame,
-    scan_kernels,
-    summed_texture,
-)
 from cable_tracker.cable.measure.texture import STEP_SLOPE, smoothness, texture_log_ratio
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
@@ -117,16 +109,6 @@ def test_a_smoother_side_never_says_less(left, right, more):
     before = texture_log_ratio(left, right, 1e3)
     assert texture_log_ratio(left + more, right, 1e3) >= before - 1e-9
     assert texture_log_ratio(left, right, 1e3) <= STEP_SLOPE * max(left, right)
-
-
-def test_summed_texture_is_the_running_sum_of_gradients_over_grey_levels(bottom):
-    lines = scan_frame(bottom, 8, scan_kernels(1.6, 3.0, 12)).rows
-    dark, most = 0.5, 0.02
-    modulus = np.hypot(lines.gradients[..., ALONG], lines.gradients[..., ACROSS])
-    relative = np.minimum(modulus / (np.maximum(lines.smooth, 0.0) + dark), most)[::TEXTURE_STEP]
-    sums = summed_texture(lines.gradients, lines.smooth, dark, most)
-    assert (sums[:, 0] == 0.0).all()
-    np.testing.assert_allclose(sums[:, 1:], np.cumsum(relative, axis=1), rtol=1e-4)
 
 
 @given(st.floats(1e-3, 1.0), st.floats(1e-3, 1.0), st.integers(12, 400), st.integers(12, 400))
