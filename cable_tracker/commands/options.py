@@ -11,7 +11,7 @@ import typer
 
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.terminal import messages
-from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.source import ChosenRecording, Source

@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
-from cable_tracker.detection.hough import HoughDetector
+from cable_tracker.detection.baselines.hough import HoughDetector
 from cable_tracker.detection.search_region import scaled_state
 from cable_tracker.metric.homography import Overflight
 from cable_tracker.survey.frame_metres import on_ground

@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.detection.hough import HoughDetector
-from cable_tracker.detection.line_segments import LineSegmentDetector
+from cable_tracker.detection.baselines.hough import HoughDetector
+from cable_tracker.detection.baselines.line_segments import LineSegmentDetector
+from cable_tracker.detection.baselines.segmentation import SegmentationDetector
+from cable_tracker.detection.baselines.texture_detector import TextureDetector
 from cable_tracker.detection.search_region import SearchRegion
-from cable_tracker.detection.segmentation import SegmentationDetector
-from cable_tracker.detection.texture import TextureDetector
 from cable_tracker.errors import FrameError
 
 DETECTORS = [HoughDetector, SegmentationDetector, LineSegmentDetector, TextureDetector]

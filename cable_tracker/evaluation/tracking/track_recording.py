@@ -11,7 +11,7 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.tracker import CableTracker
-from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder

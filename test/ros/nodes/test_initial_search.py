@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.detection.pair_limits import PairLimits
 from cable_tracker.errors import ParameterError
 from cable_tracker.node_parameter_tables import TRACKER_RUNTIME_PARAMETERS

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.detection.texture import Cells, cable_cells, describe_cells
+from cable_tracker.detection.baselines.texture_detector import Cells, cable_cells, describe_cells
 
 STRAIGHTNESS, ABRUPTNESS, DISCONTINUITY, GRANULARITY, BLURRINESS = range(5)
 

@@ -18,12 +18,12 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.detection.baselines.segments import Segments, lines_of_segments
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import gradient_of
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.detection.search_region import SearchRegion, pixel_to_image
-from cable_tracker.detection.segments import Segments, lines_of_segments
 from cable_tracker.errors import ResourceError
 
 SIGMA = 1.0

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.detection.line_segments import LineSegmentDetector
+from cable_tracker.detection.baselines.line_segments import LineSegmentDetector
 from cable_tracker.errors import ResourceError
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.detection.baselines.hough import hough_peaks, zero_crossings
 from cable_tracker.detection.border_lines import turn_between
-from cable_tracker.detection.hough import hough_peaks, zero_crossings
 
 SIZE = (320, 240)
 

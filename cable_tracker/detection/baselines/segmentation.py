@@ -22,11 +22,11 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, IndexArray
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.detection.baselines.segments import Segments, lines_of_segments
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import Gradient, gradient_of, gradient_ridge
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.search_region import SearchRegion, pixel_to_image
-from cable_tracker.detection.segments import Segments, lines_of_segments
 
 SIGMA = 1.5
 """Sigma of the smoothing before the gradient is taken [px at the reference width]."""

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cable_tracker.detection.detectors import DETECTORS
+from cable_tracker.detection.baselines.detectors import DETECTORS
 
 
 @pytest.mark.parametrize("name", DETECTORS)

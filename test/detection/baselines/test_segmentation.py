@@ -4,8 +4,12 @@ import cv2
 import numpy as np
 
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.detection.baselines.segmentation import (
+    make_grid,
+    region_contours,
+    straight_segments,
+)
 from cable_tracker.detection.edges import gradient_of
-from cable_tracker.detection.segmentation import make_grid, region_contours, straight_segments
 
 
 def smooth(image):
