@@ -12,7 +12,7 @@ from cable_tracker.errors import FrameError
 
 COLUMN_STEPS = np.array([1, 1, 0, -1, -1, -1, 0, 1])
 ROW_STEPS = np.array([0, -1, -1, -1, 0, 1, 1, 1])
-"""Of the orientations k pi/4: counter-clockwise as one sees it, rows counted downwards."""
+"""Row and column steps of the orientations k pi/4, counter-clockwise, rows counted downwards."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,7 +24,8 @@ class Chain:
     points : IndexArray
         Column and row of every point, shape (M, 2) [px].
     orientations : IndexArray
-        Of the step from each point to the next, 0 to 7, in pi/4, shape (M,); empty for one point.
+        Orientation of the step from each point to the next, 0 to 7, in pi/4, shape (M,); empty for
+        one point.
     """
 
     points: IndexArray

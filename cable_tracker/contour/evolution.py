@@ -17,7 +17,7 @@ Window: TypeAlias = tuple[int, int, int, int]
 """First column, first row, and the column and row after the last [px]."""
 
 SEVERAL = 1000
-"""Iterations that hardly any contour needs."""
+"""Default limit of the iterations: hardly any contour needs as many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class ContourSettings:
         eps_N: the regulariser acts only where the lengths of the two lists differ by more than this
         share; negative: always. The thesis gives no value; its figure 2 implies less than 0.027.
     iterations : int
-        At most so many.
+        Largest number of iterations.
     flooding : bool
         Whether points that join a list are looked at in the same scan, so that one iteration can
         carry the contour any distance; otherwise by about a pixel.
@@ -54,7 +54,7 @@ class Contour:
     levels : Levels
         Level set, shape of the picture.
     iterations : int
-        Done.
+        Number of iterations that were done.
     converged : bool
         Whether the last iteration switched no point.
     inside_count : int
@@ -101,11 +101,11 @@ def evolve_by_means(
     start : BoolArray
         Inside at the start, of the same shape.
     settings : ContourSettings
-        How it evolves.
+        Settings of the contour.
     window : Window or None
         Points beyond it keep their side and do not count; None: the whole picture.
     recorded : int
-        How many changes of energy to return.
+        Number of changes of energy to return.
 
     Raises
     ------

@@ -24,7 +24,7 @@ def edge_speed(image: NDArray[np.float32], sigma: float, gain: float = 1.0) -> F
     image : array
         Intensities in [0, 1], shape (H, W).
     sigma : float
-        Of the Gaussian G [px].
+        Sigma of the Gaussian G [px].
     gain : float
         Factor on the gradient [px]; 1 in the thesis.
     """
@@ -104,9 +104,9 @@ def arrival_times(speed: FloatArray, seeds: BoolArray, latest: float) -> FloatAr
     speed : FloatArray
         phi, positive, shape (H, W) [px per unit of time].
     seeds : BoolArray
-        Where the front is at time 0, of the same shape.
+        Pixels of the front at time 0, of the same shape.
     latest : float
-        When to stop.
+        Time at which the front stops.
     """
     height, width = speed.shape
     times = np.full(height * width, math.inf)

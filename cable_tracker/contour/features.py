@@ -23,7 +23,7 @@ class FeaturePoint:
     Attributes
     ----------
     index : int
-        Of the point in the chain.
+        Index of the point in the chain.
     is_convex : bool
         Whether the outline turns to the left after it, as round a bulge; of the start: False.
     """

@@ -38,7 +38,7 @@ def histogram_energy(first: FloatArray, second: FloatArray) -> float:
     Parameters
     ----------
     first, second : FloatArray
-        Of `features.segment_histograms`, shape (segments, 8).
+        Histograms of `features.segment_histograms`, shape (segments, 8).
     """
     count = max(len(first), len(second))
     padded = [np.vstack((rows, np.zeros((count - len(rows), 8)))) for rows in (first, second)]

@@ -84,9 +84,9 @@ class Regions(NamedTuple):
     edges : PointList
         Their points beside the contour, shape (2, H W).
     edge_sizes, sizes : IndexArray
-        How many these are, and how many points there are in all, shape (2,).
+        Number of the points beside the contour, and of all points, shape (2,).
     sums : FloatArray
-        Of the data of their points, shape (2,).
+        Sums of the data over their points, shape (2,).
     """
 
     edges: PointList
@@ -117,17 +117,17 @@ def switch_points(
     Parameters
     ----------
     data : array
-        Shape (H, W): intensities, or what speaks for the inside as a log-likelihood ratio.
+        Intensities, or log-likelihood ratios of the inside, shape (H, W).
     levels : Levels
-        Start; afterwards the contour.
+        Level set of the start; afterwards that of the contour, shape (H, W).
     settings : SwitchingSettings
         `by_means`: Chan-Vese's energy of intensities, (15) and (16), or that of the log-likelihood
         ratio. `regulariser`, `balance`: rho_1 and eps_N of (17) and (18). `flooding`: look at
         points that join a list during its scan in the same scan.
     most_iterations : int
-        Limit.
+        Largest number of iterations.
     changes : FloatArray
-        Shape (K,): takes the changes of energy of the first K switches.
+        Filled in with the changes of energy of the first K switches, shape (K,).
 
     Returns
     -------

@@ -21,9 +21,9 @@ class Detection:
     Attributes
     ----------
     state : CableState
-        Where it runs [px, rad]; a single picture tells no rates, they are 0.
+        State of the cable [px, rad]; a single picture tells no rates, they are 0.
     score : float
-        How well it is seen, from 0 to 1. Comparable within one detector only.
+        Clearness of the cable, from 0 to 1. Comparable within one detector only.
     """
 
     state: CableState

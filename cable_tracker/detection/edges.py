@@ -29,8 +29,8 @@ class Gradient:
     modulus : Image
         Length of the gradient, float32, shape (h, w).
     scale : float
-        What the picture has everywhere: a robust standard deviation of x and y, at least
-        `GRADIENT_FLOOR`. A cable covers too little of the picture to move the median.
+        Robust standard deviation of x and y over the picture, at least `GRADIENT_FLOOR`. A cable
+        covers too little of the picture to move the median.
     """
 
     x: Image
@@ -74,7 +74,7 @@ class EdgePoints:
     positions : FloatArray
         x, y in the image frame [px], shape (P, 2).
     directions : FloatArray
-        Where it gets brighter [rad], counter-clockwise from +x, (-pi, pi], shape (P,).
+        Direction of the gradient [rad], counter-clockwise from +x, (-pi, pi], shape (P,).
     contrasts : FloatArray
         Modulus of the gradient over the frame's scale, shape (P,).
     """

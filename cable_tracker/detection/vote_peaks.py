@@ -61,7 +61,7 @@ def strongest_lines(
     Parameters
     ----------
     votes : Image
-        As of `empty_votes`, the ends repeated.
+        Votes as of `empty_votes`, the ends repeated.
     offset_bin, middle : float, int
         Width of a bin of offsets [px], and number of the bin of offset zero.
     most : int

@@ -74,7 +74,7 @@ def update_existence(
     Parameters
     ----------
     predicted : PredictedExistence
-        Before the observation.
+        Probabilities before the observation.
     log_evidence : float
         Logarithm of the likelihood ratio, observation with the thing against without it, averaged
         over the predicted density whose mass is `predicted.total`.

@@ -17,9 +17,9 @@ class Particles:
     Attributes
     ----------
     states : FloatArray
-        Shape (N, k), N >= 1.
+        States, shape (N, k), N >= 1.
     log_weights : FloatArray
-        Shape (N,), normalised: the exponentials sum to one.
+        Log-weights, shape (N,), normalised: the exponentials sum to one.
 
     Raises
     ------

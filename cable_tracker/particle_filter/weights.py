@@ -17,7 +17,7 @@ class NormalisedWeights(NamedTuple):
     Attributes
     ----------
     log_weights : FloatArray
-        Shape (N,).
+        Normalised log-weights, shape (N,).
     log_evidence : float
         Logarithm of the sum of the weights before they were normalised; -inf if degenerate, inf if
         a weight was infinite.
@@ -84,7 +84,7 @@ def normalise_log_weights(log_weights: FloatArray) -> NormalisedWeights:
     Parameters
     ----------
     log_weights : FloatArray
-        Shape (N,), N >= 1.
+        Log-weights, shape (N,), N >= 1.
     """
     peak, infinite = -math.inf, 0
     for value in log_weights:

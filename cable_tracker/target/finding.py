@@ -32,7 +32,7 @@ class Finding:
     presence : float
         Probability that the target is in view.
     effective_sample_size, score : float
-        As in `TargetEstimate`.
+        N_eff and score, see `TargetEstimate`.
     supports_claim, supports_keeping : bool
         Whether the frame speaks for claiming the target, and for going on to claim it.
     """
@@ -55,7 +55,7 @@ class TargetEngine(ABC):
     Parameters
     ----------
     parameters : TargetParameters
-        All of them.
+        The tracker's parameters.
     rng : numpy.random.Generator
         The only source of randomness.
     """

@@ -25,9 +25,9 @@ class TargetGroup:
     Parameters
     ----------
     count : int
-        How many, one at least.
+        Number of targets, at least one.
     parameters : TargetParameters
-        Of all; the seeds follow one another.
+        Parameters of all trackers; the seeds follow one another.
     """
 
     def __init__(self, count: int, parameters: TargetParameters) -> None:
@@ -39,7 +39,7 @@ class TargetGroup:
 
     @property
     def trackers(self) -> tuple[TargetTracker, ...]:
-        """Of every target one."""
+        """The trackers, one of each target."""
         return self._trackers
 
     @property

@@ -57,9 +57,9 @@ def parse_parameters(text: str, path: str, node: str = "tracker") -> dict[str, o
     Parameters
     ----------
     text : str
-        What is in the file.
+        Content of the file.
     path : str
-        What it is called in messages.
+        Name of the file in messages.
     node : str
         Name of the node whose sections count.
 
@@ -124,7 +124,7 @@ def format_values(
     Parameters
     ----------
     table : iterable of ParameterSpec
-        What to write, in this order.
+        Parameters to write, in this order.
     values : mapping
         The value of each.
     title : str

@@ -46,11 +46,11 @@ class StatusMachine:
     Attributes
     ----------
     status : TrackingStatus
-        What is claimed now.
+        Status that is published.
     time_towards_change : float
         Time for which consecutive frames supported leaving the present status [s].
     unclaimed_time : float
-        How long no target has been claimed, or since the last start from random [s].
+        Time since a target was last claimed, or since the search last began anew [s].
     is_given_with_certainty : bool
         Whether a target was given by an operator or planner, not guessed, and none has been claimed
         since.

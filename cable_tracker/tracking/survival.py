@@ -66,6 +66,6 @@ def share_about_last_place(seconds: float, memory_time: float) -> float:
     seconds : float
         Time since it was last seen [s].
     memory_time : float
-        After which it counts for 1/e [s].
+        Time constant of the share [s].
     """
     return (1.0 - SEARCH_SHARE) * max(math.exp(-seconds / memory_time), LEAST_FADING)

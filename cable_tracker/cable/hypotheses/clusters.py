@@ -114,7 +114,7 @@ def find_groups(
     radii : FloatArray
         `RADII` for frames of this size, shape (4,) [px, rad].
     anchors : FloatArray
-        Where the first group is looked for, shape (0 or 1, 8).
+        State about which the first group is found, shape (0 or 1, 8).
     """
     labels = np.full(len(states), NO_CLUSTER, np.int64)
     gathered = np.empty(len(states), np.bool_)

@@ -50,7 +50,7 @@ class Prediction(NamedTuple):
     density : PredictedDensity
         The density f of cables in view.
     prior : PriorPresence
-        What the log-odds of the hypotheses are updated from.
+        Prior of the log-odds of the hypotheses.
     """
 
     expected: FloatArray

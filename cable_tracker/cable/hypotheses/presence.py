@@ -26,12 +26,12 @@ LOWEST, HIGHEST = math.log(1e-3 / (1.0 - 1e-3)), 5.0
 
 
 class PriorPresence(NamedTuple):
-    """What is known of J hypotheses of the frame before, when the next frame comes.
+    """Prior of the log-odds in a frame, from J hypotheses of the frame before.
 
     Attributes
     ----------
     expected : FloatArray
-        Where they are expected, the one that leads first, shape (J, 8).
+        Their expected states, the leading one first, shape (J, 8).
     log_odds : FloatArray
         Log-odds that they were cables, shape (J,) [nats].
     survival, appearance : float

@@ -109,9 +109,9 @@ def find_shadows(
     Parameters
     ----------
     states : FloatArray
-        Shape (N, 8), in one chart.
+        The particles, shape (N, 8), in one chart.
     possible : BoolArray
-        Which of them may be cables, shape (N,).
+        Whether each of them is a possible cable, shape (N,).
     measured : CableLogRatios
         Their log-likelihood ratios; it may have more rows.
     rules : ShadowRules

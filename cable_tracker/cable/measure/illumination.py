@@ -91,7 +91,7 @@ def _robust_fit(levels: FloatArray, terms: FloatArray) -> tuple[FloatArray, floa
     Returns
     -------
     fitted : FloatArray
-        Shape (C,).
+        Logarithm of the light at each cell, shape (C,).
     unexplained : float
         Variance of the residuals over that of the levels.
     """

@@ -21,11 +21,11 @@ class ScanKernels(NamedTuple):
     Attributes
     ----------
     gaussian, derivative : Image
-        Of one length: the smoothing filter, and its derivative, which answers a ramp of slope one
-        with one.
+        Smoothing filter, and its derivative, of the same length; the derivative's answer to a ramp
+        of slope one is one.
     region : Image
-        The wide smoothing filter, without the fine texture; shape (0,) where gradients alone are
-        looked at: all other measures are zero then.
+        Wide smoothing filter, which takes away the fine texture; shape (0,) where only gradients
+        are asked for: all other measures are zero then.
     contrast_lag : int
         Distance of the places whose difference is the contrast [px].
     """

@@ -58,7 +58,7 @@ class CableEstimate:
     presence : float or None
         Probability that a cable is in view, 0 to 1; None where the filter has no notion of it.
     hypotheses : tuple of Hypothesis
-        Where the cable may be, likeliest first. The first is that of `state`.
+        Hypotheses of the cable, likeliest first. The first is that of `state`.
     """
 
     stamp: int

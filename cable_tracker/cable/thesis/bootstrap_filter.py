@@ -52,9 +52,9 @@ class BootstrapFilter(CableFilter[BootstrapBelief]):
     Parameters
     ----------
     parameters : TrackerParameters
-        All of them.
+        The tracker's parameters.
     observation : Observation
-        How a frame weighs cables.
+        Observation model, which gives the log-likelihoods of cables in a frame.
     image_width : int
         Width of the frames [px].
     rng : numpy.random.Generator

@@ -75,7 +75,7 @@ class Cells:
     positions : FloatArray
         Middle of the contours in the cell, in the image frame [px], shape (K, 2).
     directions : FloatArray
-        Where it gets brighter across these contours [rad], shape (K,).
+        Direction of the gradient across these contours [rad], shape (K,).
     """
 
     descriptors: FloatArray

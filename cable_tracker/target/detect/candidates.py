@@ -21,22 +21,22 @@ TILE = 30
 """Distance between seeds [px] (Ha, chapter 7)."""
 
 SEED_RADIUS = 8
-"""Of the disc that a contour starts from [px]."""
+"""Radius of the disc that a contour starts from [px]."""
 
 ITERATIONS = 12
-"""Of a seed's contour at most."""
+"""Largest number of iterations of a seed's contour."""
 
 LEAST_CONTRAST = 0.12
 """Difference of the means of an accepted contour, intensities being 0 to 1."""
 
 LEAST_SHARE, MOST_SHARE = 0.0008, 0.3
-"""Of the picture that a proposed outline fills."""
+"""Limits of the share of the picture that a proposed outline fills."""
 
 LEAST_WORTH = 0.03
-"""Of a candidate: what texture alone makes stays below."""
+"""Minimum worth of a candidate: that of texture alone stays below."""
 
 LEAST_SOLIDITY = 0.75
-"""Of a proposed outline's area in that of its convex hull."""
+"""Minimum share of a proposed outline's area in that of its convex hull."""
 
 MARCH_TIME, MARCH_GAIN, MARCH_SIGMA = 1.6, 25.0, 1.2
 """Arrival in widths of the picture after which what the front has not entered is enclosed; gain on

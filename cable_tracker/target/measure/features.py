@@ -12,10 +12,10 @@ from cable_tracker.arrays import Image
 from cable_tracker.compilation import compiled
 
 COLOUR_BINS = (8, 16, 16)
-"""Of luma and the two chromas."""
+"""Numbers of bins of luma and the two chromas."""
 
 GREY_BINS = (24, 8, 1)
-"""Of luma and texture."""
+"""Numbers of bins of luma and texture, and one."""
 
 OUTERMOST = 0.5
 """Percentage of the pixels below the lowest and above the highest bin's middle range."""
@@ -34,7 +34,7 @@ class Bins:
     Attributes
     ----------
     lookups : array
-        What each value of each channel adds to the number of the bin, uint16, shape (3, 256).
+        Summand of each value of each channel in the number of the bin, uint16, shape (3, 256).
     shape : (int, int, int)
         Bins of each channel.
     """

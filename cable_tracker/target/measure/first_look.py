@@ -85,11 +85,11 @@ def look_first(
     is_exact : bool
         Whether the mask is an outline; of a box, what belongs to the target is worked out.
     points : int
-        Of the template, inside and around.
+        Number of points of the template inside, and of those around.
     limit : float
         Largest log-ratio.
     settings : ContourSettings
-        How the contour evolves.
+        Settings of the contour.
 
     Raises
     ------

@@ -29,7 +29,7 @@ class MeasuredFrame:
     ratios : array
         log p(pixel | target) / p(pixel | surroundings), float32, shape (H, W).
     hues : HueModel
-        What the histogram of a whole region is compared with.
+        Hues of the target, with which the histogram of a whole region is compared.
     """
 
     frame: WorkingFrame

@@ -30,11 +30,11 @@ class Outline:
     Attributes
     ----------
     mask : BoolArray
-        Shape (bottom - top, right - left).
+        Pixels inside, shape (bottom - top, right - left).
     window : Window
-        Where it is.
+        Window of the mask in the working image.
     overlap : float
-        With the template at the estimated pose: intersection over union.
+        Intersection over union with the template at the estimated pose.
     """
 
     mask: BoolArray
@@ -105,7 +105,7 @@ def find_outline(
     softness : float
         Distance from its outline at which the prior's odds are e : 1, in units of the template.
     settings : ContourSettings
-        How the contour evolves.
+        Settings of the contour.
 
     Returns
     -------
@@ -154,13 +154,13 @@ def distances_at(
     template : array
         Its distances, shape (SIDE, SIDE).
     column, row : float
-        Where its origin is [px].
+        Pixel of the template's origin [px].
     size : float
         Length of a unit [px].
     angle : float
         Counter-clockwise [rad].
     height, width : int
-        Of the result.
+        Size of the result [px].
     """
     result = np.empty((height, width), np.float32)
     middle = (SIDE - 1) / 2

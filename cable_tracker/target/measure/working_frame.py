@@ -18,7 +18,7 @@ COLOURLESS = 3
 """Pictures of which hardly a pixel's chroma is farther from grey are taken for grey."""
 
 COLOURED_SHARE = 0.01
-"""Of the pixels of a picture that is coloured, at least."""
+"""Minimum share of coloured pixels in a picture that counts as coloured."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

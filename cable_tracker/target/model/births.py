@@ -35,9 +35,9 @@ class Births:
     last : FloatArray
         Pose when it was last in view, shape (6,).
     seconds : float
-        How long ago that was [s].
+        Time since then [s].
     memory_time : float
-        After which that place counts for 1/e [s].
+        Time constant of the share of births about that place [s].
     shape : (int, int)
         Rows and columns of the picture.
     """

@@ -29,13 +29,13 @@ class TargetEstimate:
         x, y, log scale, angle, v_x, v_y, shape (6,); origin at the image centre, y up [px, rad, per
         second]. The scale is that against the start. Zeros before the first target.
     covariance : FloatArray
-        Of its error, shape (6, 6).
+        Covariance of its error, shape (6, 6).
     box : Box or None
         Around the outline; None before the first target.
     outline : FloatArray
         Corners of the contour, column and row from the top left corner [px], shape (K, 2).
     area : float
-        Of the contour [px²].
+        Area of the contour [px²].
     is_whole : bool
         Whether the contour agrees with the expected shape and does not reach the border, so that
         its size means something.

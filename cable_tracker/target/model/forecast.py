@@ -32,7 +32,7 @@ def relative_kernels(
     points, centres : FloatArray
         Shapes (N, 4 or more) and (M, 4).
     scales : FloatArray
-        Of the four axes, shape (4,).
+        Scales of the kernels along the four axes, shape (4,).
     tail : float
         Degrees of freedom.
     """
@@ -90,11 +90,11 @@ class Proposal:
     Attributes
     ----------
     kernels : KernelMixture
-        Of poses.
+        Kernels over poses.
     weights : FloatArray
-        Of the kernels, summing to one.
+        Weights of the kernels, summing to one.
     share : float
-        Of the particles that come from this part.
+        Share of the particles that come from this part.
     """
 
     kernels: KernelMixture
@@ -125,15 +125,15 @@ class Forecast:
     kernels : KernelMixture
         About the moved ancestors; shape (M, 4) of centres.
     rates : FloatArray
-        Of the ancestors, shape (M, 2).
+        Rates of the ancestors, shape (M, 2).
     alive : FloatArray
         Shares of the ancestors by their survival, shape (M,), summing to one.
     births : Births
-        Where what jumps or comes into view is.
+        Density of the places of what jumps or comes into view.
     predicted : PredictedExistence
         Probabilities of both.
     jump_share : float
-        Of the survivors.
+        Share of the survivors that jump.
     """
 
     kernels: KernelMixture
@@ -154,8 +154,8 @@ class Forecast:
         Returns
         -------
         tuple of FloatArray
-            Of the belief, whose mass is the probability that the target is in view, shape (N,); of
-            the births, shape (N,); and the kernels over their peak, shape (N, M).
+            Log-density of the belief, whose mass is the probability that the target is in view,
+            shape (N,); that of the births, shape (N,); kernels over their peak, shape (N, M).
         """
         kernels = kernels_of(states, self.kernels)
         birth = self.births.log_density(states)

@@ -72,9 +72,9 @@ def make_template(distances: NDArray[np.float32], size: float, points: int) -> T
     Parameters
     ----------
     distances, size
-        As in `Template`.
+        Distance map and size, see `Template`.
     points : int
-        How many inside and around, each; fewer only where the shape is as good as nothing.
+        Number of points inside, and of those around; fewer for a shape of hardly any area.
     """
     inside, around = spread_points(distances, points, RING[0], RING[1])
     return Template(distances, size, inside, around)
@@ -111,13 +111,13 @@ def distances_about(
     Parameters
     ----------
     mask : BoolArray
-        Shape (H, W).
+        Pixels of the target, shape (H, W).
     centre : (float, float)
-        Where the template's origin is, from the image centre, y up [px].
+        Origin of the template from the image centre, y up [px].
     size : float
         Length of a unit [px].
     angle : float
-        Of the template in the image [rad].
+        Angle of the template in the image [rad].
     """
     return _into_template(signed_distances(mask), centre[0], centre[1], size, angle)
 
@@ -156,9 +156,9 @@ def spread_points(
     Parameters
     ----------
     distances : array
-        Of the shape, shape (SIDE, SIDE), in units.
+        Distance map of the shape, shape (SIDE, SIDE), in units.
     count : int
-        How many of either; fewer where hardly any place fits.
+        Number of points of either kind; fewer where hardly any place fits.
     nearest, farthest : float
         Distances from the outline within which the ring lies.
     """

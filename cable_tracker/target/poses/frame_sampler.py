@@ -36,18 +36,18 @@ OWN_REACH = 0.8
 
 
 class ProposalCounts(NamedTuple):
-    """How many particles each part of the proposal draws.
+    """Numbers of particles that are drawn from each part of the proposal.
 
     Attributes
     ----------
     followed : int
-        About those of the frame before.
+        Number drawn about particles of the frame before.
     maxima : int
-        About maxima of the map of log-ratios.
+        Number drawn about maxima of the map of log-ratios.
     search : int
-        Where a target may come into view.
+        Number drawn where a target may come into view.
     refined : int
-        About the best of all these.
+        Number drawn about the best of all these.
     """
 
     followed: int
@@ -99,7 +99,7 @@ class DrawnParticles:
     Attributes
     ----------
     states : FloatArray
-        Shape (N, 6).
+        The particles, shape (N, 6).
     log_prior, log_proposal : FloatArray
         Log-densities of the forecast and of what they were drawn from, shape (N,).
     scores : FloatArray
@@ -122,7 +122,7 @@ class FrameSampler:
     Attributes
     ----------
     belief : PoseBelief
-        After the frame before, carried on to this one.
+        Belief after the frame before, carried on to this one.
     forecast : Forecast
         Forecast of the belief for this frame.
     measured : MeasuredFrame
@@ -130,7 +130,7 @@ class FrameSampler:
     dt : float
         Time since the frame before [s].
     parameters : TargetParameters
-        All of them.
+        The tracker's parameters.
     """
 
     belief: PoseBelief
@@ -179,7 +179,7 @@ class FrameSampler:
         spread: tuple[float, float, float],
         count: int,
     ) -> Proposal:
-        """Return the proposal of so many particles about poses (K, 4) with weights (K,)."""
+        """Return the proposal of `count` particles about poses (K, 4) with weights (K,)."""
         size = self.belief.size
         scales = np.array([spread[0] * size, spread[0] * size, spread[1], spread[2]])
         kernels = kernel_mixture(poses, scales, DRAWN_TAIL, weights)

@@ -52,7 +52,7 @@ class KnownTarget:
     usual_log_scale : float
         Running mean of the log scale.
     births : Births
-        Where it comes into view.
+        Density of the places where it comes into view.
     first_size : float
         Root of its area when it was marked [px].
     adaptations : int
@@ -209,7 +209,7 @@ def adapted_to_contour(
     shown : ShownTarget
         Histograms within and around it.
     parameters : TargetParameters
-        All of them.
+        The tracker's parameters.
     angle : float
         Angle of the target [rad].
     score : float

@@ -37,7 +37,7 @@ class PoseBelief:
     presence : float
         Probability that the target is in view.
     known : KnownTarget
-        How it looks, and how large it is.
+        Shape, appearance, usual scores and size of the target.
     rivals : RivalWatch
         Others that look like it.
     """
@@ -55,7 +55,7 @@ class PoseBelief:
 
     @property
     def angle(self) -> float:
-        """Of the estimate [rad]."""
+        """Angle of the estimate [rad]."""
         return float(self.estimate[PoseColumn.ANGLE])
 
     def aged(
@@ -97,13 +97,13 @@ def forecast_of(
     Parameters
     ----------
     belief : PoseBelief
-        After the frame before.
+        Belief after the frame before.
     shape : (int, int)
         Rows and columns of the frame.
     dt : float
         Time since the frame before [s].
     parameters : TargetParameters
-        All of them.
+        The tracker's parameters.
     rng : numpy.random.Generator
         Draws the particles that go on.
     """

@@ -70,7 +70,7 @@ class PoseFilter(TargetEngine):
     Parameters
     ----------
     parameters : TargetParameters
-        All of them.
+        The tracker's parameters.
     rng : numpy.random.Generator
         The only source of randomness.
     """
@@ -195,7 +195,7 @@ def estimate_and_adapt(
     weights : FloatArray
         Weights of the particles that make the estimate, shape (N,).
     parameters : TargetParameters
-        All of them.
+        The tracker's parameters.
     """
     p, known, frame = parameters, belief.known, measured.frame
     softness = p.prior_softness if frame.is_coloured else p.grey_prior_softness

@@ -30,9 +30,9 @@ def presence_by_scores(
     Parameters
     ----------
     sampler : FrameSampler
-        Of the frame.
+        Sampler of the frame.
     drawn : DrawnParticles
-        What it drew.
+        Particles that it drew.
     rng : numpy.random.Generator
         Draws places for clutter.
     """

@@ -60,7 +60,8 @@ class RivalWatch:
         Parameters
         ----------
         distances : FloatArray
-            Of what looks like the target from where it was, in roots of its area, shape (K,).
+            Distances of what looks like the target from its last place, in roots of its area, shape
+            (K,).
         """
         if not are_beside(distances):
             return replace(self, frames=0)

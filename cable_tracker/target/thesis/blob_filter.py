@@ -75,7 +75,7 @@ class Blob:
     mask : BoolArray
         In its window.
     left, top : int
-        Where the window is.
+        Column and row of the window's first pixel.
     image_energy : float
         Variance about the two means, per pixel of the window: (9) over its area.
     shape_energy : float
@@ -98,7 +98,7 @@ class BlobFilter(TargetEngine):
     Parameters
     ----------
     parameters : TargetParameters
-        All of them.
+        The tracker's parameters.
     rng : numpy.random.Generator
         The only source of randomness.
     """

@@ -45,11 +45,11 @@ class BorderModel:
     Attributes
     ----------
     at_border : bool
-        Of the two models, the one for the border.
+        Whether the model for the border is in force, not the generic one.
     unseen : int
         Frames without a contour worth evolving.
     x, y : float
-        Where it was last, from the image centre, y up [px].
+        Place of the target when last seen, from the image centre, y up [px].
     """
 
     at_border: bool = False
