@@ -20,15 +20,18 @@ from cable_tracker.example_controller.line_of_sight import (
     LineOfSight,
 )
 
-NEAR, NEAR_TURNED = 0.3, math.radians(20.0)
+NEAR, NEAR_TURNED = 0.2, math.radians(20.0)
 """How far from where it is expected, and how askew, the cable may appear [m, rad]."""
 
-GATE_GROWTH, GATE_TURN, MOST_TURNED = 0.25, math.radians(5.0), math.radians(45.0)
+GATE_GROWTH, GATE_TURN, MOST_TURNED = 0.15, math.radians(5.0), math.radians(45.0)
 """How much farther, and how much more askew, for each metre since it was seen [m/m, rad/m], and how
 askew at most [rad]."""
 
 PROVEN = 2.0
 """A cable that is lost again before it was followed so far may have been something else [m]."""
+
+FORMER_COUNTS = 10.0
+"""The line before the present one may be the cable's for this way from where it was left [m]."""
 
 
 class Mode(Enum):
@@ -115,6 +118,7 @@ class Controller:
         self._command = STOP
         self._sighting: RememberedLine | None = None
         self._line: RememberedLine | None = None
+        self._former_line: RememberedLine | None = None
 
     @property
     def mode(self) -> Mode:
@@ -163,14 +167,13 @@ class Controller:
         What is followed must go on where it was a moment ago; what is found, where the line leads.
         """
         line = self._sighting if self._mode is Mode.FOLLOWING else self._line
-        if pose is None or line is None:
+        if pose is None or line is None or _lies_along(cable, line, pose):
             return True
-        expected = line.seen_from(pose)
-        way = max(line.progress(pose), 0.0)
-        near, near_turned = NEAR + GATE_GROWTH * way, NEAR_TURNED + GATE_TURN * way
-        turned = abs(math.remainder(cable.heading - expected.heading, math.pi))
-        is_near = abs(cable.offset - expected.offset) < near
-        return is_near and turned < min(near_turned, MOST_TURNED)
+        former = self._former_line
+        if self._mode is Mode.FOLLOWING or former is None or former.progress(pose) > FORMER_COUNTS:
+            return False
+        # What was followed since may have been something else, for all its length.
+        return _lies_along(cable, former, pose)
 
     def _without(self, time: float, seconds: float, pose: Pose | None) -> Command:
         """Return the command while the cable is not seen."""
@@ -200,4 +203,13 @@ class Controller:
         search goes on along the line from before. A single sighting is better than no line at all.
         """
         if self._line is None or self._memory.way >= PROVEN:
-            self._line = self._memory.line() or self._line or self._sighting
+            former, self._line = self._line, self._memory.line() or self._line or self._sighting
+            self._former_line = former
+
+
+def _lies_along(cable: Cable, line: RememberedLine, pose: Pose) -> bool:
+    """Tell whether what is seen from a pose may be what a line leads to."""
+    expected, way = line.seen_from(pose), max(line.progress(pose), 0.0)
+    turned = abs(math.remainder(cable.heading - expected.heading, math.pi))
+    is_near = abs(cable.offset - expected.offset) < NEAR + GATE_GROWTH * way
+    return is_near and turned < min(NEAR_TURNED + GATE_TURN * way, MOST_TURNED)

@@ -136,7 +136,7 @@ def test_what_lies_elsewhere_is_not_the_cable(following, other):
     assert following.mode is not Mode.FOLLOWING
 
 
-@pytest.mark.parametrize("other", [Cable(0.45, 0.0), Cable(0.0, math.radians(24.0))])
+@pytest.mark.parametrize("other", [Cable(0.35, 0.0), Cable(0.0, math.radians(24.0))])
 def test_soon_after_the_loss_the_cable_is_near_the_line_and_later_it_may_have_bent(other):
     soon, late = Trial(), Trial()
     for trial, seconds in ((soon, 1.0), (late, 10.0)):
@@ -179,6 +179,20 @@ def test_a_find_that_is_lost_again_soon_does_not_turn_the_search_away(following)
         pass
     assert following.mode is Mode.SEARCHING
     assert abs(following.pose.y) < 0.2
+
+
+def test_the_cable_is_known_again_after_something_else_was_followed_for_long(following):
+    for _ in following.sees_nothing(6.0):
+        pass
+    furrow = RememberedLine(following.pose.x, following.pose.y + 0.1, math.radians(25.0))
+    for _ in range(80):
+        following.sees(furrow.seen_from(following.pose))
+    for _ in following.sees_nothing(3.0):
+        pass
+    assert following.mode is Mode.SEARCHING
+    assert following.pose.y > 0.5
+    following.sees_the_x_axis(1.0)
+    assert following.mode is Mode.FOLLOWING
 
 
 def test_a_find_that_was_followed_for_long_is_the_new_line(following):
