@@ -119,5 +119,5 @@ def jump_density(state: FloatArray, jump: BorderJump) -> float:
             total += math.exp(-0.5 * squared)
     scales = jump.offset_sigma * ANGLE_SIGMA * SKEW_SIGMA * math.pow(2.0 * math.pi, 1.5)
     # Both limits may be the same.
-    octaves = max(math.log(jump.widest / jump.narrowest), LEAST_RANGE)
-    return float(total / (COMBINATIONS * scales * width * octaves))
+    log_range = max(math.log(jump.widest / jump.narrowest), LEAST_RANGE)
+    return float(total / (COMBINATIONS * scales * width * log_range))

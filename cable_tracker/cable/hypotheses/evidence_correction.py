@@ -24,6 +24,9 @@ from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import masked_log_sum_exp
 
+SURVIVED = 0.5
+"""Least share of survivors of the frame before in the prior mass of a surviving group."""
+
 
 class EvidenceLimits(NamedTuple):
     """Limits of the correction.
@@ -159,7 +162,7 @@ def reference_group(found: GroupEvidence) -> int:
     """Return the label of the surviving group of largest prior mass; `NO_CLUSTER` if none is."""
     reference, heaviest = NO_CLUSTER, -np.inf
     for label in range(len(found.prior_mass) - 1):
-        if found.survived_share[label] > 0.5 and found.prior_mass[label] > heaviest:
+        if found.survived_share[label] > SURVIVED and found.prior_mass[label] > heaviest:
             reference, heaviest = label, found.prior_mass[label]
     return reference
 

@@ -282,8 +282,8 @@ class TrackerParameters(ParameterSet):
         "s",
         0.0,
         1e6,
-        "So long a hypothesis is held for a cable, clear enough for a first claim (see"
-        " `evidence_to_find`), and it is known.",
+        "Time for which a hypothesis is held for a cable, clear enough for a first claim (see"
+        " `evidence_to_find`), until it is known.",
     )
     evidence_repeated: float = number(
         0.2,
