@@ -94,7 +94,7 @@ def tracker(world: Any) -> Tracker:
     return Tracker(world)
 
 
-@pytest.mark.parametrize(("offset", "heading"), [(0.2, 0.0), (0.0, 0.2)])
+@pytest.mark.parametrize(("offset", "heading"), [(0.08, 0.0), (0.0, 0.15)])
 def test_a_cable_to_the_left_turns_the_vehicle_to_the_left(world, tracker, offset, heading):
     world.controller(**PATIENT)
     tracker.is_heard()
