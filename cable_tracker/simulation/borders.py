@@ -16,7 +16,8 @@ POINT_COUNT = 261
 """Points along each border, at equal angles as seen from above the cable."""
 
 WIDEST_ANGLE = np.deg2rad(86.0)
-"""How far from the vertical the borders are followed, to the front and to the back [rad]."""
+"""Largest angle from the vertical up to which the borders are followed, to the front and to the
+back [rad]."""
 
 FADE = 8.0
 """Points outside the image count less and less, with this decay [px at a width of 320]."""

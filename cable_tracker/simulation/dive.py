@@ -39,14 +39,14 @@ FOCAL = 280.0
 """Focal length of all cameras [px at a width of 320]."""
 
 CABLE_RADIUS = 0.08
-"""[m]."""
+"""Radius of the cable [m]."""
 
 BATCH = 32
-"""Frames whose geometry is worked out at once, whatever the length of the dive: arrays of one shape
-give the same numbers, bit for bit."""
+"""Number of frames whose geometry is computed at once, whatever the length of the dive: arrays of
+one shape give the same numbers, bit for bit."""
 
 VIEW_LENGTH = 7.0
-"""Clutter is strewn this far beyond both ends of the way [m]."""
+"""Length over which clutter is strewn beyond both ends of the way [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,9 +74,9 @@ class Views:
     times : FloatArray
         Shape (N,) [s].
     poses : CameraPoses
-        Of the camera.
+        Poses of the camera.
     projected : ProjectedBorders
-        Of the cable.
+        Borders of the cable in the images.
     states : FloatArray
         Exact d, alpha, w, beta and their rates, shape (N, 8), columns of `StateColumn`; NaN where
         no border is inside the image.
@@ -124,12 +124,12 @@ class Dive:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surroundings:
-    """What lies on the bottom besides the first cable's course.
+    """Everything on the bottom besides the first cable's course.
 
     Attributes
     ----------
     look : Look
-        How it looks.
+        Appearance of bottom, cable and water.
     has_cable : bool
         Whether the cable is there.
     stretches : tuple of BuriedStretch
@@ -167,7 +167,7 @@ def frame_times(start: int, rate: float) -> FloatArray:
     return np.arange(start, start + BATCH, dtype=np.float64) / rate
 
 
-def run(
+def render_dive(
     dive: Dive, surroundings: Surroundings, frame_count: int, rate: float, seeds: Seeds
 ) -> Iterator[SimulatedFrame]:
     """Render the frames of a dive, with their truths."""
@@ -208,9 +208,9 @@ def lay_out(
     tube : Tube
         The first cable.
     surroundings : Surroundings
-        What else there is.
+        Everything else on the bottom.
     length : float
-        Of the way along the cable's course, from 0 [m].
+        Length of the way along the cable's course, from 0 [m].
     rngs : (Generator, Generator)
         Draw the clutter, and the surfaces.
 

@@ -23,12 +23,12 @@ SEAM = 0.25
 """Half width of the middle, where the surroundings of both sides are blended [radii]."""
 
 MARGIN = 0.15
-"""Beyond the border the cable's edge ends within this [radii]."""
+"""Distance beyond the border within which the cable's edge ends [radii]."""
 
 REFERENCE_WIDTH = 320
 
 MOST_COLUMNS = 16_384
-"""Places are looked up so many at a time: OpenCV takes no rows of more than 32 766."""
+"""Number of places looked up at a time: OpenCV takes no rows of more than 32 766."""
 
 
 def faded(picture: Image, cable: CableState, share: float) -> Image:

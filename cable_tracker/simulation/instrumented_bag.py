@@ -22,7 +22,7 @@ READING_RATE = 50.0
 """Odometry and imu speak about so often [1/s]."""
 
 MOST_READINGS = 200
-"""Of each between two frames."""
+"""Largest number of readings of each instrument between two frames."""
 
 
 def write_instrumented_bag(

@@ -11,7 +11,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.simulation.vehicle import Motion, rotation_of
 
 LEAST_RANGE, MOST_RANGE = 0.1, 50.0
-"""Of the altimeter [m]."""
+"""Smallest and largest range that the altimeter measures [m]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from cable_tracker.simulation.texture import TiledTexture, smooth_step
 from cable_tracker.simulation.tube import Sight, Tube
 
 SAND_DEPTH = 9.0
-"""What a buried stretch adds to the level of the sand."""
+"""Height that a buried stretch adds to the level of the sand."""
 
 GAP_SPACING = 160.0
 """Mean distance between two gaps at full cover [radii]."""
@@ -43,7 +43,7 @@ class BuriedStretch:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CableSkin:
-    """What lines of sight find on a cable; arrays of one shape, 0 to 1.
+    """Surface of a cable where lines of sight meet it; arrays of one shape, 0 to 1.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class CableSkin:
     turf : Image
         Cover of growth and sediment that look like the bottom.
     outline : Image
-        How much farther out than the bare cable's the border is seen [radii].
+        Distance of the visible border outside that of the bare cable [radii].
     shade : float
         Strength of the shadows beside the cable.
     """

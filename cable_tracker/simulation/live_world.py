@@ -39,13 +39,13 @@ from cable_tracker.simulation.vehicle import (
 )
 
 MOUNTING = math.radians(20.0)
-"""How far the camera looks forward [rad]."""
+"""Angle by which the camera looks forward [rad]."""
 
 BURIAL_RAMP = 0.3
 """Way over which the sand rises and falls at the ends of the buried stretch [m]."""
 
 START_ASIDE, START_TURNED = 0.4, math.radians(8.0)
-"""How far from the cable the vehicle starts at most, and how askew [m, rad]."""
+"""Largest distance from the cable and largest angle to it at the start [m, rad]."""
 
 LOOK = Look(
     bottom=Bottom(stones=0.8, algae=0.8),
@@ -59,18 +59,18 @@ LOOK = Look(
 
 @dataclass(frozen=True, slots=True)
 class LiveSettings:
-    """What there is.
+    """Settings of the closed-loop simulation.
 
     Attributes
     ----------
     seed : int
         Not negative; draws course, current, surfaces, and the errors of all instruments.
     length : float
-        Of the cable's course that is to be followed, above 0 [m].
+        Length of the cable's course that is to be followed, above 0 [m].
     buried : float
         Length of the stretch in its middle that sand hides [m]; 0 for none.
     altitude : float
-        That the vehicle keeps [m].
+        Altitude that the vehicle keeps [m].
     current : float
         Speed of the water [m/s]; its direction is drawn.
     image_size : (int, int)
@@ -188,7 +188,7 @@ class LiveWorld:
 
     @property
     def settings(self) -> LiveSettings:
-        """What there is."""
+        """Settings of the closed-loop simulation."""
         return self._settings
 
     @property

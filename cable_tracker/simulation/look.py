@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class Bottom:
-    """What the sea bed consists of.
+    """Composition of the sea bed.
 
     Attributes
     ----------
     tone : float
         Mean reflected light, 0 to 1.
     ripples, stones, algae, gravel : float
-        How much of each there is; 1 is usual for the first three, 0 none.
+        Amount of each; 1 is usual for the first three, 0 none.
     ripple_angle : float or None
         Angle of the ripples' crests from the cable's course, to the left [deg]; None: drawn.
     """
@@ -93,14 +93,14 @@ class Lamp:
 
 @dataclass(frozen=True, slots=True)
 class Water:
-    """What the water does to light.
+    """Effects of the water on light.
 
     Attributes
     ----------
     absorption : float
-        Share lost [1/m].
+        Share of the light that is lost [1/m].
     scatter : float
-        How fast the veil of scattered light closes with distance [1/m].
+        Rate at which the veil of scattered light closes with distance [1/m].
     veil : float
         Brightness of the closed veil, 0 to 1.
     blur : float

@@ -17,7 +17,7 @@ PHOTOGRAPH_WIDTH = 22.0
 """Width of the bottom that one photograph shows [units]."""
 
 LARGEST_COUNT = 12
-"""No more photographs than this are read."""
+"""Largest number of photographs that are read."""
 
 CONTRAST = 0.3
 """Standard deviation of the bottom's reflected light, relative to its mean."""

@@ -24,7 +24,7 @@ FARTHEST = 30.0
 """Nothing is seen farther than this along the camera's axis [m]."""
 
 CELL = 8
-"""Where a cable may be seen is found on a grid this coarse [px]."""
+"""Cell of the grid on which the region where a cable may be seen is found [px]."""
 
 ROW = 1024
 """Pixels near a cable are gathered into rows of this length."""
@@ -33,7 +33,7 @@ MEAN_TONE = 0.3
 """Mean grey that the camera's exposure aims at, 0 to 1."""
 
 TURF_RELIEF = 0.35
-"""How much turf on a cable is lit and shaded by its slopes."""
+"""Strength of light and shade on the slopes of turf on a cable."""
 
 TURF_SLOPE = 1.2
 """Decay of those slopes away from the cable's axis [radii²]."""
@@ -44,18 +44,18 @@ EXPOSURE_LIMITS = (0.4, 1.8)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """What lies on the bottom.
+    """Bottom, cables and clutter.
 
     Attributes
     ----------
     bed : TiledTexture
         The bottom.
     cables : tuple of LaidCable
-        From the lowest to the topmost.
+        Cables from the lowest to the topmost.
     streaks : tuple of Streak
         Ropes, furrows, tracks.
     streak_unit : float
-        What their places are measured in [m].
+        Unit of their places [m].
     """
 
     bed: TiledTexture

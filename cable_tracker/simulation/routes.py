@@ -31,10 +31,10 @@ SPEED_LIMITS = (0.2, 0.36)
 """Forward speed [m/s]."""
 
 LEAN_LIMIT = float(np.deg2rad(2.5))
-"""How far the vehicle rolls [rad]."""
+"""Largest roll of the vehicle [rad]."""
 
 SURGE_LIMIT = 0.06
-"""How far the vehicle is before or behind its steady motion [m]."""
+"""Largest distance of the vehicle before or behind its steady motion [m]."""
 
 SHARES = (0.3, 0.4, 0.2, 0.1)
 """Shares of the limit that the sinusoids take: slow wandering first, then faster and smaller."""
@@ -49,10 +49,10 @@ ROLL_BANDS: Bands = ((0.1, 0.15), (0.25, 0.35), (0.5, 0.7))
 """Frequencies of the sinusoids of the roll [Hz]."""
 
 BRAKING_TIME = 1.0
-"""How long a vehicle takes to stop, and to get under way again [s]."""
+"""Time in which a vehicle stops, or gets under way again [s]."""
 
 ATTEMPTS = 40
-"""How often a motion is drawn again that goes too far."""
+"""Number of draws of a motion before one that exceeds its limits is given up."""
 
 
 def random_trajectory(rng: np.random.Generator) -> Trajectory:

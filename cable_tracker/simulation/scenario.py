@@ -23,7 +23,7 @@ from cable_tracker.simulation.dive import (
     SimulatedFrame,
     Surroundings,
     frame_times,
-    run,
+    render_dive,
 )
 from cable_tracker.simulation.laid_cable import BuriedStretch
 from cable_tracker.simulation.look import Look
@@ -43,12 +43,12 @@ BEND_LENGTHS = (12.0, 24.0)
 """Shortest and longest bend of a cable [m]."""
 
 MOUNTING = float(np.deg2rad(20.0))
-"""How far the camera of `simulate` looks forward on the vehicle [rad]."""
+"""Angle by which the camera of `simulate` looks forward on the vehicle [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
 class SimulationSettings:
-    """What to simulate.
+    """Settings of a simulated dive.
 
     Attributes
     ----------
@@ -59,8 +59,8 @@ class SimulationSettings:
     image_size : (int, int)
         Width and height [px], each 32 to 4096.
     clutter : float
-        How hard the scene is, 0 to 1: overgrowth and burial (at 0.5 about a fifth of the borders is
-        hidden), ropes and furrows, haze, blur, marine snow.
+        Difficulty of the scene, 0 to 1: overgrowth and burial (at 0.5 about a fifth of the borders
+        is hidden), ropes and furrows, haze, blur, marine snow.
     noise : float
         Standard deviation of the sensor's noise [grey levels], 0 to 64.
     seed : int
@@ -98,7 +98,7 @@ def simulate(settings: SimulationSettings) -> Iterator[Frame]:
     """
     seeds, dive = Seeds.of(settings.seed), simulated_dive(settings)
     surroundings = Surroundings(Look.for_clutter(settings.clutter, settings.noise))
-    for simulated in run(dive, surroundings, settings.frame_count, settings.rate, seeds):
+    for simulated in render_dive(dive, surroundings, settings.frame_count, settings.rate, seeds):
         yield simulated.frame
 
 
@@ -152,7 +152,7 @@ def simulate_scenario(
         () if chosen.crossing is None else ((_cross(dive, chosen.crossing), chosen.crossing.skin),),
         photographs,
     )
-    return run(dive, surroundings, chosen.frame_count, SCENARIO_RATE, seeds)
+    return render_dive(dive, surroundings, chosen.frame_count, SCENARIO_RATE, seeds)
 
 
 def scenario_states(

@@ -1,4 +1,4 @@
-"""What a scenario says: a scene, how the cable moves in the image, and what happens."""
+"""Description of a scenario: a scene, the motion of the cable in the image, and events."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from cable_tracker.simulation.texture import (
 )
 
 BED_UNIT = 0.08
-"""What the structures of the bottom are measured in [m]."""
+"""Unit of the structures of the bottom [m]."""
 
 BED_SIZE = 64
 """Extent of the tile of the bottom, across and along [units]."""
@@ -58,7 +58,7 @@ NEVER_BURIED = -3.0
 """Level of sand on a cable that lies free everywhere."""
 
 LIGHT = (-0.8, 0.6)
-"""Where the light comes from, across and along; stones are bright on that side."""
+"""Direction of the light, across and along; stones are bright on that side."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,11 +1,11 @@
-"""What is asked of a simulation, checked."""
+"""Checks of the settings of a simulation."""
 
 from __future__ import annotations
 
 from cable_tracker.errors import ParameterError
 
 SMALLEST_SIDE, LARGEST_SIDE = 32, 4096
-"""Of images [px]."""
+"""Smallest and largest side of images [px]."""
 
 
 def check_size(image_size: tuple[int, int]) -> None:

@@ -18,7 +18,7 @@ from cable_tracker.simulation.camera import Camera, CameraPoses, chain
 from cable_tracker.simulation.tube import Tube
 
 CORRECTIONS = 3
-"""How often the poses are corrected for the bends of the cable and the camera's distortion."""
+"""Number of corrections of the poses for the bends of the cable and the camera's distortion."""
 
 FARTHEST_VIEW = 4.0
 """The cable's direction is taken where the camera looks, up to this many altitudes ahead."""

@@ -55,16 +55,16 @@ BEARING = math.radians(25.0)
 """Direction of the world's x from east, to the left [rad]."""
 
 DEPTH = 30.0
-"""Of the sea bed below the ellipsoid [m]."""
+"""Depth of the sea bed below the ellipsoid [m]."""
 
 TRUTH, VEHICLE = "truth.json", "vehicle.yaml"
 COURSE_STEP = 0.25
-"""Between two points of the true course [m]."""
+"""Distance between two points of the true course [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class WrittenDive:
-    """What has been written.
+    """Size of the dive that was written.
 
     Attributes
     ----------

@@ -52,10 +52,10 @@ TICKS = 4
 """Odometry and imu speak so often in the time of one frame."""
 
 WANDER_BANDS: Bands = ((0.01, 0.02), (0.03, 0.05))
-"""Of the pilot's place beside the cable [Hz]."""
+"""Frequency bands of the pilot's place beside the cable [Hz]."""
 
 AIM_AHEAD = 2.0
-"""The pilot steers for a point so far ahead along the cable [m]."""
+"""Distance along the cable of the point that the pilot steers for [m]."""
 
 TURN_GAIN, MOST_TURN = 1.0, 0.4
 """Rate of turn per radian off the course [1/s], and the fastest [rad/s]."""
@@ -64,16 +64,16 @@ SWAY_GAIN, MOST_SWAY = 0.4, 0.2
 """Sideways velocity per metre beside the wanted place [1/s], and the highest [m/s]."""
 
 FIX_SIGMA = 0.5
-"""Of an acoustic fix, east and north each [m]."""
+"""Standard deviation of an acoustic fix, east and north each [m]."""
 
 CROSSING_RADIUS = 0.06
-"""Of the cables that lie across [m]."""
+"""Radius of the cables that lie across [m]."""
 
 LEAST_ACROSS = math.sin(math.radians(15.0))
 """Sine of the angle from the cable at which a line counts as across it."""
 
 SHARE_WAY = 0.5
-"""Over which it is said how much of a cable is hidden [m]."""
+"""Length of cable over which its hidden share is computed [m]."""
 
 EXCURSION_RAMP = 4.0
 """Way over which the pilot leaves the cable, and comes back [m]."""
@@ -89,7 +89,7 @@ class Stretch:
 
 @dataclass(frozen=True, slots=True)
 class SurveySettings:
-    """What there is.
+    """Settings of a simulated survey dive.
 
     Attributes
     ----------
@@ -98,23 +98,23 @@ class SurveySettings:
     cable_seed : int
         Not negative; draws the cable's course, and sea bed and growth.
     length : float
-        Of the cable's course that is followed, above 0 [m].
+        Length of the cable's course that is followed, above 0 [m].
     buried : tuple of Stretch
-        Where sand hides it.
+        Stretches that sand hides.
     crossings : tuple of float
-        Where other cables lie across it [m].
+        Places along the cable where other cables lie across it [m].
     excursions : tuple of Stretch
-        Where the pilot goes far aside.
+        Stretches on which the pilot goes far aside.
     excursion : float
-        How far aside, positive to the left of the cable [m].
+        Distance aside on these, positive to the left of the cable [m].
     altitude : float
-        That the vehicle keeps [m].
+        Altitude that the vehicle keeps [m].
     speed : float
-        Through the water [m/s].
+        Speed through the water [m/s].
     current : float
         Speed of the water [m/s]; its direction is drawn.
     wander : float
-        How far the pilot strays from the cable at most [m].
+        Largest distance by which the pilot strays from the cable [m].
     image_size : (int, int)
         Width and height [px], each 32 to 4096.
     rate : float
@@ -170,26 +170,26 @@ def usual_survey(length: float, seed: int, cable_seed: int = 0) -> SurveySetting
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tick:
-    """What the vehicle does and says at one instant; a picture only now and then.
+    """State and measurements of the vehicle at one instant; only some have a picture.
 
     Attributes
     ----------
     seconds : float
-        Since the beginning.
+        Time since the beginning [s].
     motion : Motion
-        Where the vehicle really is.
+        True pose and velocity of the vehicle.
     odometry : OdometryReading
-        What odometry says.
+        Reading of odometry.
     imu : ImuReading
-        What the imu says.
+        Reading of the imu.
     altitude : float or None
-        What the altimeter says, with each picture [m].
+        Reading of the altimeter, with each picture [m].
     fix : FloatArray or None
-        Where acoustics have it, once a second: x, y in the world, shape (2,) [m].
+        Acoustic fix, once a second: x, y in the world, shape (2,) [m].
     picture : Image or None
-        Grey, uint8, shape (H, W).
+        Grey picture, uint8, shape (H, W).
     truth : CableState or None
-        Of the cable in the picture; None where nothing of it can be seen.
+        True state of the cable in the picture; None where nothing of it can be seen.
     visibility : float
         Share of the borders inside the picture that nothing hides, 0 to 1.
     """

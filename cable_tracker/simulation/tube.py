@@ -12,7 +12,7 @@ SETTLED = 0.7
 """Height of a cable's axis above the bottom [radii]: it has sunk in a little."""
 
 LEAST_DISTANCE = 0.05
-"""No line of sight passes a tube closer to the eye than this [m]."""
+"""Smallest distance from the eye at which a line of sight passes a tube [m]."""
 
 
 @dataclass(frozen=True, slots=True)

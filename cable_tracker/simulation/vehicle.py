@@ -25,10 +25,10 @@ LONGEST_STEP = 0.01
 """Motion is integrated in steps of at most this [s]."""
 
 TILT_BANDS: Bands = ((0.08, 0.15), (0.2, 0.3), (0.35, 0.5))
-"""Of roll and pitch [Hz]."""
+"""Frequency bands of the simulated roll and pitch [Hz]."""
 
 WAVER_BANDS: Bands = ((0.005, 0.01), (0.015, 0.03))
-"""Of the current [Hz]."""
+"""Frequency bands of the simulated current [Hz]."""
 
 WAVER_SHARE = 0.25
 """The current wavers by up to this share of its strength."""
@@ -78,14 +78,15 @@ class VehicleModel:
 
 @dataclass(frozen=True, slots=True)
 class VelocityCommand:
-    """What the vehicle is asked for, through the water, in base_link.
+    """Commanded velocity through the water, in base_link.
 
     Attributes
     ----------
     surge, sway, heave : float
-        Forward, to the left, up [m/s]. While `heave` is not 0 it shifts the altitude that is kept.
+        Velocity forward, to the left, up [m/s]. While `heave` is not 0 it
+        shifts the altitude that is kept.
     turn : float
-        To the left [rad/s].
+        Rate of turn to the left [rad/s].
     """
 
     surge: float = 0.0

@@ -55,16 +55,16 @@ class SurveyTask:
 
 @dataclass(frozen=True, slots=True)
 class SurveyResult:
-    """What has come of a survey.
+    """Result of a survey.
 
     Attributes
     ----------
     routes : tuple of MergedRoute
-        Longest first.
+        Routes, longest first.
     outcomes : tuple of Outcome
-        One for each recording.
+        Outcomes, one for each recording.
     rows : tuple of RecordingRow
-        The same with what was said about each.
+        Rows of the table of recordings, with the remarks about each.
     """
 
     routes: tuple[MergedRoute, ...]

@@ -16,13 +16,14 @@ from cable_tracker.survey.frame_metres import on_ground
 from cable_tracker.survey.frame_table import CrossingSight, FrameTable
 
 CROSSING_STRIDE = 0.5
-"""Between two pictures that are searched for lines across the cable [s]."""
+"""Interval between two pictures that are searched for lines across the cable [s]."""
 
 CROSSING_WIDTH = 160
-"""They are searched in a picture of this width [px]: where a line is does not matter to a pixel."""
+"""Width of the picture that is searched [px]: a line's place need not be exact to a pixel."""
 
 LEAST_CROSSING = math.radians(25.0)
-"""What runs less across is not told from the cable's own borders, ropes and furrows beside it."""
+"""Smallest angle of a crossing line to the cable; one that runs less across is not told from the
+cable's own borders, ropes and furrows beside it [rad]."""
 
 LEAST_SCORE = 0.3
 """Lines across that are seen less clearly do not count."""
@@ -68,7 +69,7 @@ class CrossingSearch:
 
 
 def _reduced(grey: Image, scale: float) -> Image:
-    """Return a picture whose sides are so many times smaller."""
+    """Return a picture whose sides are divided by a factor."""
     if scale <= 1.0:
         return grey
     size = (round(grey.shape[1] / scale), max(1, round(grey.shape[0] / scale)))

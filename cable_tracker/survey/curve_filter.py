@@ -13,7 +13,7 @@ BEND_LENGTH = 6.0
 """Way over which the curvature forgets itself [m]."""
 
 ROUGHNESS = 1e-4
-"""What odometry adds to the variance of the place, per second [m²/s]."""
+"""Variance that odometry adds to the place, per second [m²/s]."""
 
 FIRST = (4.0, math.radians(30.0) ** 2)
 """Variances of place and direction where nothing is known [m², rad²]."""

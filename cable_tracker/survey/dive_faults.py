@@ -1,4 +1,4 @@
-"""What is wrong with the data of a dive: why it has no route, or why that has gaps."""
+"""Faults in the data of a dive: reasons for a missing route, or for gaps in one."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ LATE = 2.0
 
 @dataclass(slots=True)
 class CountedRows:
-    """What there is of the rows of a dive.
+    """Counts of the rows of a dive.
 
     Attributes
     ----------
     tracked, in_metres, placed, placed_partly : int
-        In how many the cable is claimed, is known in metres, and the vehicle's pose is known.
+        Number of rows in which the cable is claimed, is known in metres, and the vehicle's pose is
+        known, of all and of a part.
     back, ahead : float
         Least and largest step from one picture to the next, as far as beyond 0 [s].
     reasons : ndarray
-        How many of the claims have no metres, by the number of the reason, shape (R,).
+        Number of claims without metres, by the number of the reason, shape (R,).
     """
 
     reasons: IndexArray

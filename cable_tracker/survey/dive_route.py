@@ -9,7 +9,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 
 PROFILE_SPACING = 0.1
-"""Between two places at which it is judged whether the cable can be seen [m]."""
+"""Distance between two places at which the visibility of the cable is judged [m]."""
 
 VISIBLE = 1.6
 """A mean score of the borders above this is a cable that can be seen; see `visibility`."""
@@ -20,14 +20,14 @@ SMOOTHED_BINS = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Profile:
-    """What can be seen of a cable along its way.
+    """Visibility of a cable along its way.
 
     Attributes
     ----------
     start : float
-        Where it begins along the way [m]; the places are `PROFILE_SPACING` apart.
+        Beginning along the way [m]; the places are `PROFILE_SPACING` apart.
     seen : FloatArray
-        How clearly the borders are seen, shape (B,); NaN where they were not measured.
+        Clearness of the borders, shape (B,); NaN where it was not measured.
     in_view : BoolArray
         Whether the cable, seen or not, was inside some picture, shape (B,).
     """

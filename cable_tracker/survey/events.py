@@ -1,4 +1,4 @@
-"""What stands out along a route."""
+"""Events along a route."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cable_tracker.survey.route import LEAST_WEIGHT, SPACING, Course
 
 
 class EventKind(str, Enum):
-    """What there is to say."""
+    """Kind of an event."""
 
     FOUND = "found"
     LOST = "lost"
@@ -66,20 +66,20 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What is worth an event.
+    """Limits from which something is an event.
 
     Attributes
     ----------
     least_burial : float
-        Shorter stretches without visible borders are not reported [m].
+        Length of the shortest stretch without visible borders that is reported [m].
     width_share : float
-        The diameter is out of the ordinary if it is off the dive's usual one by this share.
+        Deviation of an unusual diameter from the dive's usual one, as a share.
     least_width_way : float
-        Over at least this way [m].
+        Shortest way over which an unusual diameter is reported [m].
     bend_radius : float
-        Bends with a smaller radius are reported [m].
+        Radius below which bends are reported [m].
     most_aside : float
-        The vehicle is too far beside the cable from here on [m].
+        Distance beside the cable from which on the vehicle is too far from it [m].
     """
 
     least_burial: float = 1.0
@@ -102,13 +102,13 @@ CROSSING_REACH, CROSSING_ANGLE = 0.6, math.radians(20.0)
 """Sights of one crossing lie so near to each other [m, rad]."""
 
 FEWEST_SIGHTS = 4
-"""In fewer pictures it is a rope or a shadow."""
+"""Smallest number of pictures of a crossing cable; a line in fewer is a rope or a shadow."""
 
 LEAST_LOST = 1.0
 """Silence over a shorter way is no event [m]."""
 
 SURE = 2.0
-"""A bend must exceed the limit by so many standard deviations."""
+"""Excess of a bend over the limit that makes it an event [standard deviations]."""
 
 
 def find_events(dive: ForwardDive, course: Course, route: DiveRoute, limits: Limits) -> list[Event]:

@@ -43,11 +43,11 @@ FIX_WIDTH = 5
 """Latitude, longitude, height, variances of east and north."""
 
 UNSAID_FIX_VARIANCE = 25.0
-"""Of a fix that says nothing about its doubt [m²]."""
+"""Variance of a fix that states none [m²]."""
 
 MOST_RATE = 5.0
-"""With odometry no more pictures per second are tracked [1/s]: it tells how the cable moves in
-between, and what is seen again some centimetres farther on is not known better."""
+"""Largest number of pictures per second that are tracked with odometry [1/s]: it tells how the
+cable moves in between, and another look some centimetres farther on adds little."""
 
 FASTEST_RATE = 1000.0
 
@@ -55,20 +55,21 @@ EARLY = 0.05
 """A picture that is early by this share of the pause between two counts as in time."""
 
 METRES_PAUSE = 190_000_000
-"""Between two pictures in which metres are worked out [ns]: at half a metre a second, a cable is
-looked at every 10 cm, and each place of it several times."""
+"""Interval between two pictures in which metres are computed [ns]: at half a metre a second, a
+cable is looked at every 10 cm, and each place of it several times."""
 
 TEXTURE_PAUSE = 0.5
-"""Between two looks at the sea bed's texture while odometry agrees with it [s]."""
+"""Interval between two looks at the sea bed's texture while odometry agrees with it [s]."""
 
 INSTRUMENT_PAUSE = 45_000_000
-"""Between two readings of a fast instrument [ns]; what comes more often is passed over."""
+"""Shortest interval between two readings of a fast instrument that are read [ns]."""
 
 POSE_PAUSE = 90_000_000
-"""Between two poses that are kept [ns]: a vehicle's way is smooth over a tenth of a second."""
+"""Shortest interval between two poses that are kept [ns]: a vehicle's way is smooth over a tenth of
+a second."""
 
 CALIBRATION_PAUSE = 1_000_000_000
-"""The same of the calibration [ns]."""
+"""Shortest interval between two calibrations that are read [ns]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +152,7 @@ class ForwardDive:
 
     @property
     def name(self) -> str:
-        """What the recording is called: its own name, unless another is given."""
+        """Name of the recording: its own, unless another is given."""
         return self.given_name or self.path.name
 
 

@@ -1,4 +1,4 @@
-"""What one picture says in metres, as it stands in its row of the table."""
+"""Metres of one picture, as they stand in its row of the table."""
 
 from __future__ import annotations
 

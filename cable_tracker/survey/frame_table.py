@@ -1,4 +1,4 @@
-"""What a dive says frame by frame, in columns; a row takes 144 bytes on disk."""
+"""Table of a dive frame by frame, in columns; a row takes 144 bytes on disk."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ STATUSES = ("INITIALISING", "TRACKING", "LOST", "REFUSED")
 TRACKING = STATUSES.index("TRACKING")
 
 NOT_AGAIN, HIDDEN, SEEN = range(3)
-"""What a second look says: there was none, the cable is not to be seen, it is."""
+"""Results of a second look: none was made, the cable is hidden, the cable is seen."""
 
 Rows = npt.NDArray[Any]
 

@@ -18,16 +18,16 @@ from cable_tracker.tracking.robust import GAUSSIAN_MAD
 
 FEWEST_FIXES = 3
 LEAST_WAY = 2.0
-"""How many fixes, and over how long a way [m], it takes to turn a dive on the earth."""
+"""Smallest extent of the fixes from which a dive is turned on the earth [m]."""
 
 OUTLIER = 4.0
-"""Fixes farther off than this do not count [standard deviations]."""
+"""Distance from which on a fix is an outlier [standard deviations]."""
 
 DRIFT_NOISE, RATE_NOISE = 2e-5, 1e-7
-"""By how much the variances of odometry's error, and of its rate, grow [m²/s, m²/s³]."""
+"""Growth of the variances of odometry's error and of its rate [m²/s, m²/s³]."""
 
 FIRST_DRIFT, FIRST_RATE = 25.0, 0.02**2
-"""What they are at the beginning [m², m²/s²]."""
+"""Variances of odometry's error and of its rate at the beginning [m², m²/s²]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

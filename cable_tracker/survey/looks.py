@@ -15,20 +15,22 @@ from cable_tracker.survey.on_disk import Disk, interpolated, running_sum
 from cable_tracker.survey.visibility import border_step_of
 
 STEP = 0.05
-"""Looks that are nearer together than this are taken as one [m]."""
+"""Shortest way between two looks; frames that are nearer together are taken as one [m]."""
 
 LONGEST_STEP = 2.0
-"""Looks that are farther apart do not belong together [m]."""
+"""Longest way between two looks that belong together [m]."""
 
 ODD_DIAMETER = 0.25
-"""A claim whose diameter is off the dive's usual one by this share may be of something else."""
+"""Deviation of an odd diameter from the dive's usual one, as a share; a claim with such a diameter
+may be of something else."""
 
 WEAK_BORDERS = 0.6
-"""So may one whose borders are steps below this share of the dive's usual ones."""
+"""Border steps of a weak claim as a share of the dive's usual ones; a claim below it may be of
+something else."""
 
 SILENCE, SHORT_RUN = 1.0, 2.0
-"""So may claims over a shorter way with silence on both sides of them [m]: a cable that comes out
-of the sand is mostly seen for longer."""
+"""Way without claims, and length of a short run of claims between two such ways, which may be of
+something else [m]: a cable that comes out of the sand is mostly seen for longer."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,12 +108,12 @@ def look_steps(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> Looks
     gaps = disk.filled(count, lambda part: way_to(own, part))
     breaks = disk.filled(count, lambda part: gaps[part] > LONGEST_STEP, np.bool_)
     breaks[:1] = True
-    alone = _alone(summed(gaps, disk), claims, disk)
+    isolated = _isolated_claims(summed(gaps, disk), claims, disk)
     odd, weak = _odd_limits(diameters, disk), _weak_limit(border_steps, disk)
 
     def doubts(part: slice) -> BoolArray:
         with np.errstate(invalid="ignore"):
-            found: BoolArray = odd(diameters[part]) | (border_steps[part] < weak) | alone[part]
+            found: BoolArray = odd(diameters[part]) | (border_steps[part] < weak) | isolated[part]
         return found
 
     return Looks(
@@ -240,12 +242,12 @@ def _usual(values: FloatArray, disk: Disk) -> float:
     return disk.median(values, lambda part: np.isfinite(values[part]))
 
 
-def _alone(way: FloatArray, claims: FloatArray, disk: Disk) -> BoolArray:
+def _isolated_claims(way: FloatArray, claims: FloatArray, disk: Disk) -> BoolArray:
     """Tell which claims (S, 2) are of a short run between silences, shape (S,); none if most are.
 
     `way` (S,) is how far the look line has gone [m].
     """
-    alone: BoolArray = disk.array(len(way), np.bool_)
+    isolated: BoolArray = disk.array(len(way), np.bool_)
     runs: list[tuple[int, int, int, float, float]] = []
     for part in disk.blocks(len(way)):
         claimed = np.flatnonzero(np.isfinite(claims[part, 0])) + part.start
@@ -267,8 +269,8 @@ def _alone(way: FloatArray, claims: FloatArray, disk: Disk) -> BoolArray:
     short = [run for run in runs if run[4] - run[3] < SHORT_RUN]
     if sum(run[2] for run in short) < 0.5 * sum(run[2] for run in runs):
         for start, end, *_ in short:
-            alone[start : end + 1] = np.isfinite(claims[start : end + 1, 0])
-    return alone
+            isolated[start : end + 1] = np.isfinite(claims[start : end + 1, 0])
+    return isolated
 
 
 def _in_frame(reference: FloatArray, places: FloatArray, claims: FloatArray) -> FloatArray:

@@ -14,19 +14,19 @@ from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.on_disk import Disk, Unwrapping, surroundings
 
 LONGEST_GAP = 1.0
-"""Over a longer silence of odometry no pose is interpolated [s]."""
+"""Longest silence of odometry over which poses are interpolated [s]."""
 
 JUMP = 0.5
-"""A pose that is farther from where the vehicle can have gone is a jump [m]."""
+"""Distance of a pose from the reach of the vehicle that counts as a jump [m]."""
 
 JUMP_TURN = math.radians(20.0)
-"""The same of its direction [rad]."""
+"""Turn between two poses that counts as a jump [rad]."""
 
 FASTEST = 5.0
-"""No vehicle over a cable is faster [m/s]."""
+"""Largest speed of a vehicle over a cable [m/s]."""
 
 BAD_PLACE = 1e7
-"""Farther from its origin no odometry is [m]."""
+"""Largest distance of odometry from its origin [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

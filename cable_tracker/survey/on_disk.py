@@ -97,7 +97,7 @@ class Disk:
             self.let_go()
 
     def blocks_back(self, count: int) -> Iterator[slice]:
-        """Yield the blocks of so many rows from the last to the first."""
+        """Yield the blocks of `count` rows from the last to the first."""
         for last in range(count, 0, -self.block):
             yield slice(max(last - self.block, 0), last)
             self.let_go()
@@ -105,7 +105,7 @@ class Disk:
     def filled(
         self, count: int, part: Callable[[slice], AnyArray], dtype: npt.DTypeLike = np.float64
     ) -> Any:  # noqa: ANN401
-        """Return an array of so many rows whose blocks a function gives, each (rows, ...)."""
+        """Return an array of `count` rows whose blocks a function gives, each (rows, ...)."""
         first = part(slice(0, min(self.block, count)))
         whole = self.array((count, *first.shape[1:]), dtype)
         whole[: len(first)] = first

@@ -18,10 +18,10 @@ from cable_tracker.survey.on_disk import Disk, Unwrapping, interpolated
 from cable_tracker.survey.smoothing import SmoothedCable
 
 SPACING = 0.5
-"""Between two points of a route [m]."""
+"""Distance between two points of a route [m]."""
 
 BEYOND = 1.0
-"""A route goes on so far beyond the first and the last claim [m]."""
+"""Length of a route beyond its first and its last claim [m]."""
 
 ON_ROUTE = 4.0
 """Claims farther from the smoothed cable than this say nothing about it [standard deviations]."""
@@ -38,10 +38,10 @@ PLACED = np.dtype([("place", "i8"), ("value", "f8")])
 """Number of a point of a route, and what was measured there."""
 
 COLUMNS = 8
-"""What a route says of each of its looks."""
+"""Number of columns of a route at each of its looks."""
 
 TOGETHER = 4096
-"""So many rows of the table are added up before they are added to the others."""
+"""Number of rows of the table that are added up before they are added to the others."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,7 +102,7 @@ def make_routes(  # noqa: PLR0917
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Smoothed:
-    """What `make_routes` was given."""
+    """Arguments of `make_routes`."""
 
     looks: Looks
     cable: SmoothedCable

@@ -29,19 +29,20 @@ from cable_tracker.survey.smoothing import SURE_ENOUGH
 from cable_tracker.survey.visibility import border_step_of, find_beside
 
 REACH = 2.0
-"""The cable is looked for so far to either side of its smoothed place [standard deviations]."""
+"""Distance to either side of its smoothed place within which the cable is looked for [standard
+deviations]."""
 
 LEAST_REACH = 0.5
-"""And at least so far [diameters]."""
+"""Smallest distance within which the cable is looked for, to either side [diameters]."""
 
 CLEAR_ENOUGH = 0.65
-"""It is found where its borders are so clear, as a share of what is usual in the dive."""
+"""Smallest border steps with which the cable is found, as a share of the dive's usual ones."""
 
 HEADING_SIGMA = math.radians(5.0)
-"""Its direction is not looked for; that which it has says little [rad]."""
+"""Standard deviation of the cable's direction, which the second look does not measure [rad]."""
 
 SHARE_OF_DIAMETER = 0.25
-"""How sure its place is."""
+"""Standard deviation of the cable's place [diameters]."""
 
 
 def look_again(dive: ForwardDive, course: Course) -> int:

@@ -34,22 +34,23 @@ from cable_tracker.survey.looks import STEP, Looks, summed, way_to
 from cable_tracker.survey.on_disk import Disk
 
 CORRELATION = 0.8
-"""Way over which the errors of claims are alike [m]."""
+"""Way over which the errors of claims are correlated [m]."""
 
 BEND = 0.05
-"""Standard deviation of the curvature that is begun with [1/m]."""
+"""Initial standard deviation of the curvature [1/m]."""
 
 LEAST_BEND, MOST_BEND = 0.01, 0.2
-"""Within these limits the smoothed claims say how much the cable of a dive bends [1/m]."""
+"""Limits of the standard deviation of the curvature that the smoothed claims give [1/m]."""
 
 YAW_SIGMA = math.radians(0.2)
-"""Doubt about each yaw of odometry [rad]."""
+"""Standard deviation of each yaw of odometry [rad]."""
 
 FLOOR = 0.004
-"""No claim is taken to be better than this [m]."""
+"""Standard deviation added to the place of each claim, as its smallest error [m]."""
 
 HEADING_FLOOR = math.radians(0.5)
-"""The same of its direction; a straight line in a picture of a bent cable [rad]."""
+"""Standard deviation added to the direction of each claim, for a straight line in a picture of a
+bent cable [rad]."""
 
 DEGREES = 4.0
 """Degrees of freedom of Student's t."""
@@ -60,11 +61,11 @@ MEDIAN_SQUARE = 0.455
 ROUNDS = 4
 
 LEAST_SCALE, MOST_SCALE = 0.3, 8.0
-"""By how much the tracker's standard deviations may be corrected at most, by what they miss."""
+"""Limits of the factor by which the tracker's standard deviations are corrected."""
 
 FITTING, SURE_ENOUGH = 3.0, 0.25
-"""What may be of something else counts where it fits to what the other claims say within so many
-standard deviations, and they know the place so well [m]."""
+"""Largest residual of a doubtful claim that counts [standard deviations], and largest standard
+deviation of the place from the other claims for that [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,12 +80,12 @@ class SmoothedCable:
     states : FloatArray
         Place beside the look line, direction from it, curvature, shape (S, 3) [m, rad, 1/m].
     covariances : FloatArray
-        Shape (S, 3, 3).
+        Covariances of the states, shape (S, 3, 3).
     weights : FloatArray
-        How much each claim counted, 0 to about 1, shape (S,); 0 without a claim, or for one that is
-        of something else.
+        Weight of each claim, 0 to about 1, shape (S,); 0 without a claim, or for one that is of
+        something else.
     scales : (float, float)
-        By how much the tracker's standard deviations of place and direction were too small.
+        Factors by which the tracker's standard deviations of place and direction were too small.
     bend : float
         Standard deviation of the cable's curvature [1/m].
     piece : FloatArray
@@ -120,10 +121,10 @@ def smooth(looks: Looks, disk: Disk | None = None, *, way_back: bool = True) -> 
     is_new = disk.array(count, np.bool_)
     steps = disk.filled(count, lambda part: way_to(looks.places, part))
     seconds = disk.filled(count, lambda part: _seconds_to(looks.stamps, part))
-    shared = _shared(summed(steps, disk), looks.claims, disk)
+    inflation = _covariance_inflation(summed(steps, disk), looks.claims, disk)
     for _ in range(ROUNDS):
         for part in disk.blocks(count):
-            noise = _noise(looks.covariances[part], cable.scales) * shared[part, None]
+            noise = _noise(looks.covariances[part], cable.scales) * inflation[part, None]
             filter_forwards(
                 looks.places, seconds, looks.claims, noise, cable.weights, looks.breaks,
                 cable.bend, part.start, part.stop, cable.along, cable.states, cable.covariances,
@@ -134,7 +135,7 @@ def smooth(looks: Looks, disk: Disk | None = None, *, way_back: bool = True) -> 
                 looks.places, seconds, is_new, cable.bend, part.start, part.stop, cable.states,
                 cable.covariances,
             )  # fmt: skip
-        cable = _weighed(looks, cable, disk)
+        cable = _with_new_weights(looks, cable, disk)
     return cable
 
 
@@ -161,10 +162,10 @@ def _seconds_to(stamps: IndexArray, part: slice) -> FloatArray:
     return steps[len(steps) - (part.stop - part.start) :]
 
 
-def _weighed(looks: Looks, cable: SmoothedCable, disk: Disk) -> SmoothedCable:
+def _with_new_weights(looks: Looks, cable: SmoothedCable, disk: Disk) -> SmoothedCable:
     """Return a smoothed cable with scales and bend as its claims have them, and new weights."""
     count, scales, bend = len(looks.stamps), cable.scales, cable.bend
-    squares = disk.filled(count, lambda part: _squares(looks, cable, part))
+    squares = disk.filled(count, lambda part: _normalised_squares(looks, cable, part))
     misses = np.ones(2)
     if any(_usual_claims(looks, part).any() for part in disk.blocks(count)):
         usual = [
@@ -174,40 +175,44 @@ def _weighed(looks: Looks, cable: SmoothedCable, disk: Disk) -> SmoothedCable:
         scales, bend = _scaled(scales, misses), _bend(cable, disk)
         misses = np.maximum(misses, 1e-9)
     for part in disk.blocks(count):
-        off, plain = _off(looks, cable, part), _noise(looks.covariances[part], cable.scales)
+        residuals = _residuals(looks, cable, part)
+        plain = _noise(looks.covariances[part], cable.scales)
         claimed: BoolArray = np.isfinite(looks.claims[part].sum(axis=1))
-        counts = _usual_claims(looks, part) | (claimed & _fits(off, plain, cable.covariances[part]))
+        fits = _fits(residuals, plain, cable.covariances[part])
+        counts = _usual_claims(looks, part) | (claimed & fits)
         far = (squares[part] / misses**2).sum(axis=1)
         cable.weights[part] = np.where(counts, (DEGREES + 2.0) / (DEGREES + far), 0.0)
     return replace(cable, scales=scales, bend=bend)
 
 
-def _off(looks: Looks, cable: SmoothedCable, part: slice) -> FloatArray:
-    """Return by how much some claims are off the cable, shape (K, 2) [m, rad]."""
-    off: FloatArray = looks.claims[part] - cable.states[part, :2]
-    return off
+def _residuals(looks: Looks, cable: SmoothedCable, part: slice) -> FloatArray:
+    """Return claims minus the smoothed states of some looks, shape (K, 2) [m, rad]."""
+    residuals: FloatArray = looks.claims[part] - cable.states[part, :2]
+    return residuals
 
 
-def _squares(looks: Looks, cable: SmoothedCable, part: slice) -> FloatArray:
-    """Return the same, squared, in variances of the claims."""
-    off = _off(looks, cable, part)
-    squares: FloatArray = off**2 / _noise(looks.covariances[part], cable.scales)[:, ::2]
+def _normalised_squares(looks: Looks, cable: SmoothedCable, part: slice) -> FloatArray:
+    """Return squared residuals of some claims over the variances of the claims, shape (K, 2)."""
+    residuals = _residuals(looks, cable, part)
+    squares: FloatArray = residuals**2 / _noise(looks.covariances[part], cable.scales)[:, ::2]
     return squares
 
 
-def _shared(way: FloatArray, claims: FloatArray, disk: Disk) -> FloatArray:
-    """Return how many claims share what one would say alone, at each look, shape (S,).
+def _covariance_inflation(way: FloatArray, claims: FloatArray, disk: Disk) -> FloatArray:
+    """Return by how much each claim's covariance is multiplied, shape (S,), at least 1.
+
+    It is because errors of neighbouring claims are correlated over `CORRELATION` metres.
 
     Parameters
     ----------
     way : FloatArray
-        How far the look line has gone, shape (S,) [m].
+        Way of the look line since the first look, shape (S,) [m].
     claims : FloatArray
-        Of the looks, shape (S, 2); NaN without.
+        Claims of the looks, shape (S, 2); NaN where a look has none.
     disk : Disk
-        Where they are.
+        Folder of the arrays on disk.
     """
-    shared: FloatArray = disk.filled(len(way), lambda part: np.ones(part.stop - part.start))
+    inflation: FloatArray = disk.filled(len(way), lambda part: np.ones(part.stop - part.start))
     where = disk.growing(np.int64)
     for part in disk.blocks(len(way)):
         where.extend(np.flatnonzero(np.isfinite(claims[part].sum(axis=1))) + part.start)
@@ -226,8 +231,8 @@ def _shared(way: FloatArray, claims: FloatArray, disk: Disk) -> FloatArray:
             np.where(before > CORRELATION, after, before),
             np.where(after > CORRELATION, before, after),
         )
-        shared[claimed[part]] = CORRELATION / np.clip((before + after) / 2, STEP, CORRELATION)
-    return shared
+        inflation[claimed[part]] = CORRELATION / np.clip((before + after) / 2, STEP, CORRELATION)
+    return inflation
 
 
 def _scaled(scales: tuple[float, float], misses: FloatArray) -> tuple[float, float]:
@@ -246,11 +251,11 @@ def _bend(cable: SmoothedCable, disk: Disk) -> float:
     return min(max(math.sqrt(square), LEAST_BEND), MOST_BEND)
 
 
-def _fits(off: FloatArray, noise: FloatArray, covariances: FloatArray) -> BoolArray:
+def _fits(residuals: FloatArray, noise: FloatArray, covariances: FloatArray) -> BoolArray:
     """Tell which claims lie where the cable is known to be, shape (S,)."""
     known = covariances[:, 0, 0] < SURE_ENOUGH**2
-    near = off[:, 0] ** 2 < FITTING**2 * (noise[:, 0] + covariances[:, 0, 0])
-    along = off[:, 1] ** 2 < FITTING**2 * (noise[:, 2] + covariances[:, 1, 1])
+    near = residuals[:, 0] ** 2 < FITTING**2 * (noise[:, 0] + covariances[:, 0, 0])
+    along = residuals[:, 1] ** 2 < FITTING**2 * (noise[:, 2] + covariances[:, 1, 1])
     fits: BoolArray = known & near & along
     return fits
 

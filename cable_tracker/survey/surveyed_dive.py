@@ -1,4 +1,4 @@
-"""What has come of one recording of a survey, kept in its folder and read back."""
+"""Results of one recording of a survey, kept in its folder and read back."""
 
 from __future__ import annotations
 
@@ -19,22 +19,23 @@ ROUTES, SUMMARY = "routes.npz", "dive.json"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SurveyedDive:
-    """What has come of one recording.
+    """Results of one recording.
 
     Attributes
     ----------
     name : str
-        Of the recording.
+        Name of the recording.
     routes : tuple of PlacedRoute
-        One for each connected piece; in the local frame if `on_earth`, else in that of odometry.
+        Routes, one for each connected piece; in the local frame if `on_earth`, else in that of
+        odometry.
     events : tuple of Event
-        Those that have no route: found and lost, of a recording without metres.
+        Events that have no route: found and lost, of a recording without metres.
     on_earth : bool
         Whether the routes are in the local frame of the datum.
     notes : tuple of str
-        What the user should know.
+        Notes for the user.
     frames, tracked : int
-        How many there are, and in how many the cable is claimed.
+        Number of frames, and of those in which the cable is claimed.
     seconds : float
         Length of the recording.
     """

@@ -22,7 +22,7 @@ COLUMNS, ROWS_PER_BIN = 48, 4
 
 LEFT, RIGHT = COLUMNS // 4, 3 * COLUMNS // 4
 TOLERANCE = 2
-"""A border is looked for so far to either side of where it is claimed [px of the strip]."""
+"""Distance to either side of a claimed border within which it is looked for [px of the strip]."""
 
 SMOOTHING = (5, 1)
 """Columns and rows over which brightness is averaged before steps are taken."""
@@ -31,10 +31,10 @@ LEAST_STEP = 0.5
 """Steps of a bottom without any texture, so that nothing is divided by 0 [grey levels]."""
 
 STRIDE = 3
-"""A cable that is looked for is tried in steps of so many pixels of the strip."""
+"""Step between the places at which a cable is looked for [px of the strip]."""
 
 CLEAREST = 3
-"""How clearly a cable is seen is judged where it is seen best: at so many places in a row. Where it
+"""Number of places in a row, the clearest of the cable, by which its clearness is judged. Where it
 goes into the sand, a part of it is seen as clearly as ever."""
 
 SHORTEST = 8.0
@@ -138,7 +138,7 @@ def _straightened(
 ) -> FloatArray:
     """Cut the cable out: its direction becomes the column's, both borders become straight.
 
-    With so many more columns on either side.
+    `margin` columns are added on either side.
     """
     height, width = image.shape
     sine, cosine = math.sin(state.angle), math.cos(state.angle)

@@ -39,7 +39,7 @@ class ControllerNode(GuidanceNode):
         A parameter is not acceptable.
     """
 
-    WELL = Mode.FOLLOWING
+    NOMINAL_MODE = Mode.FOLLOWING
     REPORT = "tracker/frame_report"
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
@@ -57,7 +57,7 @@ class ControllerNode(GuidanceNode):
 
     @property
     def mode(self) -> Mode:
-        """What the controller is doing, as diagnostics show it."""
+        """Mode of the controller, as diagnostics show it."""
         return self._controller.mode
 
     def _settings(self) -> ControllerSettings:

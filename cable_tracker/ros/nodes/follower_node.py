@@ -37,7 +37,7 @@ class FollowerNode(GuidanceNode):
         A parameter is not acceptable.
     """
 
-    WELL = FollowMode.FOLLOWING
+    NOMINAL_MODE = FollowMode.FOLLOWING
     REPORT = "target_tracker/frame_report"
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
@@ -54,7 +54,7 @@ class FollowerNode(GuidanceNode):
 
     @property
     def mode(self) -> FollowMode:
-        """What the follower is doing, as diagnostics show it."""
+        """Mode of the follower, as diagnostics show it."""
         return self._follower.mode
 
     def on_relative_pose(self, message: Message) -> None:

@@ -1,4 +1,4 @@
-"""What the examples of controllers have in common: results of a tracker in, `cmd_vel` out."""
+"""Common base of the example controllers: results of a tracker in, `cmd_vel` out."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ POLL = 0.005
 class GuidanceNode(ProcessNode):
     """Answers each `state` of a tracker with a `cmd_vel`, and reports its mode.
 
-    Without a `state` for `state_timeout` the vehicle is stopped. In lockstep there is no such
-    watch, and no first answer before the command has a subscriber; and the tracker's report of a
-    frame is read, which says whether a place in metres comes with its `state`: the answer does not
-    depend on what comes first.
+    Without a `state` for `state_timeout` the vehicle is stopped, but not in lockstep. In lockstep
+    it waits, at most `settle_time`, until every message that the frame report announces has
+    arrived, so that the command does not depend on the order of messages. The first command waits
+    until it has a subscriber.
 
     Parameters
     ----------
     name : str
-        Of the node.
+        Name of the node.
     parameters : sequence of ParameterSpec
         Its parameters, `lockstep`, `settle_time` and `state_timeout` among them.
     **node_arguments
@@ -50,8 +50,8 @@ class GuidanceNode(ProcessNode):
         A parameter is not acceptable.
     """
 
-    WELL: ClassVar[Enum]
-    """The mode in which all is as it should be."""
+    NOMINAL_MODE: ClassVar[Enum]
+    """Mode of normal operation, which diagnostics report as OK; any other mode is a warning."""
 
     REPORT: ClassVar[str]
     """Topic of the tracker's report of each frame."""
@@ -71,7 +71,7 @@ class GuidanceNode(ProcessNode):
         self._stopped = False
         self._commands = self.create_publisher(Twist, "cmd_vel", qos.RESULTS)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
-        self._withheld: OrderedDict[int, bool] = OrderedDict()
+        self._expects_metres: OrderedDict[int, bool] = OrderedDict()
         # Before what a subclass subscribes to: a tracker that knows of that knows of this.
         if self._values["lockstep"]:
             self.create_subscription(DiagnosticArray, self.REPORT, self.on_report, qos.RESULTS)
@@ -79,7 +79,7 @@ class GuidanceNode(ProcessNode):
 
     @property
     def mode(self) -> Enum:
-        """What the node is doing, as diagnostics show it."""
+        """Mode of the node, as diagnostics show it."""
         raise NotImplementedError
 
     def _is_complete(self, stamp: int, is_placed: bool) -> bool:
@@ -114,7 +114,7 @@ class GuidanceNode(ProcessNode):
     def on_report(self, message: Message) -> None:
         """Take note of whether a place in metres comes with the `state` of a frame."""
         has_place = bool(message.status) and self._has_place(report_facts(message))
-        keep(self._withheld, stamp_of(message.header), not has_place)
+        keep(self._expects_metres, stamp_of(message.header), has_place)
 
     def seconds_until_due(self) -> float:
         """Return how long the executor may sleep [s]."""
@@ -125,32 +125,32 @@ class GuidanceNode(ProcessNode):
         if self._states:
             self._answer(*self._states[0])
         elif not self._values["lockstep"]:
-            self._watch()
+            self._stop_if_silent()
 
     def _answer(self, stamp: int, is_claimed: bool, came: float) -> None:
         # A first command without a subscriber would stop a lockstep simulator for ever.
         if self._values["lockstep"] and not self._commands.get_subscription_count():
             return
         has_time = time.monotonic() - came < self._number("settle_time")
-        is_placed = is_claimed and not self._withheld.get(stamp, False)
+        is_placed = is_claimed and self._expects_metres.get(stamp, True)
         if has_time and not self._is_complete(stamp, is_placed):
             return
         self._states.pop(0)
         command = self._command(stamp, is_claimed)
         self._stopped = False
         # Before the command: in lockstep, all about a frame is told when the next one comes.
-        self._tell(stamp)
+        self._report_mode_change(stamp)
         self._commands.publish(command)
 
-    def _watch(self) -> None:
+    def _stop_if_silent(self) -> None:
         silent = time.monotonic() - self._last_state > self._number("state_timeout")
         if silent and not self._stopped:
             self._stopped = True
             self.get_logger().warning("no `state` comes from the tracker: the vehicle stops")
             self._commands.publish(Twist())
 
-    def _tell(self, stamp: int) -> None:
-        """Tell of a change of mode, in the log and in diagnostics."""
+    def _report_mode_change(self, stamp: int) -> None:
+        """Report a change of mode in the log and in diagnostics."""
         if self.mode is self._told:
             return
         self._told = self.mode
@@ -158,7 +158,7 @@ class GuidanceNode(ProcessNode):
         message = DiagnosticArray()
         seconds, rest = divmod(stamp, NANOSECONDS)
         message.header.stamp.sec, message.header.stamp.nanosec = seconds, rest
-        is_well = self.mode is self.WELL
+        is_well = self.mode is self.NOMINAL_MODE
         status = DiagnosticStatus(
             level=DiagnosticStatus.OK if is_well else DiagnosticStatus.WARN,
             name=f"{self.get_fully_qualified_name()}: guidance",

@@ -1,4 +1,4 @@
-"""What targets look like: painted polygons in a frame of the body."""
+"""Appearance of targets: painted polygons in a frame of the body."""
 
 from __future__ import annotations
 

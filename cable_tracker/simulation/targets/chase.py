@@ -29,16 +29,16 @@ from cable_tracker.simulation.vehicle import (
 )
 
 DIAMETER = 0.5
-"""Of the float [m]."""
+"""Diameter of the float [m]."""
 
 CLEAR_RANGE = 9.0
-"""Over this distance its colour fades to 1/e [m]."""
+"""Distance over which the float's colour fades to 1/e [m]."""
 
 NEAREST = 0.4
-"""What is nearer, or behind, is not painted [m]."""
+"""Smallest distance before the camera at which the float is painted [m]."""
 
 FIRST_DISTANCE = 3.0
-"""Between the camera and the float at the start [m]."""
+"""Distance between the camera and the float at the start [m]."""
 
 FIELD = 0.75
 """Focal length as a share of the picture's width."""
@@ -49,22 +49,22 @@ NOISE = 3.0
 
 @dataclass(frozen=True, slots=True)
 class ChaseSettings:
-    """What a chase is like.
+    """Settings of a chase.
 
     Attributes
     ----------
     seed : int
-        The same one gives the same world.
+        Seed of the world; equal seeds give equal worlds.
     duration : float
-        [s].
+        Length of the chase [s].
     speed : float
-        Of the target [m/s].
+        Speed of the target [m/s].
     hidden_every, hidden_for : float
-        A cloud of silt comes so often, and hides the target for so long [s].
+        Interval between clouds of silt, and time for which each hides the target [s].
     altitude : float
-        At which the vehicle begins [m].
+        Altitude of the vehicle at the beginning [m].
     current : float
-        Of the water [m/s].
+        Speed of the water [m/s].
     image_size : (int, int)
         Width and height [px].
     rate : float
@@ -84,16 +84,16 @@ class ChaseSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ChaseView:
-    """What the camera sees, and the truth about it.
+    """Picture of the camera, and the truth about it.
 
     Attributes
     ----------
     image : Image
-        uint8, blue-green-red, shape (H, W, 3).
+        Picture, uint8, blue-green-red, shape (H, W, 3).
     mask : BoolArray
-        What can be seen of the target, shape (H, W).
+        Visible pixels of the target, shape (H, W).
     place : FloatArray
-        Of the target in base_link, shape (3,) [m].
+        Place of the target in base_link, shape (3,) [m].
     """
 
     image: Image

@@ -19,14 +19,14 @@ Body = Callable[[float], list[Patch]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cast:
-    """What appears in one run of a scenario.
+    """Targets and obstacles in one run of a scenario.
 
     Attributes
     ----------
     way : Way
-        Of the target.
+        Way of the target.
     twin : Way or None
-        Of another one that looks the same.
+        Way of another target that looks like the first; None: there is none.
     twin_in_front : bool
         Which of the two hides the other.
     stalks : tuple of (float, float)
@@ -213,4 +213,4 @@ TARGET_SCENARIOS: Mapping[str, TargetScenario] = MappingProxyType(
         )
     }
 )
-"""By name."""
+"""All scenarios of targets by name."""

@@ -18,10 +18,10 @@ FIRST_STAMP = 1_000_000_000
 """Stamp of the first frame [ns]; not 0, which ROS takes for "no time"."""
 
 LEAST_SHARE = 0.25
-"""A target of which less can be seen counts as out of view."""
+"""Smallest visible share of a target that counts as in view."""
 
 LEAST_AREA = 40
-"""The same in pixels, at a width of 320."""
+"""Smallest visible area of a target that counts as in view, at an image width of 320 [px²]."""
 
 HAZE = np.array([140.0, 118.0, 58.0], np.float32)
 """Colour of the water between target and camera: blue, green, red."""
@@ -60,7 +60,7 @@ class TargetFrame:
 
     @property
     def twin_box(self) -> tuple[float, float, float, float] | None:
-        """The same of the other one."""
+        """Left, top, right, bottom of the twin's mask; None if the twin is out of view."""
         return box_of(self.twin_mask)
 
 

@@ -12,7 +12,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.simulation.texture import spectral_noise
 
 MARGIN = 160
-"""How far the camera may look beyond its first view, on each side [px]."""
+"""Width of the panorama beyond the camera's first view, on each side [px]."""
 
 SHALLOW, DEEP = np.array([165.0, 150.0, 75.0]), np.array([105.0, 82.0, 38.0])
 """Colour of the water above and below: blue, green, red."""

@@ -1,4 +1,4 @@
-"""What a cable in a world looks like along its way, and what hides it."""
+"""Appearance of a cable in a world along its way, and of the things that hide it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ GROWTH_REACH = 1.3
 """Growth stands out over the borders to here [radii]."""
 
 SAND_REACH = 2.4
-"""Sand that lies over a border reaches so far out from the axis [radii]."""
+"""Distance from the axis up to which sand over a border reaches [radii]."""
 
 TURNS = (8.0, 30.0)
 """Shortest and longest way from bright to dark and back again [radii]."""

@@ -1,4 +1,4 @@
-"""What lies between the bottom and a recording: light, noise, compression, and what covers it."""
+"""Effects between the bottom and a recording: light, noise, compression, and covered pixels."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ BAR_SHARES = (0.03, 0.16)
 """Smallest and largest share of the picture that one black bar takes."""
 
 INTRA_PERIOD = 12
-"""Of a compressed video, every so many pictures one is whole."""
+"""Number of pictures from one whole picture of a compressed video to the next."""
 
 LEAST_LIGHT = 0.08
-"""Light is never less than so much of that in the middle."""
+"""Smallest light of a pixel, as a share of the mean over the picture."""
 
 
 def random_light(optics: Optics, image_size: tuple[int, int], rng: np.random.Generator) -> Image:
@@ -80,14 +80,14 @@ def random_sway(optics: Optics, scale: float, rng: np.random.Generator) -> Sway:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Overlaid:
-    """What covers the picture, the same in all frames of a dive but for the written figures.
+    """Cover of the picture, constant over the frames of a dive but for the written figures.
 
     Attributes
     ----------
     pixels : Image
         Grey levels, uint8, shape (H, W).
     where : BoolArray
-        Which pixels are covered, shape (H, W).
+        Covered pixels, shape (H, W).
     captions : tuple of (int, int)
         Column and row of the lower left corner of each line of text [px].
     """

@@ -104,7 +104,7 @@ _KINDS = (
         disturbance=Disturbance(lines=1.5, pairs=1.5, bars=0.2),
     ),
 )
-"""Each kind of world, without a split."""
+"""Worlds of each kind, without a split."""
 
 
 def _all() -> Iterator[World]:
@@ -114,7 +114,7 @@ def _all() -> Iterator[World]:
 
 
 WORLDS: Mapping[str, World] = MappingProxyType({world.name: world for world in _all()})
-"""All worlds by name; names begin with what they are for, `tune_` or `report_`."""
+"""All worlds by name; names begin with the purpose of the world, `tune_` or `report_`."""
 
 
 def worlds_of(split: Split) -> tuple[World, ...]:

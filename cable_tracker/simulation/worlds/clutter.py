@@ -93,7 +93,7 @@ PROFILES: dict[str, Callable[[Image, Image, float], Image]] = {
     "rock": _rock,
     "trench": _trench,
 }
-"""How a thing looks at places across and along it, by kind."""
+"""Profiles of clutter across and along it, by kind."""
 
 LINES = {Split.TUNE: ("rope", "furrow"), Split.REPORT: ("track", "rock")}
 PAIRS = {Split.TUNE: ("pair",), Split.REPORT: ("trench",)}

@@ -21,13 +21,13 @@ STRIP_SKEW = float(np.deg2rad(25.0))
 """Largest angle between a border and the centreline [rad]."""
 
 LEAST_BORDER = 0.5
-"""Each border is seen along so much of the picture's height at least."""
+"""Smallest share of the picture's height along which each border is seen."""
 
 PLACES_TRIED = 30
-"""So often a place is drawn before the skew is made smaller."""
+"""Number of places drawn before the skew is made smaller."""
 
 NARROWEST_SHARE = 0.25
-"""In the picture the strip is nowhere narrower than this share of its width: no tip is in view."""
+"""Smallest width of the strip in the picture as a share of its nominal width: no tip is in view."""
 
 GROUND = (70.0, 170.0)
 """Grey levels of the ground."""

@@ -1,4 +1,4 @@
-"""What lies under and beside the cable: textures of mean 0 and standard deviation 1, made once.
+"""Ground under and beside the cable: textures of mean 0 and standard deviation 1, made once.
 
 The two splits have no kind of made texture in common, and no photograph.
 """
@@ -33,7 +33,7 @@ PHOTOGRAPH_WIDTH = 640
 """Width of a photograph as a texture [texels]."""
 
 CLIPPED = 3.0
-"""Textures stay within so many standard deviations."""
+"""Largest absolute value of textures [standard deviations]."""
 
 FOLDER_VARIABLE = "CABLE_TRACKER_SEABED"
 """Environment variable that names the folder of photographs."""

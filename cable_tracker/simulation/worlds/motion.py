@@ -32,16 +32,16 @@ PIPE_WIDTH = (112.0, 41.0)
 """Mean and standard deviation of the width of an inspected pipe [px at 320 px]."""
 
 PIPE_WIDTHS = (28.0, 205.0)
-"""It is never narrower or wider than this [px at 320 px]."""
+"""Smallest and largest width of an inspected pipe [px at 320 px]."""
 
 PIPE_SKEW = (15.6, 2.8)
 """Mean and standard deviation of the angle between its borders and its axis at that width [deg]."""
 
 SKEW_OF_WIDTH = 0.04
-"""How much larger that angle is for each pixel that the pipe is wider [deg]."""
+"""Increase of the angle between borders and axis for each pixel of a pipe's width [deg]."""
 
 PIPE_SKEWS = (4.0, 24.5)
-"""That angle is never smaller or larger than this [deg]."""
+"""Smallest and largest angle between a pipe's borders and its axis [deg]."""
 
 NEAREST_APEX = 130.0
 """Borders meet no nearer to the foot point than this, so that no horizon is in view [px]."""

@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class Split(str, Enum):
-    """What a world is for."""
+    """Purpose of a world."""
 
     TUNE = "tune"
     """Constants and tables are chosen on it."""

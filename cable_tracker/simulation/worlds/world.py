@@ -1,4 +1,4 @@
-"""What a world consists of."""
+"""Description of a world: cover, disturbances and optics."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NONE: Range = (0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Cover:
-    """What hides a cable.
+    """Cover that hides a cable.
 
     Attributes
     ----------
@@ -25,9 +25,9 @@ class Cover:
     drift : Range
         Share of the cable's length along which sand lies over one of its borders, 0 to 1.
     drift_lengths : Range
-        Of such a stretch [radii].
+        Length of such a stretch [radii].
     silt : Range
-        How far a film takes the cable's contrast away in some places, 0 to 1.
+        Share of the cable's contrast that a film takes away in some places, 0 to 1.
     """
 
     growth: Range = NONE
@@ -38,7 +38,7 @@ class Cover:
 
 @dataclass(frozen=True, slots=True)
 class Disturbance:
-    """What else there is in the picture.
+    """Disturbances in the picture besides the cable.
 
     Attributes
     ----------
@@ -66,19 +66,19 @@ class Disturbance:
 
 @dataclass(frozen=True, slots=True)
 class Optics:
-    """What light, water and camera do to the picture.
+    """Effects of light, water and camera on the picture.
 
     Attributes
     ----------
     lamps : Range
-        How uneven the light of the vehicle's lamps is, 0 (even) to 1.
+        Unevenness of the light of the vehicle's lamps, 0 (even) to 1.
     sway : Range
         How far the light of the lamps sways over the picture, as the vehicle heaves and pitches [px
         at 320 px].
     vignette : Range
-        How much darker the corners are, 0 to 1.
+        Darkening of the corners, 0 to 1.
     haze : Range
-        How much contrast the far end of the view loses, 0 to 1.
+        Loss of contrast at the far end of the view, 0 to 1.
     blur : Range
         Standard deviation of the blur [px at 320 px].
     noise : Range

@@ -48,13 +48,13 @@ WORLD_SIZE = (320, 240)
 """Width and height of the frames of the worlds, unless said otherwise [px]."""
 
 LEAST_STEP = 0.55
-"""A border whose step is smaller cannot be seen [standard deviations of the bottom]."""
+"""Smallest step of a visible border [standard deviations of the bottom]."""
 
 STEP_OVER_NOISE = 1.2
-"""Nor can one whose step in the picture is smaller than so many times the sensor's noise."""
+"""Smallest step of a visible border in the picture [standard deviations of the sensor's noise]."""
 
 LEAST_SHARE = 0.2
-"""Where less of the borders can be seen, it is open whether a person sees the cable."""
+"""Smallest visible share of the borders; with less it is open whether a person sees the cable."""
 
 POINT_SPACING = 3.0
 """Distance of the points of a border at which it is asked whether it can be seen [px]."""

@@ -1,1 +1,1 @@
-"""What a survey writes: maps, tables, and a page."""
+"""Outputs of a survey: maps, tables, and a page."""

@@ -28,7 +28,7 @@ EARTH = "EPSG:4326"
 LOCAL = 'LOCAL_CS["metres in the frame of odometry",UNIT["metre",1]]'
 
 KILOMETRE_STEP = 0.1
-"""Between two kilometre points [km]; short routes have finer ones."""
+"""Distance between two kilometre points [km]; short routes have finer ones."""
 
 BAND_SIGMAS = 1.96
 """Half width of the band that holds the cable in 95 % [standard deviations]."""
@@ -70,7 +70,7 @@ class SurveyMap:
 
     @property
     def crs(self) -> str:
-        """What the coordinates are in."""
+        """Coordinate reference system of the coordinates."""
         return LOCAL if self.frame is None else EARTH
 
 
