@@ -27,42 +27,43 @@ from cable_tracker.metric.withheld import Withheld
 from cable_tracker.stamps import NANOSECONDS
 
 UNMODELLED = np.array([0.6, np.deg2rad(0.2), 0.5, np.deg2rad(0.1)])
-"""What moves d, alpha, w, beta besides the vehicle: bends of the cable, relief of the bottom, time
-stamps. Standard deviations of one frame of the reference rate [px at the reference width, rad]."""
+"""Standard deviations of the motion of d, alpha, w, beta in one frame of the reference rate that
+the vehicle does not cause: bends of the cable, relief of the bottom, time stamps [px at the
+reference width, rad]."""
 
 WINDOW = 12
 """Frames over which predicted and observed motion are compared."""
 
 FEWEST = 5
-"""With fewer frames there is no judgement."""
+"""Smallest number of frames for a judgement."""
 
 CHECKED = 2
-"""d and alpha are compared: they show every wrong velocity that does harm."""
+"""Number of components compared, d and alpha: they show every wrong velocity that does harm."""
 
 LARGEST_DRIFT = 4.0
-"""So far may predictions drift off over the window [standard deviations]."""
+"""Largest drift of predictions over the window [standard deviations]."""
 
 LARGEST_STEP = 2.0
-"""So far may they be off in half of the frames [standard deviations]."""
+"""Largest error of predictions in half of the frames [standard deviations]."""
 
 AGREEMENT = 0.6
-"""Below this share of both limits there is agreement."""
+"""Share of both limits below which there is agreement."""
 
 CALM_FRAMES = 15
-"""For so many frames in a row there must be agreement before the filter is aided."""
+"""Number of frames in a row with agreement before the filter is aided."""
 
 CALM_PICTURES = 5
-"""So many pictures in a row must agree with odometry after one that did not."""
+"""Number of pictures in a row that must agree with odometry after one that did not."""
 
 REMEMBERED_PICTURES = 12
-"""For so many pictures without texture the last one with some counts."""
+"""Number of pictures without texture for which the last one with some counts."""
 
 UNKNOWN_PER_PIXEL = np.array([1.0, 1.0 / 60.0, 1.0, 1.0 / 60.0])
-"""What is unknown of d, alpha, w, beta for each pixel by which corners are off in the median: 60 px
-from the middle of a turn, 1 px is nearly 1 deg [px, rad per px of the reference width]."""
+"""Standard deviations of d, alpha, w, beta for each pixel of the corners' median error: 60 px from
+the middle of a turn, 1 px is nearly 1 deg [px, rad per px of the reference width]."""
 
 DISAGREEMENT = "odometry disagrees with how the sea bed moves in the image"
-"""Why there is no aid then."""
+"""Reason for the missing aid while odometry disagrees with the pictures."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

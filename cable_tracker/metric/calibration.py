@@ -22,13 +22,14 @@ from cable_tracker.metric.withheld import Reason, Withheld
 
 UNDISTORTION_STEPS = 100
 UNDISTORTION_PRECISION = 1e-12
-"""When the iteration stops [of the normalised image plane]."""
+"""Precision at which the iteration stops [of the normalised image plane]."""
 
 LARGEST_RESIDUAL = 0.05
 """A ray that projects farther than this from its pixel was not found [px]."""
 
 SAME_ASPECT = 0.01
-"""Calibration and image have the same aspect if their scales differ by no larger share."""
+"""Largest relative difference between the scales of calibration and image at which they have the
+same aspect."""
 
 
 class DistortionModel(str, Enum):
@@ -44,7 +45,7 @@ COEFFICIENT_COUNTS = {
     DistortionModel.RATIONAL_POLYNOMIAL: (0, 8),
     DistortionModel.EQUIDISTANT: (0, 4),
 }
-"""How many coefficients each model may have; none at all is no distortion."""
+"""Allowed numbers of coefficients of each model; none at all is no distortion."""
 
 MODEL_SYNONYMS = {"fisheye": "equidistant", "": "plumb_bob"}
 

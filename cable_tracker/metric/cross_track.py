@@ -40,16 +40,16 @@ LEAST_HEIGHT = 0.05
 
 @dataclass(frozen=True, slots=True)
 class MetricSettings:
-    """What does not change during a dive.
+    """Settings that are constant during a dive.
 
     Attributes
     ----------
     mounting : Mounting
-        Where the camera is.
+        Mounting of the camera.
     look_ahead : float
         Distance in front of base_link at which the offset is given besides x = 0 [m].
     cable_height : float
-        Of the cable's axis above the sea bed [m].
+        Height of the cable's axis above the sea bed [m].
     """
 
     mounting: Mounting = field(default_factory=Mounting)

@@ -48,7 +48,7 @@ class Mounting:
 
     @property
     def position(self) -> FloatArray:
-        """Of the camera in base_link, shape (3,) [m]."""
+        """Position of the camera in base_link, shape (3,) [m]."""
         return np.array([self.x, self.y, self.z])
 
     @property

@@ -1,4 +1,4 @@
-"""What the vehicle's instruments say, kept until an estimate asks for metres."""
+"""Measurements of the vehicle's instruments, kept until an estimate asks for metres."""
 
 from __future__ import annotations
 

@@ -12,13 +12,13 @@ from cable_tracker.metric.history import History
 from cable_tracker.stamps import NANOSECONDS
 
 LONGEST_HOLD = 0.2
-"""A twist is held for so long after its stamp [s]; then odometry is late."""
+"""Time after its stamp for which a twist is held [s]; then odometry is late."""
 
 LONGEST_STEP = 2.0
 """Motion over a longer time is not predicted [s]."""
 
 FROZEN_COUNT = 8
-"""So many twists that are alike bit for bit are those of an instrument that hangs."""
+"""Number of bit-wise equal twists that show that an instrument hangs."""
 
 TWIST = 6
 """Components of a twist: linear x, y, z [m/s], angular x, y, z [rad/s], in base_link."""

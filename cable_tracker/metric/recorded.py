@@ -46,26 +46,26 @@ from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.source import Source
 
 LOOK_AHEAD = 250_000_000
-"""What was received so long after a frame is known when it is tracked [ns]. The fastest instruments
-are kept for twice as long."""
+"""Time after a frame up to which messages are known when it is tracked [ns]. The fastest
+instruments are kept for twice this time."""
 
 LOOK_BACK = 2_000_000_000
-"""After a jump in the recording what was received so long before the frame is read first [ns]:
-nothing older counts."""
+"""Time before a frame from which messages are read after a jump in the recording [ns]: nothing
+older counts."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pauses:
-    """What may be looked at less often than it comes; nothing by default.
+    """Intervals between measurements that are used; 0 by default, which uses all.
 
     Attributes
     ----------
     readings : int
-        Between two readings of imu, odometry and altimeter [ns].
+        Interval between two readings of imu, odometry and altimeter [ns].
     calibration : int
-        Between two calibrations [ns].
+        Interval between two calibrations [ns].
     texture : float
-        Between two looks at the sea bed's texture while it agrees with odometry [s].
+        Interval between two looks at the sea bed's texture while it agrees with odometry [s].
     """
 
     readings: int = 0
@@ -302,12 +302,12 @@ class RecordedVehicle:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the user should know before anything is tracked."""
+        """Notes for the user before anything is tracked."""
         found = () if self.source is None else self.source.found.notes
         return (*found, *self.vehicle.notes)
 
     def remarks(self) -> tuple[str, ...]:
-        """Say what could not be read of the instruments so far; to be asked after tracking."""
+        """Return remarks about unreadable messages, to be asked for after tracking."""
         return () if self.source is None else self.source.remarks()
 
     @property

@@ -24,7 +24,7 @@ from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.parameter_table import ParameterValue
 
 LONGEST_WAIT = 60.0
-"""For the instruments of a frame [s]; a replay has sent them before it."""
+"""Longest wait for the instruments of a frame [s]; a replay has sent them before it."""
 
 
 def target_values(vehicle: Vehicle, target_size: float = 0.0) -> dict[str, object]:

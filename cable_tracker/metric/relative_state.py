@@ -36,26 +36,26 @@ MEASURED = (RelativeColumn.BEARING, RelativeColumn.ELEVATION, RelativeColumn.LOG
 
 @dataclass(frozen=True, slots=True)
 class RelativeNoise:
-    """What moves and what errs.
+    """Noise of the motion and of the measurements.
 
     Attributes
     ----------
     angular_acceleration : float
         Spectral density of the bearing's and elevation's acceleration [rad/s^1.5].
     range_acceleration : float
-        The same of the log range [1/s^1.5].
+        Spectral density of the log range's acceleration [1/s^1.5].
     bearing_sigma : float
-        Of one measured bearing or elevation [rad].
+        Standard deviation of one measured bearing or elevation [rad].
     size_sigma : float
-        Of one measured log size.
+        Standard deviation of one measured log size.
     bias_sigma, bias_time : float
-        Of the bias of log size, and the time over which it changes [s].
+        Standard deviation of the bias of log size, and the time over which it changes [s].
     gate : float
-        Measurements farther than so many sigmas are passed over.
+        Limit beyond which measurements are passed over [standard deviations].
     gate_time : float
-        After so long without one that was taken, the gate is open [s].
+        Time without an accepted measurement after which the gate is open [s].
     rate_sigma : float
-        Of the rates at the beginning [rad/s, 1/s].
+        Standard deviation of the rates at the beginning [rad/s, 1/s].
     """
 
     angular_acceleration: float = 0.15
@@ -76,30 +76,30 @@ SLOW = RelativeNoise(
     bias_time=1e6,
     rate_sigma=0.01,
 )
-"""Of a target of unknown size that hardly moves: what comes into question is e-fold either way."""
+"""Noise for a target of unknown size that hardly moves: its size may be wrong by a factor of e."""
 
 GUESSED_RANGE = 5.0
-"""Of a target of unknown size, to begin with [m]."""
+"""Initial range of a target of unknown size [m]."""
 
 DIFFERENCE = 1e-5
 """Step of numerical derivatives [rad, log m]."""
 
 LEAST_RANGE = 0.01
-"""So near a target is taken to be at least [m]."""
+"""Smallest range of a target [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TargetSighting:
-    """What one frame says.
+    """Measurements of a target in one frame.
 
     Attributes
     ----------
     bearing, elevation : float
-        Of the target's centre [rad].
+        Angles of the target's centre [rad].
     angular_size : float
         Root of the contour's area over the focal length; the target's size over its range.
     is_whole : bool
-        Whether that size means anything: not at the border of the picture, not half hidden.
+        Whether that size is valid: not at the border of the picture, not half hidden.
     """
 
     bearing: float

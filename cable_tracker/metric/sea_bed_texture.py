@@ -35,17 +35,17 @@ EDGE = 8
 """Corners nearer to the edge of the picture, before or after, are not compared [px]."""
 
 WINDOW, PYRAMID_LEVELS = (15, 15), 2
-"""What is compared around each corner [px], and how often the picture is halved besides."""
+"""Window that is compared around each corner [px], and number of times the picture is halved."""
 
 STEPS, PRECISION = 15, 0.02
-"""When the search for a corner stops: steps, and their least length [px]."""
+"""Limits of the search for a corner: number of steps, and their least length [px]."""
 
 WAY_BACK = 0.5
 """A corner was found if the way back ends so near to where it began [px]."""
 
 NOISE = 1.0
-"""So far off are sound predictions, in the median: by the bottom's relief, and by the search itself
-[px of the reference width]."""
+"""Median error of sound predictions, by the bottom's relief and by the search itself [px of the
+reference width]."""
 
 ALLOWED_SHARE = 0.4
 """Share of the predicted way by which a prediction may be off besides: it still takes most of the
@@ -75,7 +75,7 @@ class TextureMotion:
 
     @property
     def excess(self) -> float:
-        """What of the error is not noise [px of the reference width]."""
+        """Part of the error that exceeds the noise [px of the reference width]."""
         return max(self.error - NOISE, 0.0)
 
 

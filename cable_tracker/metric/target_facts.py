@@ -1,4 +1,4 @@
-"""What a frame's report says of a target in metres: to the last bit, or why there is nothing."""
+"""Metres of a target in a frame's report: to the last bit, or the reason for their absence."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WHY_NOT_KEY = "why_not"
 """Why there is no place."""
 
 TARGET_METRES_KEYS = (*BEARING_KEYS, *PLACE_KEYS, WHY_NOT_KEY)
-"""All of them, in the order of the table in metres."""
+"""All keys of a target's metres, in the order of the table in metres."""
 
 
 def target_facts(metres: TargetMetres, camera_place: FloatArray) -> dict[str, str]:

@@ -29,24 +29,24 @@ from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.tracking.status import TrackingStatus
 
 UNSURE_RANGE = 0.3
-"""A range whose standard deviation is a larger share of it is not told."""
+"""Largest standard deviation of a range that is published, as a share of the range."""
 
 LONGEST_GAP = 5.0
-"""After so long without a frame the belief about the range begins anew [s]."""
+"""Time without a frame after which the belief about the range begins anew [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class TargetSettings:
-    """What is known beforehand.
+    """Settings that are known beforehand.
 
     Attributes
     ----------
     mounting : Mounting
-        Of the camera on the vehicle.
+        Mounting of the camera on the vehicle.
     target_size : float
         Root of the area that the target shows [m]; 0: not known.
     uses_motion : bool
-        Whether odometry and gyroscope count.
+        Whether odometry and gyroscope are used.
     """
 
     mounting: Mounting = field(default_factory=lambda: Mounting(pitch=0.0))
@@ -56,14 +56,14 @@ class TargetSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TargetMetres:
-    """What can be said of a target in one frame.
+    """Metres of a target in one frame.
 
     Attributes
     ----------
     ray : FloatArray or Withheld
-        Unit vector to its centre in the camera optical frame, shape (3,), or why there is none.
+        Unit vector to its centre in the camera optical frame, shape (3,), or the reason for none.
     relative : RelativeState or Withheld
-        Belief about where it is from the camera, in the axes of base_link, or why it is not told.
+        Belief about its place from the camera, in the axes of base_link, or the reason for none.
     """
 
     ray: FloatArray | Withheld

@@ -1,4 +1,4 @@
-"""What is known of a vehicle before its recording is tracked: mounting, calibration, doubts.
+"""Knowledge of a vehicle before its recording is tracked: mounting, calibration, doubts.
 
 It comes from the bag's `/tf_static`, and from a file `vehicle.yaml` that wins over it: parameters
 by name as the tracker node reads them, and the calibration under the names that ROS' camera
@@ -57,14 +57,14 @@ class Vehicle:
 
 @dataclass(frozen=True, slots=True)
 class VehicleFile:
-    """What a file says.
+    """Content of a vehicle file.
 
     Attributes
     ----------
     values : dict
-        The parameters that it names.
+        Values of the parameters that it names.
     calibration : Calibration or None
-        Of the camera.
+        Calibration of the camera.
     """
 
     values: dict[str, object] = field(default_factory=dict)

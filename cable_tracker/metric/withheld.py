@@ -7,7 +7,7 @@ from enum import Enum
 
 
 class Reason(str, Enum):
-    """What is missing or wrong."""
+    """Reason for missing metres."""
 
     NOT_TRACKING = "no cable is claimed"
     NO_CALIBRATION = "no camera calibration"

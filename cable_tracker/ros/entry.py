@@ -1,4 +1,4 @@
-"""What the executables start: trackers, replay, simulator, controller."""
+"""Entry points of the executables: trackers, replay, simulator, controller."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What to say where ROS is not installed, or does not fit this Python. Imports no ROS."""
+"""Error message where ROS is not installed, or does not fit this Python. Imports no ROS."""
 
 from __future__ import annotations
 

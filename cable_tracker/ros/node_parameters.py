@@ -21,7 +21,7 @@ FOREIGN_NAMES = ("use_sim_time", "start_type_description_service")
 """Overrides that rclpy itself reads."""
 
 TOGETHER = "set both together"
-"""How a refusal ends where two values do not fit."""
+"""End of a refusal where two values do not fit."""
 
 PARAMETER_TYPES = {
     bool: Parameter.Type.BOOL,

@@ -43,7 +43,7 @@ INSTRUMENTS = QoSProfile(
     depth=INSTRUMENTS_KEPT,
     reliability=ReliabilityPolicy.RELIABLE,
 )
-"""What a replay sends of the vehicle's instruments."""
+"""Quality of service with which a replay sends the vehicle's instruments."""
 
 LATCHED = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
@@ -77,12 +77,13 @@ NEWEST_RESULT = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-"""How a lockstep replay reads `state`: also the answer that was given before it was discovered."""
+"""Quality of service with which a lockstep replay reads `state`: also the answer that was given
+before it was discovered."""
 
 EVERYTHING = QoSProfile(
     history=HistoryPolicy.KEEP_ALL, depth=0, reliability=ReliabilityPolicy.RELIABLE
 )
-"""How a recorder reads."""
+"""Quality of service with which a recorder reads."""
 
 
 def endpoint_name(endpoint: Any) -> str:  # noqa: ANN401

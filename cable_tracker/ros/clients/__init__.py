@@ -1,1 +1,1 @@
-"""What listens to the tracker: the window, and the recording of a whole run."""
+"""Clients of the tracker: the window, and the recording of a whole run."""

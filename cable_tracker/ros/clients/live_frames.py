@@ -32,15 +32,15 @@ KEPT_FRAMES = 16
 """Frames whose messages are waited for; older ones are given up."""
 
 PATIENCE = 0.25
-"""How long a picture waits for what is only for people: particles, report, truth [s]."""
+"""Longest wait of a picture for messages for display only: particles, report, truth [s]."""
 
 WITH_PARTICLES = frozenset(status.value for status in TrackingStatus)
-"""With another status, a frame has none."""
+"""Statuses of frames that have particles."""
 
 
 @dataclass(slots=True, eq=False)
 class _Parts:
-    """What has come about one frame, and when the first of it came."""
+    """Messages about one frame, and the time of the first of them."""
 
     since: float = field(default_factory=time.monotonic)
     image: RawImage | CompressedImage | None = None
@@ -150,7 +150,7 @@ class LiveFrames:
 
 
 class LiveTargetFrames(LiveFrames):
-    """The same of a target tracker; of several targets the first."""
+    """Frames of a target tracker put together; of several targets the first."""
 
     def _has_all(self, parts: _Parts) -> bool:
         facts = parts.facts()

@@ -45,13 +45,13 @@ from cable_tracker.tracking.idle_status import DISABLED
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
 ANSWER_TIMEOUT = 30.0
-"""How long a service may take to answer [s]; a node that is gone is seen on the graph."""
+"""Longest time for the answer of a service [s]; a node that is gone is seen on the graph."""
 
 LOOK_PERIOD = 0.5
-"""How often it is looked whether the node is still there [s]."""
+"""Interval between two checks that the node is still there [s]."""
 
 STALL = 2.0
-"""After this time without a picture it is said what diagnostics say [s]."""
+"""Time without a picture after which the window shows the words of the diagnostics [s]."""
 
 SILENCE = 3.0
 """Diagnostics older than this are no news; they come once a second [s]."""
@@ -121,7 +121,7 @@ class LiveSession(SnapshotFeed):
 
     @property
     def trouble(self) -> str:
-        """What keeps frames from coming."""
+        """Trouble that keeps frames from coming."""
         if not self._is_there:
             others = f"; there is {', '.join(self._others)}" if self._others else ""
             return f"no node {self.name}{others}; waiting for it"

@@ -26,31 +26,31 @@ from cable_tracker.sequences.source import ChosenRecording, Source
 from cable_tracker.tracking.parameter_table import ParameterValue
 
 FRAME_TIMEOUT = 300.0
-"""So long an answer may take, also the first, before which the replay starts [s]."""
+"""Longest time for an answer, also the first, before which the replay starts [s]."""
 
 END_TIMEOUT = 120.0
-"""So long the replay may take to end after its last frame [s]."""
+"""Longest time that the replay takes to end after its last frame [s]."""
 
 PATIENT: Final[Mapping[str, ParameterValue]] = {"answer_timeout": 3600.0}
-"""Of what awaits answers and is watched: the one that watches it gives up, and not two at once."""
+"""Parameters of a watched node that awaits answers: only the one that watches it gives up."""
 
 READY_SOON: Final[Mapping[str, ParameterValue]] = {"diagnostics_period": 0.1}
-"""Of a tracker whose diagnostics are waited for: they tell when it is ready."""
+"""Parameters of a tracker whose diagnostics are waited for: they tell when it is ready."""
 
 EVERY_FRAME: Final[Mapping[str, ParameterValue]] = {"image_reliability": "reliable"}
-"""Of a tracker that answers every frame that is sent."""
+"""Parameters of a tracker that answers every frame that is sent."""
 
 EVERY_MEASUREMENT: Final[Mapping[str, ParameterValue]] = {
     "instrument_reliability": "reliable",
     "instrument_wait": 60.0,
 }
-"""Of a tracker whose frames wait until what was measured before them has come.
+"""Parameters of a tracker whose frames wait for the measurements made before them.
 
-A replay has sent it before the frame, so that it always comes.
+A replay has sent them before the frame, so that they always come.
 """
 
 NO_WATCH: Final[Mapping[str, ParameterValue]] = {"input_timeout": 3600.0}
-"""Of a tracker whose frames come when others are ready for them."""
+"""Parameters of a tracker whose frames come when others are ready for them."""
 
 
 def replay_parameters(

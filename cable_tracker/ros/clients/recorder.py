@@ -36,7 +36,7 @@ ACKNOWLEDGED = "recorded_state"
 """Topic on which a lockstep replay awaits the tracker's `state`, once it is recorded."""
 
 LATE_TURNS = 20
-"""So many turns of the executor are run after a time-out; each takes one message."""
+"""Number of turns of the executor after a time-out; each takes one message."""
 
 USABLE_STATUSES = {status.value for status in TrackingStatus}
 
@@ -72,7 +72,7 @@ class Recorder(Node):  # type: ignore[misc]
     """
 
     RECORDED: ClassVar[tuple[OutputTopic, ...]] = RECORDED
-    """All that are subscribed to."""
+    """Topics that are subscribed to."""
 
     REPORT: ClassVar[OutputTopic] = output_topics.FRAME_REPORT
     """Comes for every frame, and tells its status."""

@@ -1,1 +1,1 @@
-"""What a node says of its own health."""
+"""Health of a node, as it reports it."""

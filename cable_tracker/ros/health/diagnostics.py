@@ -1,4 +1,4 @@
-"""What the tracker node says of its own health."""
+"""Diagnostics of the tracker node about its own health."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ EDGES = tuple(2.0**power for power in range(-1, 11))
 """Edges of the histogram [ms]: 0.5, 1, 2, ... 1024. Below the first and above the last is a bin."""
 
 LATENCIES_KEPT = 500
-"""Median and percentiles are of so many frames."""
+"""Number of frames of which median and percentiles are computed."""
 
 PERCENTILES = (50, 95, 99)
 

@@ -12,7 +12,7 @@ from cable_tracker.sequences.messages import Message
 from cable_tracker.tracking.idle_status import WARMING_UP
 
 HOLDS = 60.0
-"""A tracker that said so counts as warming up for so long without another message [s].
+"""Time without another message for which a tracker still counts as warming up [s].
 
 The compiler keeps the interpreter to itself at times, and the diagnostics with it.
 """

@@ -1,1 +1,1 @@
-"""What watches an input: times of arrival, gaps, pictures that stand still."""
+"""Watches of an input: times of arrival, gaps, pictures that stand still."""

@@ -1,4 +1,4 @@
-"""What the middleware tells beside a message: how long it waited, and which are missing."""
+"""Message information of the middleware: times of waiting, and missing messages."""
 
 from __future__ import annotations
 

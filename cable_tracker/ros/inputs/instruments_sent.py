@@ -1,4 +1,4 @@
-"""What a replay says of how much its instruments have said before a frame."""
+"""Counts of the instruments' messages that a replay has sent before a frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is odd about a picture, in words for the diagnostics."""
+"""Remarks about odd pictures, in words for the diagnostics."""
 
 from __future__ import annotations
 

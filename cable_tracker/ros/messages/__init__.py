@@ -1,1 +1,1 @@
-"""What stands in ROS messages, and how it is packed and read."""
+"""Packing and reading of ROS messages."""

@@ -1,4 +1,4 @@
-"""What every node has in common that tracks something in the frames of a camera."""
+"""Base of every node that tracks something in the frames of a camera."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ NO_TIME = (
 
 @dataclass(frozen=True, slots=True)
 class FrameOutcome:
-    """What became of a frame that was used.
+    """Outcome of a frame that was used.
 
     Attributes
     ----------
     status : str
         Status after the frame, as on /diagnostics.
     event : str
-        Why tracking started anew with the frame; empty if it went on.
+        Reason why tracking started anew with the frame; empty if it went on.
     """
 
     status: str
@@ -177,7 +177,7 @@ class CameraNode(ProcessNode):
 
     @property
     def status(self) -> str:
-        """What diagnostics say now."""
+        """Status that diagnostics report now."""
         if not self._enabled:
             return DISABLED
         if self._warm_up is not None:

@@ -9,7 +9,7 @@ from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE, TrackerPa
 Variant: TypeAlias = tuple[str, ...]
 
 ENOUGH = 200
-"""Particles of a warm-up: how many there are is all the same to the compiler."""
+"""Number of particles of a warm-up; compilation does not depend on it."""
 
 
 def variant_of(parameters: TrackerParameters) -> Variant:

@@ -1,4 +1,4 @@
-"""What the tracker node needs of the tracker inside it."""
+"""Interface of the tracker inside the tracker node."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
 from cable_tracker.sequences.messages import Message, MessageFactory, make_header, stamp_of
 
 INSTRUMENTS = ("altitude", "imu", "odometry")
-"""Those whose measurements have a time."""
+"""Instruments whose measurements have a time."""
 
 
 WARNING_PAUSE = 10.0
@@ -111,7 +111,7 @@ class MetricInputs:
 
     @property
     def result(self) -> CrossTrack | Withheld:
-        """What the last frame gave."""
+        """Metres of the last frame."""
         return self._result
 
     def _number(self, name: str) -> float:

@@ -37,17 +37,17 @@ KINDS: dict[Instrument, type[Any]] = {
     Instrument.ODOMETRY: Odometry,
     Instrument.FIX: NavSatFix,
 }
-"""What each is sent as, on a topic of its own name."""
+"""Message type of each instrument, sent on a topic of its own name."""
 
 TYPES = {
     each: f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}" for each, kind in KINDS.items()
 }
 
 BEGINNING = 5_000_000_000
-"""What was said longer before the first frame is not sent, but for the calibration [ns]."""
+"""Time before the first frame from which messages are sent, but for the calibration [ns]."""
 
 COUNTED = (Instrument.CAMERA_INFO, Instrument.ALTITUDE, Instrument.IMU, Instrument.ODOMETRY)
-"""Those that a tracker listens to."""
+"""Instruments that a tracker listens to."""
 
 
 class InstrumentReplay:
@@ -184,7 +184,7 @@ class InstrumentReplay:
         self._sent[Instrument.CAMERA_INFO] += 1
 
     def remarks(self) -> tuple[str, ...]:
-        """Say what could not be read and was not sent so far."""
+        """Return remarks about messages that could not be read and were not sent."""
         return () if self._source is None else self._source.remarks()
 
     def close(self) -> None:

@@ -37,7 +37,7 @@ from cable_tracker.sequences.source import open_source
 from cable_tracker.stamps import NANOSECONDS
 
 PATIENCE = 3.0
-"""Discovery may take so long; only then a missing subscriber is worth a warning [s]."""
+"""Longest time for discovery [s]; only then a missing subscriber is worth a warning."""
 
 WARNING_PAUSE = 5.0
 """Time between two words on what is waited for [s]."""
@@ -47,7 +47,7 @@ LOOK_AGAIN = 0.02
 
 NO_FRAME_THERE = "no frame after that time"
 FLUSH_TIMEOUT = 30.0
-"""So long the last messages may take [s]; a reader that has died is forgotten sooner."""
+"""Longest time for the last messages [s]; a reader that has died is forgotten sooner."""
 
 
 class ReplayNode(ProcessNode):
@@ -97,7 +97,7 @@ class ReplayNode(ProcessNode):
 
     @property
     def sent(self) -> int:
-        """Number of frames published so far."""
+        """Number of frames that are published."""
         return self._sent
 
     def _text(self, name: str) -> str:

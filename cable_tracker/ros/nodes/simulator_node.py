@@ -52,7 +52,7 @@ TICKS = 2
 """Readings of odometry and imu for each frame."""
 
 FLUSH_TIMEOUT = Duration(seconds=30)
-"""So long the last messages may take; a reader that has died is forgotten sooner."""
+"""Longest time for the last messages; a reader that has died is forgotten sooner."""
 
 
 class WorldSettings(Protocol):
@@ -74,7 +74,7 @@ class World(Protocol):
 
     @property
     def instruments(self) -> InstrumentSet:
-        """Of the vehicle."""
+        """Instruments of the vehicle."""
         ...
 
     @property
@@ -89,7 +89,7 @@ class World(Protocol):
 
     @property
     def camera(self) -> Camera:
-        """Of the vehicle."""
+        """Camera of the vehicle."""
         ...
 
     def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
@@ -121,7 +121,7 @@ class VehicleNode(ProcessNode):
     """
 
     PARAMETERS: ClassVar[tuple[ParameterSpec, ...]] = ()
-    """All of the node."""
+    """Parameters of the node."""
 
     def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__(name, **node_arguments)

@@ -71,12 +71,12 @@ class TargetInputs:
 
     @property
     def camera_place(self) -> FloatArray:
-        """Of the camera in it, shape (3,) [m]."""
+        """Position of the camera in `base_frame`, shape (3,) [m]."""
         return self._sight.settings.mounting.position
 
     @property
     def results(self) -> Sequence[TargetMetres]:
-        """What the last frame gave of each target; empty before the first."""
+        """Metres of each target in the last frame; empty before the first."""
         return self._results
 
     def has_all_of(self, stamp: int) -> bool:

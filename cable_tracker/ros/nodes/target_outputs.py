@@ -1,4 +1,4 @@
-"""What the target tracker publishes of its targets. Pictures are built only for subscribers."""
+"""Messages of the target tracker about its targets. Pictures are built only for subscribers."""
 
 from __future__ import annotations
 
@@ -51,16 +51,16 @@ from cable_tracker.visualisation.target_overlay import draw_target
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TargetAnswer:
-    """What a frame gave of one target.
+    """Results of a frame for one target.
 
     Attributes
     ----------
     estimate : TargetEstimate
-        In pixels.
+        Estimate in pixels.
     metres : TargetMetres
-        In metres, or why not.
+        Estimate in metres, or the reason for none.
     particles : Particles or None
-        Lengths in pixels of the frame.
+        Particles, lengths in pixels of the frame.
     """
 
     estimate: TargetEstimate

@@ -1,4 +1,4 @@
-"""What the tracker node publishes about frames. Pictures are built only for subscribers."""
+"""Messages of the tracker node about frames. Pictures are built only for subscribers."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import Self
 
 START_TIMEOUT = 300.0
-"""Within so long nodes have found each other; the compiling at first use is included [s]."""
+"""Longest time in which nodes find each other, with the compiling at first use [s]."""
 
 WARM_UP_TIMEOUT = 900.0
 """Compiling at first use may take minutes on a busy machine; no frame is used before [s]."""

@@ -39,21 +39,21 @@ from cable_tracker.visualisation.video import VideoWriter
 VIDEO = "chase.webm"
 
 SETTLE_TIME = 60.0
-"""The follower waits so long at most for a place that the tracker's report announces [s]."""
+"""Longest wait of the follower for a place that the tracker's report announces [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class ChaseRequest:
-    """What to run, in lockstep.
+    """Request for a chase in lockstep.
 
     Attributes
     ----------
     world : ChaseSettings
-        The world.
+        Settings of the world.
     preset : str
-        Of the target tracker.
+        Preset of the target tracker.
     distance : float
-        To be kept [m].
+        Distance to be kept [m].
     """
 
     world: ChaseSettings = field(default_factory=ChaseSettings)

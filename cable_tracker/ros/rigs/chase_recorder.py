@@ -92,7 +92,7 @@ class ChaseRecorder(Node):  # type: ignore[misc]
         return all(self._is_answered(stamp) for stamp in self.truths)
 
     def release(self) -> None:
-        """Let the simulator go on when all about the frames so far has been recorded."""
+        """Let the simulator go on when all about the frames sent has been recorded."""
         known = self._recorded + len(self._open)
         self._open += islice(self.truths, known, None)
         still_open = [stamp for stamp in self._open if not self._is_answered(stamp)]

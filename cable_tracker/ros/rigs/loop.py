@@ -55,20 +55,20 @@ SETTLE_TIMEOUT = 3.0
 """Free-running, frames that the tracker left out are not waited for any longer [s]."""
 
 SETTLE_TIME = 60.0
-"""In lockstep the controller waits so long at most for what the tracker's report announces [s]."""
+"""Longest wait of the controller in lockstep for what the tracker's report announces [s]."""
 
 CAMERA_WIDTH = 480
-"""Of the camera's picture in the video [px]."""
+"""Width of the camera's picture in the video [px]."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoopRequest:
-    """What to run.
+    """Request for a run of the closed loop.
 
     Attributes
     ----------
     world : LiveSettings
-        The world.
+        Settings of the world.
     method : str
         One of `evaluation.methods.METHODS`.
     tracker : dict
@@ -76,15 +76,15 @@ class LoopRequest:
     controller : dict
         Parameters of the controller node.
     speed : float
-        Of the vehicle [m/s].
+        Speed of the vehicle [m/s].
     realtime : bool
         Run freely in real time; else in lockstep.
     patience : float
-        End the run without a new metre for so long [s].
+        Time without a new metre after which the run ends [s].
     standstill : float
-        End it when the controller wants to stand still for so long [s]; 0: never for that.
+        Time of wanted standstill after which the run ends [s]; 0: no limit.
     with_video : bool
-        Draw every frame.
+        Whether every frame is drawn.
     """
 
     world: LiveSettings

@@ -51,22 +51,22 @@ class _Frame:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeenFrame:
-    """What a picture of a frame shows.
+    """Content of a frame's picture in the video.
 
     Attributes
     ----------
     stamp : int
-        [ns].
+        Time of the frame [ns].
     image : Picture or None
         Grey, uint8, shape (H, W); None without pictures.
     state : CableState or None
         The estimate.
     status : str
-        Of the tracker.
+        Status of the tracker.
     place : (float, float)
         x, y of the vehicle in the world [m].
     yaw : float
-        Of the vehicle [rad].
+        Yaw of the vehicle [rad].
     error : float
         True distance to the cable [m].
     """
@@ -175,7 +175,7 @@ class LoopRecorder(Node):  # type: ignore[misc]
         return frame.is_seen(with_image=self._with_images)
 
     def is_settled(self) -> bool:
-        """Tell whether all that is to come about the frames sent so far has come."""
+        """Tell whether all messages about the frames sent have come."""
         return not any(frame.is_sent() for frame in self._undrawn.values())
 
     def is_steered(self) -> bool:

@@ -44,10 +44,10 @@ WARM_UP = 10
 """Frames of the first block of each that do not count."""
 
 ANSWER_TIMEOUT, STRAGGLERS = 2.0, 0.1
-"""How long the last answer of a block is waited for at most, and what else may come [s]."""
+"""Longest wait for the last answer of a block, and wait for further messages after it [s]."""
 
 SETTLING = 0.3
-"""A node is left alone so long after it is reset [s]."""
+"""Pause after a node is reset [s]."""
 
 DOMAIN_VARIABLE = "ROS_DOMAIN_ID"
 DOMAIN = 87
@@ -56,25 +56,25 @@ DOMAIN = 87
 CAMERA = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=5, reliability=ReliabilityPolicy.BEST_EFFORT
 )
-"""How a camera driver publishes."""
+"""Quality of service of a camera driver."""
 
 
 @dataclass(frozen=True, slots=True)
 class NodeTrial:
-    """What to measure: one preset on one size of frames.
+    """Trial of a node: one preset on one size of frames.
 
     Attributes
     ----------
     name : str
-        What it is called.
+        Name of the trial.
     parameters : TrackerParameters
-        Of the node.
+        Parameters of the node.
     shown : Footage
         The frames.
     frames : int
-        How many of them count.
+        Number of frames that count.
     rate : float
-        Frames per second.
+        Rate of frames [1/s].
     """
 
     name: str
@@ -118,7 +118,7 @@ class _Target:
 
 
 def cpu_seconds(pid: int) -> float:
-    """Return the time of the processor that a process has used so far [s]."""
+    """Return the time of the processor that a process has used [s]."""
     # The name of the program may hold anything; the numbers begin behind its bracket.
     fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 
 SILENCE_TIMEOUT = 300.0
-"""After so long without a frame, or before the first, a run is given up [s]."""
+"""Time without a frame, or before the first, after which a run is given up [s]."""
 
 QUIET_TURNS = 50
-"""So many turns of the executor without a message, and its queues are empty.
+"""Number of turns of the executor without a message after which its queues are empty.
 
 A turn runs one callback. What else is ready, diagnostics or a service, takes turns with the
 messages of the run, so that a few turns would do.

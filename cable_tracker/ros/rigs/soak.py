@@ -22,11 +22,11 @@ LOCKSTEP_FRAMES = 100
 """Frames one after the other, each answered before the next."""
 
 FULL_RATE_SHARE = 0.3
-"""So often frames at full rate come before those in lockstep."""
+"""Share of the turns in which frames at full rate come before those in lockstep."""
 
 FULL_RATE_FRAMES = 100
 FULL_RATE_PAUSE = 0.002
-"""Between two frames at full rate [s]."""
+"""Pause between two frames at full rate [s]."""
 
 
 def check_settings(settings: SoakSettings) -> None:

@@ -24,7 +24,7 @@ FAR_AHEAD = 3600 * NANOSECONDS
 END_OF_TIME = (2**31 - 1) * NANOSECONDS
 
 REPLAY_PATIENCE = 300.0
-"""For a replay, which starts anew and gives up by itself where it is not answered [s].
+"""Longest wait for a replay, which starts anew and gives up by itself without answers [s].
 
 On a loaded machine its start alone may take a minute.
 """

@@ -38,18 +38,18 @@ class SoakCamera(Node):  # type: ignore[misc]
     Parameters
     ----------
     context : Context
-        Of rclpy.
+        Context of rclpy.
     namespace : str
-        That of the tracker.
+        Namespace of the tracker.
     record : SoakRecord
-        Where to note what is seen.
+        Record of the observations.
     soaked : SoakedNode
         The tracker.
 
     Attributes
     ----------
     answers : int
-        `state` messages so far.
+        Number of `state` messages received.
     last_stamp : int or None
         Stamp of the last of them [ns].
     last_claims : bool

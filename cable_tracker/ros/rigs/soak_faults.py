@@ -1,4 +1,4 @@
-"""What a soak test does to a node: the classes of faults, and the frames that are bad."""
+"""Faults that a soak test does to a node: their classes, and the frames that are bad."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ WEIGHTS: Mapping[Fault, float] = MappingProxyType(
         Fault.REPLAY_KILLED: 1.5,
     }
 )
-"""How often a fault is drawn, relative to the others; those that take seconds are rare."""
+"""Relative frequency of each fault; those that take seconds are rare."""
 
 REFUSED = frozenset(
     (
@@ -151,7 +151,7 @@ CHANGES: Mapping[Fault, Callable[[Message, np.random.Generator], None]] = Mappin
         Fault.OTHER_SIZE: _resize,
     }
 )
-"""How an 8-bit sensor_msgs/Image, grey or in colour, is spoilt, in place."""
+"""Functions that spoil an 8-bit sensor_msgs/Image, grey or in colour, in place."""
 
 
 def _cut_off(message: Message, rng: np.random.Generator) -> None:
@@ -178,4 +178,4 @@ COMPRESSED_CHANGES: Mapping[Fault, Callable[[Message, np.random.Generator], None
         }
     )
 )
-"""How a JPEG in a sensor_msgs/CompressedImage is spoilt, in place."""
+"""Functions that spoil a JPEG in a sensor_msgs/CompressedImage in place."""

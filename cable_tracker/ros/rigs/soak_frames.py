@@ -22,7 +22,7 @@ STEP = 40_000_000
 """Time between two frames [ns]."""
 
 REPLAYED_FRAMES = 12
-"""Of the bag for a replay."""
+"""Number of frames of the bag for a replay."""
 
 
 class SoakFrames:

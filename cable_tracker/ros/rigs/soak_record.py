@@ -1,4 +1,4 @@
-"""What a soak test has seen, and which promises were broken."""
+"""Observations of a soak test, and the promises that were broken."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 
 LARGEST_GROWTH = 5.0
-"""How much more memory a tracker may hold at its end than after its warm-up [MB]."""
+"""Largest growth of a tracker's memory from its warm-up to its end [MB]."""
 
 WARM_UP = 2000
 """Frames after which a tracker's memory is expected to have settled."""
@@ -22,7 +22,7 @@ FEWEST_SAMPLES = 20
 """A tracker that was killed before it gave as many samples says nothing about growth."""
 
 MOST_BREACHES = 100
-"""So many broken promises are told one by one."""
+"""Number of broken promises that are told one by one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class MemorySample:
     minutes : float
         Since the beginning of the soak test.
     frames : int
-        Answers of this process so far.
+        Number of answers of this process.
     process : int
         Number of the process, from 0; each restart is a new one.
     private, shared : float
@@ -145,7 +145,7 @@ class SoakRecord:
             self.broken(f"the memory of a tracker grew by {growth:.1f} MB after its warm-up")
 
     def latency_windows(self, minutes: float = 1.0) -> list[LatencyWindow]:
-        """Return the latencies in windows of so many minutes."""
+        """Return the latencies in windows of some minutes."""
         if not self.latencies:
             return []
         table: FloatArray = np.array(self.latencies)

@@ -26,16 +26,17 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages import Message
 
 PATIENCE = 10.0
-"""What has not come after this long will not come [s]."""
+"""Longest wait for an event [s]; what has not come by then will not come."""
 
 SETTLING_FRAMES = 4
-"""So many frames in a row are not lost on the way."""
+"""Number of frames that are sent in a row until one is answered; not all of them are lost on the
+way."""
 
 LONGEST_ANSWER = 1.0
 """A frame whose answer takes longer counts as a hang [s]."""
 
 COMPRESSED_SHARE = 0.3
-"""Of the trackers are started for compressed pictures."""
+"""Share of tracker starts with `image_transport` = compressed."""
 
 VIEWED_FRAMES = 10
 """While pictures are drawn."""
@@ -46,24 +47,24 @@ MEMORY_PERIOD = 2.0
 
 @dataclass(frozen=True, slots=True)
 class SoakSettings:
-    """What is asked of a soak test.
+    """Settings of a soak test.
 
     Attributes
     ----------
     minutes : float
-        How long it lasts.
+        Length of the test [min].
     seed : int
-        Draws the faults and when they come.
+        Seed of the faults and their times.
     fault_share : float
         Faults per frame in lockstep, 0 to 1.
     frames : int
-        Ends earlier when so many have been answered; 0 for no such end.
+        Number of answered frames at which the test ends earlier; 0 for no such end.
     preset : str
-        Of the tracker.
+        Preset of the tracker.
     particles : int
-        Of the tracker.
+        Number of particles of the tracker.
     node : str
-        Which tracker: a key of `SOAKED`.
+        Tracker that is soaked: a key of `SOAKED`.
     """
 
     minutes: float

@@ -1,4 +1,4 @@
-"""What a soak test has to know of the node that it soaks: the tracker of cables or of targets."""
+"""Properties of the node that is soaked: the tracker of cables or of targets."""
 
 from __future__ import annotations
 
@@ -110,4 +110,4 @@ TARGET_NODE = SoakedNode(
 )
 
 SOAKED: Mapping[str, SoakedNode] = {each.name: each for each in (CABLE_NODE, TARGET_NODE)}
-"""By name."""
+"""Soaked nodes by name."""

@@ -7,7 +7,7 @@ from cable_tracker.tracking.idle_status import WARMING_UP
 
 
 class ToldReadiness:
-    """What the diagnostics of a tracker and of its watchers have told so far.
+    """Readiness as the diagnostics of a tracker and of its watchers have reported it.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class ToldReadiness:
                 self._readers[pair.key.rpartition("/")[2]] = int(pair.value)
 
     def has_readers(self, count: int, *topics: str) -> bool:
-        """Tell whether topics, by the last part of their names, have so many readers at least."""
+        """Tell whether topics, by the last part of their names, have enough readers."""
         return all(self._readers.get(topic, 0) >= count for topic in topics)
 
 
