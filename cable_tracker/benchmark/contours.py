@@ -25,12 +25,12 @@ AS_GOOD = 0.005
 """An overlap that is less by no more is as good."""
 
 MOST_RIVAL_ITERATIONS = 320
-"""More are not tried to come up to the same overlap."""
+"""Largest number of iterations of the rival, tried to reach an equal overlap."""
 
 
 @dataclass(frozen=True, slots=True)
 class ContourTiming:
-    """What a contour takes on 320x240, from a start that is wrong by a third of its area.
+    """Time of a contour on 320x240, from a start that is wrong by a third of its area.
 
     Attributes
     ----------
@@ -39,13 +39,13 @@ class ContourTiming:
     overlap : float
         Intersection over union with the truth.
     iterations : int
-        Done.
+        Number of iterations done.
     rival_ms, rival_overlap : float or None
-        The same of scikit-image's morphological_chan_vese, with the fewest iterations, in powers of
-        two times ten, that overlap as well, or else the most that are tried; None if it is not
-        installed.
+        Time [ms] and overlap of scikit-image's morphological_chan_vese, with the fewest
+        iterations, in powers of two times ten, that overlap as well, or else the most that
+        are tried; None if it is not installed.
     rival_iterations : int or None
-        Those.
+        Number of these iterations.
     """
 
     ms: float
@@ -62,7 +62,7 @@ class ContourTiming:
 
 
 def measure_contour(repetitions: int = REPETITIONS) -> ContourTiming:
-    """Let contours evolve on a noisy ellipse, ours so many times, scikit-image's once."""
+    """Let contours evolve on a noisy ellipse, ours several times, scikit-image's once."""
     picture, truth, start = _scene()
     settings = ContourSettings()
     # The first is compiled.

@@ -108,14 +108,14 @@ class FrameLoop:
     Parameters
     ----------
     method : Method
-        A fresh one.
+        Method in its initial state.
     shown : Footage
-        What it sees.
+        Footage that it sees.
 
     Attributes
     ----------
     frames, claimed : int
-        Frames so far, and those of them in which a cable was claimed.
+        Number of frames, and of those in which a cable was claimed.
     """
 
     def __init__(self, method: Method, shown: Footage) -> None:

@@ -1,4 +1,4 @@
-"""What the tracker is to reach, beside what was measured."""
+"""Goals of the tracker, beside what was measured."""
 
 from __future__ import annotations
 

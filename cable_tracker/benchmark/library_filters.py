@@ -153,7 +153,7 @@ class FilterpyLoop:
 LIBRARY_LOOPS: Mapping[str, Callable[[CableModels, FloatArray], LibraryLoop]] = MappingProxyType(
     {"particles": ParticlesLoop, "filterpy": FilterpyLoop}
 )
-"""By the name of the package."""
+"""Loops of the filters on libraries by the name of the package."""
 
 
 def is_installed(library: str) -> bool:

@@ -21,7 +21,7 @@ from cable_tracker.evaluation.methods import ConfiguredFilter
 STATUS = Path("/proc/self/statm")
 KIB = 1024
 SAMPLES = 40
-"""How often the memory is looked at after the warm-up."""
+"""Number of samples of the memory after the warm-up."""
 
 WARM_UP_SHARE, LONGEST_WARM_UP = 0.2, 500
 """Share of the frames, and number of them at most, before the memory counts."""

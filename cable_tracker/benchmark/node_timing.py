@@ -1,4 +1,4 @@
-"""What was measured of a node in a process of its own."""
+"""Timing of a node in a process of its own."""
 
 from __future__ import annotations
 

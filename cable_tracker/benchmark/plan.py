@@ -1,4 +1,4 @@
-"""What a benchmark measures, and the benchmark itself."""
+"""Plan of a benchmark, and the benchmark itself."""
 
 from __future__ import annotations
 
@@ -35,15 +35,15 @@ from cable_tracker.libraries import one_thread
 from cable_tracker.trackers import warm_up
 
 SMALLEST_MEMORY_RUN = 50
-"""So few frames say nothing about memory."""
+"""Smallest number of frames that tells about memory."""
 
 VERSIONS = ("numba", "particles", "filterpy", "rclpy")
-"""What the line about the machine does not name."""
+"""Packages whose versions are named besides the line about the machine."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What to measure.
+    """Plan of a benchmark.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ QUICK = Plan(
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """What `run_plan` returns: see `BenchmarkResult`."""
+    """Results of `run_plan`: see `BenchmarkResult`."""
 
     measurements: tuple[Measurement, ...]
     accuracies: tuple[Accuracy, ...]

@@ -17,7 +17,7 @@ from cable_tracker.evaluation.experiments.experiment_result import ResultTable, 
 from cable_tracker.visualisation.files import write_bytes
 
 BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
-"""Between these lines of a page stands what a benchmark writes."""
+"""First and last line of the part of a page that a benchmark writes."""
 
 NOTHING = "–"
 SMALLEST = 1e-6
@@ -43,7 +43,7 @@ def tables_of(result: BenchmarkResult) -> list[ResultTable]:
 
 
 def _number(value: float | None, digits: int = 3) -> str:
-    """Write a number with so many significant digits, and no exponent."""
+    """Write a number with some significant digits, and no exponent."""
     if value is None:
         return NOTHING
     if math.isinf(value):

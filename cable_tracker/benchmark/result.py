@@ -44,7 +44,7 @@ class Circumstances:
 
 @dataclass(frozen=True, slots=True)
 class BenchmarkResult:
-    """What a benchmark has found.
+    """Results of a benchmark.
 
     Attributes
     ----------

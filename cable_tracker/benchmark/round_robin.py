@@ -25,9 +25,9 @@ MOST_CALLS = 20
 """Calls in a block, at most."""
 
 SECTIONS = ("yardstick", "copy", "step", "frame", "spacing", "method", "library")
-"""What is timed: the yardstick itself, copies of memory, steps of the filters, whole frames, whole
-frames at other distances between sample points, detectors with a Kalman filter, and the same filter
-on libraries."""
+"""Sections of the timed subjects: the yardstick itself, copies of memory, steps of the filters,
+whole frames, whole frames at other distances between sample points, detectors with a Kalman filter,
+and one filter on libraries."""
 
 Step = Callable[[], object]
 Advance = Callable[[int], None]
@@ -35,18 +35,18 @@ Advance = Callable[[int], None]
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """What is timed.
+    """Label of a timed subject.
 
     Attributes
     ----------
     section : str
-        What kind of thing it is: one of `SECTIONS`.
+        Section of the subject: one of `SECTIONS`.
     name : str
         The preset, the method, or the step.
     size : (int, int)
         Width and height of the frames [px].
     particles : int or None
-        How many; None where there are none.
+        Number of particles; None where there are none.
     amount : float
         Sample points of all particles in the section `spacing`, bytes in the section `copy`.
     """
@@ -81,12 +81,12 @@ class Subject:
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """What a subject took.
+    """Measured time of a subject.
 
     Attributes
     ----------
     label : Label
-        What was timed.
+        Label of the subject.
     cpu : Quartiles or None
         Time of the processor per call [ms]; None if it was left out.
     wall : Quartiles or None
@@ -94,7 +94,7 @@ class Measurement:
     ratio : Quartiles or None
         Median of a block over that of the yardstick's block beside it.
     skipped : str
-        Why it was left out.
+        Reason why it was left out.
     """
 
     label: Label
@@ -106,7 +106,7 @@ class Measurement:
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How long to measure.
+    """Effort of a measurement.
 
     Attributes
     ----------
@@ -115,9 +115,9 @@ class Effort:
     block : float
         Wanted length of a block [s]; at least one call.
     budget : float
-        A subject that has used so much takes part in no further round, but for the first three [s].
+        Time after which a subject takes part in no further round, but for the first three [s].
     longest : float
-        What takes longer per call is left out [s].
+        Longest time of a call of a subject that is not left out [s].
     """
 
     rounds: int = 20

@@ -1,4 +1,4 @@
-"""What is timed: steps of the filters, whole frames, rivals, copies of memory."""
+"""Subjects that are timed: steps of the filters, whole frames, rivals, copies of memory."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from cable_tracker.campaigns.crew import DASHBOARD, ClusterSettings
 from cable_tracker.errors import ParameterError, one_line
 
 CONNECT_TIMEOUT = 60.0
-"""How long to wait for a scheduler [s]."""
+"""Longest wait for a scheduler [s]."""
 
 FREE_PORT = "127.0.0.1:0"
 

@@ -26,7 +26,7 @@ from cable_tracker.libraries import one_thread
 LARGEST_WORKER_COUNT = 256
 
 DASHBOARD = "127.0.0.1:8787"
-"""Where Dask serves its pages, if it is asked to."""
+"""Address at which Dask serves its pages, if it is asked to."""
 
 STORE = "tasks"
 """Folder with the results of single tasks, in the folder of a campaign."""
@@ -41,7 +41,7 @@ ARRAYS = {
     ("numpy._core.numeric", "_frombuffer"),
     ("numpy.core.numeric", "_frombuffer"),
 }
-"""What stored results may be made of besides classes of this package."""
+"""Classes that stored results may be made of besides those of this package."""
 
 Result_co = TypeVar("Result_co", covariant=True)
 Result = TypeVar("Result")
@@ -78,7 +78,7 @@ class ClusterSettings:
             raise ParameterError(f"workers is {self.workers}: give 1 to {LARGEST_WORKER_COUNT}")
 
     def is_here(self, count: int) -> bool:
-        """Tell whether so many tasks are done in this process."""
+        """Tell whether tasks are done in this process."""
         return self.scheduler is None and (self.workers == 1 or count <= 1)
 
 
@@ -110,11 +110,11 @@ class Crew:
 
 
 Workers = int | Crew
-"""So many processes of this machine, or a crew."""
+"""Number of processes of this machine, or a crew."""
 
 
 def crew_of(workers: Workers) -> Crew:
-    """Return a crew; a number stands for so many processes of this machine.
+    """Return a crew; a number is the count of its processes on this machine.
 
     Raises
     ------

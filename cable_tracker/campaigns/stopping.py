@@ -1,4 +1,4 @@
-"""What stays on the disk when a campaign is stopped."""
+"""Files that stay on the disk when a campaign is stopped."""
 
 from __future__ import annotations
 

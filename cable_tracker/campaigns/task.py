@@ -1,4 +1,4 @@
-"""What a campaign consists of, and how it is known whether a task has been done already."""
+"""Tasks of a campaign, and how it is known whether a task has been done already."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ class Task(Protocol):
     Attributes
     ----------
     name : str
-        Of the folder that its results go to; each task of a campaign has its own.
+        Name of the folder that its results go to; each task of a campaign has its own.
     """
 
     @property
     def name(self) -> str:
-        """Of the folder that its results go to."""
+        """Name of the folder that its results go to."""
         ...
 
     def fingerprint(self) -> str:
@@ -41,7 +41,7 @@ class Task(Protocol):
 
 
 class TaskState(str, Enum):
-    """What has become of a task."""
+    """State of a task."""
 
     DONE = "done"
     KEPT = "kept"
@@ -50,16 +50,16 @@ class TaskState(str, Enum):
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What has become of a task.
+    """Outcome of a task.
 
     Attributes
     ----------
     name : str
-        Of the task.
+        Name of the task.
     state : TaskState
         KEPT: an earlier campaign has done it already.
     reason : str
-        Why it failed; empty if it did not.
+        Reason for its failure; empty if it did not fail.
     """
 
     name: str

@@ -16,18 +16,18 @@ from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_toget
 
 @dataclass(frozen=True, slots=True)
 class Campaign:
-    """What to run.
+    """Runs of a campaign.
 
     Attributes
     ----------
     methods : tuple of str
         Keys of `METHODS`.
     sequences : tuple of JudgedSequence
-        What to run them on.
+        Sequences of the runs.
     seeds : tuple of int
-        Each makes one run of every method on every sequence.
+        Seeds; each makes one run of every method on every sequence.
     start : Start
-        What the methods are told.
+        Start that the methods are told.
     restart_every : int or None
         See `MethodRun`.
     with_sheets : bool

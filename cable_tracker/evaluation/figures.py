@@ -50,10 +50,10 @@ _STYLE: Any = {
 class _Panel:
     label: str
     factor: float
-    """From px or rad to the unit of the axis."""
+    """Factor from px or rad to the unit of the axis."""
 
     smallest: float
-    """No axis spans less than this, so that calm does not look like turmoil."""
+    """Smallest span of an axis, so that calm does not look like turmoil."""
 
 
 PANELS = (
@@ -66,7 +66,7 @@ PANELS = (
 LOSS_COLOURS = LinearSegmentedColormap.from_list(
     "loss", ["#f4f6f7", "#f3c19d", "#d55e00", "#7a2d00"]
 )
-"""From never lost to always lost."""
+"""Colours from never lost to always lost."""
 
 HALF_TURN_JUMP = np.pi / 2
 """A true angle that changes by more than this between two frames has wrapped."""

@@ -85,7 +85,7 @@ class SimulatedSequence(ABC):
     name : str
         A key of the table that it stands in.
     limit : int or None
-        Use only so many frames from the beginning.
+        Number of frames used from the beginning; None: all.
     """
 
     name: str
@@ -287,7 +287,7 @@ def simulated_sequences(
         Keys of `SCENARIOS` or `WORLDS`, or patterns of them such as "report_*"; all scenarios, but
         no world, if no name is given.
     limit : int or None
-        Use only so many frames of each.
+        Number of frames used of each; None: all.
 
     Raises
     ------
@@ -311,7 +311,7 @@ def available_worlds(
 ) -> tuple[tuple[JudgedSequence, ...], tuple[str, ...]]:
     """Return the worlds that can be drawn here, and notes about the others.
 
-    `limit`: use only so many frames of each.
+    `limit`: number of frames used of each.
     """
     sequences: list[JudgedSequence] = []
     notes = []

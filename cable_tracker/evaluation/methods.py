@@ -137,4 +137,4 @@ METHODS: Mapping[str, MethodSpec] = MappingProxyType(
 """All methods by name."""
 
 BASELINES: tuple[str, ...] = tuple(name for name in METHODS if name not in PRESETS)
-"""Those that are none of this project's filters."""
+"""Methods that are not filters of this project."""

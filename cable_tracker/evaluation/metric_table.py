@@ -123,7 +123,7 @@ METRIC_TABLE: tuple[MetricSpec, ...] = (
     MetricSpec("ms", "time per frame", "ms", lambda m: m.ms_median),
     MetricSpec("ms_p95", "95th percentile of the time per frame", "ms", lambda m: m.ms_95),
 )
-"""Every number about a run, in the order of the tables."""
+"""Metrics of a run, in the order of the tables."""
 
 METRICS_BY_NAME: Mapping[str, MetricSpec] = {spec.name: spec for spec in METRIC_TABLE}
 

@@ -60,7 +60,7 @@ ERROR_MEASURES = ("bias", "rmse", "median", "p95")
 
 @dataclass(frozen=True, slots=True)
 class ReportHeader:
-    """What a report says about itself.
+    """Header of a report.
 
     Attributes
     ----------

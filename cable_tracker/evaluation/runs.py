@@ -27,10 +27,10 @@ SHEET_QUALITY = 62
 
 
 class Start(str, Enum):
-    """What a method is told at the beginning of a sequence."""
+    """Start that a method is told at the beginning of a sequence."""
 
     TRUTH = "truth"
-    """Where the cable is in the first frame, if it is labelled; the rates are not told."""
+    """True place of the cable in the first frame, if it is labelled; the rates are not told."""
 
     RANDOM = "random"
     """Nothing."""
@@ -71,15 +71,15 @@ class MethodRun:
     Parameters
     ----------
     name : str
-        What the method is called.
+        Name of the method.
     make : callable
         Makes the method from a seed.
     seed : int
         The seed.
     start : Start
-        What the method is told.
+        Start that the method is told.
     restart_every : int or None
-        Begin anew, with another seed, after every so many frames.
+        Number of frames after which the method begins anew, with another seed; None: never.
     with_sheet : bool
         Draw a contact sheet.
     """

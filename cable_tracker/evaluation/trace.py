@@ -1,4 +1,4 @@
-"""What a method said about each frame of a run, beside what was true, as arrays."""
+"""Outputs of a method for each frame of a run, beside the truth, as arrays."""
 
 from __future__ import annotations
 

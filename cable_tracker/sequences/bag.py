@@ -45,7 +45,7 @@ _COMPRESSED = "sensor_msgs/msg/CompressedImage"
 _JOINT_STATE = "sensor_msgs/msg/JointState"
 _TRUTH = "ground_truth"
 HEADER_END = 12
-"""Where the stamp of a serialised picture ends [bytes]."""
+"""End of the stamp in a serialised picture [bytes]."""
 
 _TRUTH_NAMES = ("d", "alpha", "w", "beta")
 

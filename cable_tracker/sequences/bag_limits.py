@@ -33,11 +33,11 @@ LARGEST_METADATA = 1 << 24
 """Bytes of a bag's metadata.yaml; a recorder writes some kilobytes."""
 
 SMALLEST_ROW = 8
-"""A row of a database takes at least so many bytes of its file."""
+"""Smallest size of a row of a database in its file [bytes]."""
 
 STEPS_PER_ROW = 40
 SPARE_STEPS = 200_000
-"""Steps that SQLite may take to count the rows of a file, and so many besides."""
+"""Number of steps that SQLite may take to count the rows of a file, besides those for each row."""
 
 CHECK_EVERY = 10_000
 BLOCK = 1 << 20
@@ -49,7 +49,7 @@ _STORAGE = ".zstd"
 
 
 class Chunk(Protocol):
-    """What is known of a chunk of an mcap."""
+    """Size and position of a chunk of an mcap."""
 
     message_start_time: int
     message_end_time: int

@@ -27,7 +27,7 @@ JPEG_QUALITY = 95
 
 
 class ImageFormat(str, Enum):
-    """What becomes of the pixels."""
+    """Format in which the pixels are written."""
 
     AS_IS = "as-is"
     GREY = "grey"
@@ -76,7 +76,7 @@ def write_frame(bag: BagWriter, frame: Frame) -> None:
 
 @dataclass(frozen=True, slots=True)
 class WrittenBag:
-    """What has been written.
+    """Result of writing a bag.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class WrittenBag:
     skipped : int
         Frames left out because they could not be decoded.
     damage : RecordingError or None
-        Where the recording broke off; the bag holds the frames before that.
+        Damage at which the recording broke off; the bag holds the frames before that.
     """
 
     count: int

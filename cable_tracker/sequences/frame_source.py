@@ -1,4 +1,4 @@
-"""What all kinds of sources have in common: checks, ground truth, and being closed."""
+"""Base of all kinds of sources: checks, ground truth, and being closed."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ class InstrumentSource:
         self._unreadable: dict[str, _Unreadable] = {}
 
     def remarks(self) -> tuple[str, ...]:
-        """Say which messages could not be read so far: a sentence for each topic, by name."""
+        """Return remarks about unreadable messages: a sentence for each topic, by name."""
         return tuple(
             f"{topic}: {len(found.times)} of its messages cannot be read and are left out (the"
             f" first: {found.reason}); check how the bag was recorded"

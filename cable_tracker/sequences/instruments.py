@@ -1,4 +1,4 @@
-"""What else a bag holds besides pictures: calibration, altitude, attitude, odometry, fixes.
+"""Instruments that a bag holds besides pictures: calibration, altitude, attitude, odometry, fixes.
 
 Topics are found by their types. Where several have the right one, the user chooses; without a
 choice nothing is guessed, and a note says so.
@@ -22,7 +22,7 @@ TRUTH_NAMESPACE = "ground_truth"
 
 
 class Instrument(str, Enum):
-    """What can be read besides pictures."""
+    """Instrument whose messages can be read besides pictures."""
 
     CAMERA_INFO = "camera_info"
     ALTITUDE = "altitude"

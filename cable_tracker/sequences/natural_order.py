@@ -8,7 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 LONGEST_GAP = 10_000
-"""Where more numbers are missing at one place, the names do not count frames."""
+"""Largest number of missing numbers at one place of names that count frames."""
 
 
 def natural_key(path: Path) -> tuple[tuple[tuple[int, int, str], ...], str]:

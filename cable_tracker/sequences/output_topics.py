@@ -33,10 +33,10 @@ IMAGE = OutputTopic("image", "sensor_msgs/msg/Image")
 COMPRESSED_IMAGE = OutputTopic("image/compressed", "sensor_msgs/msg/CompressedImage")
 
 INSTRUMENTS_SENT = "instruments_sent"
-"""How many messages of each instrument a replay has sent before the frame of a stamp."""
+"""Topic on which a replay says how many messages of each instrument it has sent before a frame."""
 
 EVERY_FRAME = (STATE, FRAME_REPORT)
-"""Published for every frame, whatever becomes of it."""
+"""Topics that are published for every frame, whatever becomes of it."""
 
 USABLE_FRAME = (PARTICLES, MARKERS, OVERLAY)
 """Published (while there is a subscriber) for every frame that was not refused."""

@@ -1,4 +1,4 @@
-"""What a picture file says about itself, read with Pillow before anything is decoded.
+"""Header of a picture file, read with Pillow before anything is decoded.
 
 A picture file of a few kilobytes can ask for gigabytes of pixels, and OpenCV decodes a truncated
 JPEG to a half grey picture without complaint. Both are found here. The pixels are then decoded by
@@ -32,7 +32,7 @@ _REFUSALS = (
     ArithmeticError, AttributeError, EOFError, LookupError, OSError, SyntaxError, TypeError,
     ValueError, struct.error,
 )  # fmt: skip
-"""What Pillow raises of a damaged file."""
+"""Exceptions that Pillow raises for a damaged file."""
 
 # Pillow warns of damaged notes (EXIF, TIFF tags), which say nothing of the pixels.
 warnings.filterwarnings("ignore", module=r"PIL\.")

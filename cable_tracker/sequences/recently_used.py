@@ -1,4 +1,4 @@
-"""What was used last, as far as there is room for it."""
+"""Cache of recently used values within a limit of memory."""
 
 from __future__ import annotations
 

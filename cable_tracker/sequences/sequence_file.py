@@ -36,7 +36,8 @@ SEQUENCE_SUFFIXES = (".txt", ".seq")
 _HEADER = "# CableDistance CableAngle CableWidth CableSkew # Filename\n"
 _LONGEST_LINE = 10_000
 _LARGEST_ANGLE = 1e4
-"""Of what is far larger, whole turns cannot be told from the rest [rad]."""
+"""Largest angle that is read; in a far larger one whole turns cannot be told from the rest
+[rad]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,7 +288,7 @@ class SequenceFileSource(FrameSource):
 
     @property
     def entries(self) -> tuple[Label, ...]:
-        """What the file lists: entry i is frame i."""
+        """Entries of the file: entry i is frame i."""
         return tuple(self._entries)
 
     def frame_name(self, index: int) -> str:

@@ -21,7 +21,7 @@ _ALIGNMENT = 4
 
 @dataclass(frozen=True, slots=True)
 class MessageHeader:
-    """What a std_msgs/Header says.
+    """Content of a std_msgs/Header.
 
     Attributes
     ----------

@@ -34,7 +34,7 @@ TARGET_STATE_NAMES = ("x", "y", "size", "angle")
 TARGET_CLOUD_COLUMNS = ("x", "y", "z", "scale", "angle", "v_x", "v_y", "weight")
 
 MOST_CORNERS = 100_000
-"""Of a mark that is read."""
+"""Largest number of corners of a mark that is read."""
 
 
 def is_claimed(estimate: TargetEstimate | None) -> bool:

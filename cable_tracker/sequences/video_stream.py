@@ -67,16 +67,16 @@ class Packet:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DecodedPicture:
-    """What has become of one packet.
+    """Result of decoding one packet.
 
     Attributes
     ----------
     packet : Packet
-        Which one.
+        Packet that was decoded.
     picture : Image or None
-        Blue-green-red, uint8, shape (H, W, 3); None where it cannot be decoded.
+        Picture, blue-green-red, uint8, shape (H, W, 3); None where it cannot be decoded.
     reason : str
-        Why not.
+        Reason why it cannot be decoded.
     """
 
     packet: Packet

@@ -17,18 +17,18 @@ RUNS, METHODS_TABLE = "runs.csv", "methods.csv"
 
 @dataclass(frozen=True, slots=True)
 class LoopOutcome:
-    """What came of one run.
+    """Outcome of one run.
 
     Attributes
     ----------
     method : str
         Name of the method that tracked.
     seed : int
-        Of the run.
+        Seed of the run.
     summary : LoopSummary or None
-        None if it did not come to an end.
+        Summary of the run; None if it did not come to an end.
     failure : str
-        Why not, in one line; empty otherwise.
+        Reason for its failure, in one line; empty otherwise.
     """
 
     method: str
@@ -39,7 +39,7 @@ class LoopOutcome:
 
 @dataclass(frozen=True, slots=True)
 class MethodTotals:
-    """What is to be said of all runs of a method. Lengths in metres, times in seconds.
+    """Summary of all runs of a method. Lengths in metres, times in seconds.
 
     Medians and maxima are taken over the runs that came to an end; NaN without any.
 
@@ -48,27 +48,27 @@ class MethodTotals:
     method : str
         Name of the method that tracked.
     runs, failed : int
-        How many runs there were, and how many of them did not come to an end.
+        Number of runs, and of those that did not come to an end.
     kept : int
-        In how many the cable was not lost for good.
+        Number of runs in which the cable was not lost for good.
     found_again : int
-        In how many it was found again after the buried stretch.
+        Number of runs in which it was found again after the buried stretch.
     within_goal : int
         In how many the lateral error was as small as is aimed at, and the cable not lost.
     way : float
-        How far along the cable the vehicle came: median.
+        Way of the vehicle along the cable: median.
     rms, worst_rms, most : float
-        Of the lateral error: the median of the runs' RMS, the largest, and the largest error.
+        Lateral error: the median of the runs' RMS, the largest RMS, and the largest error.
     rms_in_sight : float
         Median of the RMS with the cable in sight.
     rms_offset, rms_heading : float
-        Of `cross_track` where it was right: medians of the runs' RMS [m, deg].
+        Errors of `cross_track` where it was right: medians of the runs' RMS [m, deg].
     measured, wrong : float
         Shares of the frames with a `cross_track`, and with one that was not the cable's: means.
     losses : float
-        How often the controller had to stop: mean.
+        Number of stops of the controller: mean.
     longest_loss : float
-        Over all runs.
+        Longest loss over all runs.
     """
 
     method: str

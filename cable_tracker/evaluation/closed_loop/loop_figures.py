@@ -37,7 +37,7 @@ MODE_COLOURS: dict[str, Colour] = {
     "SEARCHING": RED,
     "GIVEN UP": BLACK,
 }
-"""Of what is shaded; while it follows nothing is."""
+"""Colours of the shading of each mode in which the controller follows nothing."""
 
 SAND = "0.85"
 """Shades the stretch under sand."""
@@ -45,7 +45,7 @@ SAND = "0.85"
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 MAP_REACH = 4.0
-"""The map shows so much to each side of the vehicle [m]."""
+"""Distance that the map shows to each side of the vehicle [m]."""
 
 
 def plot_way(

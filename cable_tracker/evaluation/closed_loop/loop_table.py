@@ -1,4 +1,4 @@
-"""What came of a vehicle that followed a cable by the tracker's word: table and judgement."""
+"""Runs of a vehicle that followed a cable by the tracker's word: table and judgement."""
 
 from __future__ import annotations
 
@@ -98,30 +98,30 @@ class Burial:
 
 @dataclass(frozen=True, slots=True)
 class LoopSummary:
-    """What is to be said of one run; lengths in metres, times in seconds.
+    """Summary of one run; lengths in metres, times in seconds.
 
     Attributes
     ----------
     seed, frames : int
-        Which run, and how many frames.
+        Seed of the run, and number of its frames.
     seconds, way : float
-        How long it took, and how far along the course the vehicle came.
+        Duration of the run, and way of the vehicle along the course.
     reached_end : bool
         Whether it came to the end of the cable.
     rms, percentile_95, most : float
-        Of the lateral error, once settled.
+        Statistics of the lateral error, once settled.
     rms_in_sight : float
-        The same without the buried stretch and the search for its end.
+        RMS of the lateral error without the buried stretch and the search for its end.
     rms_offset, rms_heading : float
-        Of `cross_track` itself, where it was right; the second in degrees.
+        RMS errors of `cross_track` itself, where it was right; the second in degrees.
     answered : float
         Share of the frames that the tracker answered; late ones are dropped in real time.
     measured, wrong : float
         Shares of the frames with a `cross_track`, and of those with one that was not the cable's.
     losses : int
-        How often the controller had to stop.
+        Number of stops of the controller.
     longest_loss : float
-        How long it did not follow at most.
+        Longest time in which it did not follow.
     found_again : bool
         After the buried stretch; true without one.
     lost_for_good : bool

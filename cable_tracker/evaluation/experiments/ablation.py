@@ -1,4 +1,4 @@
-"""What each part of the preset `default` is worth, and what it costs."""
+"""Worth and cost of each part of the preset `default`."""
 
 from __future__ import annotations
 

@@ -206,7 +206,7 @@ BUILT_UP = AblationTable(
 ABLATION_TABLES = (TAKEN_AWAY, BUILT_UP)
 
 ROW_NAMES = tuple(dict.fromkeys(row.name for table in ABLATION_TABLES for row in table.rows))
-"""All rows by name; `default` stands in both tables, with the same parameters."""
+"""Names of all rows; `default` stands in both tables, with equal parameters."""
 
 
 def check_row_names(names: Sequence[str]) -> None:

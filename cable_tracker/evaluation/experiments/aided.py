@@ -22,27 +22,27 @@ from cable_tracker.metric.motion import Odometry
 from cable_tracker.stamps import NANOSECONDS
 
 FAULT_AFTER = 1.0
-"""Faults begin so long after the first twist [s]."""
+"""Time after the first twist at which faults begin [s]."""
 
 LATENESS = 0.5
-"""How late twists come, and by how much stamps are wrong, when they are [s]."""
+"""Delay of late twists, and error of wrong stamps [s]."""
 
 WRONG_SCALE = 1.3
 """Factor on all velocities, when it is wrong."""
 
 
 class OdometryFault(str, Enum):
-    """What may be wrong with odometry."""
+    """Fault of odometry."""
 
     NONE = "sound"
     FROZEN = "frozen"
-    """It repeats its last twist."""
+    """Odometry that repeats its last twist."""
 
     HANGING = "hanging"
-    """It repeats its last twist, with noise on it."""
+    """Odometry that repeats its last twist, with noise on it."""
 
     SILENT = "silent"
-    """It stops."""
+    """Odometry that stops."""
 
     LATE = "late"
     """Twists come late, with the right stamps."""
@@ -51,10 +51,10 @@ class OdometryFault(str, Enum):
     """Twists come in time, with stamps of another clock."""
 
     TURNED = "turned"
-    """It is mounted the wrong way round: forward is backward, left is right."""
+    """Odometry mounted the wrong way round: forward is backward, left is right."""
 
     SCALED = "scale wrong"
-    """All its velocities are too high by `WRONG_SCALE`."""
+    """Odometry whose velocities are all too high by `WRONG_SCALE`."""
 
 
 def faulty(

@@ -35,7 +35,7 @@ METHOD = "default"
 SCENARIOS = ("S1", "S2", "S3", "S4", "S5", "S6")
 
 PROBABILITY = 0.95
-"""Of the central intervals, which reach 1.96 sigma, and of the region of all four."""
+"""Probability of the central intervals, which reach 1.96 sigma, and of the region of all four."""
 
 HEADINGS = (
     "sequence", "frames", "d [%]", "alpha [%]", "w [%]", "beta [%]", "region [%]", "NEES",
@@ -78,7 +78,7 @@ class SequenceGroup:
 def reported_groups(limit: int | None = None) -> tuple[SequenceGroup, ...]:
     """Return the worlds to report on that have a cable, and S1 to S6.
 
-    `limit`: use only so many frames of each.
+    `limit`: number of frames used of each.
     """
     with_cable = (world for world in worlds_of(Split.REPORT) if world.has_cable)
     worlds, notes = available_worlds(with_cable, limit)
@@ -95,11 +95,11 @@ class CoverageExperiment:
     Attributes
     ----------
     seeds : tuple of int
-        Each makes another dive of every sequence.
+        Seeds; each makes another dive of every sequence.
     groups : tuple of SequenceGroup or None
-        What to follow; None: `reported_groups`.
+        Sequences to follow; None: `reported_groups`.
     limit : int or None
-        Use only so many frames of each of these.
+        Number of frames used of each of these; None: all.
     """
 
     seeds: tuple[int, ...]

@@ -1,4 +1,4 @@
-"""What an experiment found: tables and figures, and how they are written into a folder."""
+"""Results of an experiment: tables and figures, and how they are written into a folder."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ class ResultTable:
     Attributes
     ----------
     headings : tuple of str
-        With units.
+        Headings with units.
     rows : tuple of tuple of str
-        As many cells each as there are headings.
+        Rows with as many cells each as there are headings.
     title : str
-        What it shows; empty if the experiment has only this table.
+        Title of the table; empty if the experiment has only this table.
     file_name : str
-        Of the CSV file.
+        Name of the CSV file.
     notes : tuple of str
-        Markdown, one item of a list each, below the table.
+        Notes below the table, in Markdown, one item of a list each.
     brief : int or None
-        So many columns fit on a terminal; None: all.
+        Number of columns that fit on a terminal; None: all.
     """
 
     headings: tuple[str, ...]
@@ -49,14 +49,14 @@ class ResultTable:
 
 @dataclass(frozen=True, slots=True)
 class ExperimentResult:
-    """What an experiment found.
+    """Results of an experiment.
 
     Attributes
     ----------
     title : str
-        What was done.
+        Title of the experiment.
     tables : tuple of ResultTable
-        The numbers, each table with a file name of its own.
+        Tables of numbers, each with a file name of its own.
     pictures : tuple of Picture
         The figures.
     """

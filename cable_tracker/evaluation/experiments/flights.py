@@ -29,7 +29,8 @@ LOOK_AHEAD = 0.5
 """Distance for the offset ahead of the vehicle [m]."""
 
 TRUTH_REACH, TRUTH_STEP = 3.0, 0.02
-"""The cable is followed so far to both sides of the vehicle, at so many points [m]."""
+"""Length to both sides of the vehicle over which the cable is followed, and step between the points
+[m]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What odometry is worth to the filter, and what it costs when it is wrong."""
+"""Worth of odometry to the filter, and cost of wrong odometry."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOTION_SEQUENCES = ("S1", "S2", "S6")
 METRICS = ("rmse_d", "rmse_alpha", "median_alpha", "wrong_claims", "silence")
 
 FAULT_SEEDS = 3
-"""Broken odometry is run on the first so many seeds, to save time."""
+"""Number of seeds, from the first, on which broken odometry is run, to save time."""
 
 BRIEF_COLUMNS = 9
 
@@ -33,15 +33,15 @@ class MotionSetting:
     Attributes
     ----------
     name : str
-        What is made harder; the same for rows to compare.
+        Name of the difficulty; rows with one name are compared.
     fault : OdometryFault or None
-        What is wrong with odometry; None: there is none.
+        Fault of odometry; None: no odometry.
     share : float
-        Of the preset's particles.
+        Share of the preset's particles.
     every : int
-        Only every so many frames are seen.
+        Interval of the frames that are seen.
     preset : str
-        Of the filter's parameters.
+        Preset of the filter's parameters.
     """
 
     name: str
@@ -52,7 +52,7 @@ class MotionSetting:
 
     @property
     def label(self) -> str:
-        """What stands in the table beside `name`."""
+        """Label of the row beside `name`."""
         return "none" if self.fault is None else self.fault.value
 
     @property

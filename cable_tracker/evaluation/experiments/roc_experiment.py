@@ -77,11 +77,11 @@ class RocExperiment:
     Attributes
     ----------
     seeds : tuple of int
-        Each makes another dive through each world.
+        Seeds; each makes another dive through each world.
     sequences : tuple of JudgedSequence or None
-        What to follow; None: the worlds to report on.
+        Sequences to follow; None: the worlds to report on.
     limit : int or None
-        Use only so many frames of each of these.
+        Number of frames used of each of these; None: all.
     """
 
     seeds: tuple[int, ...]

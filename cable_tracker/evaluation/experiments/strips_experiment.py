@@ -19,7 +19,7 @@ from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 
 STRIPS_PER_SEED = 100
-"""So many strips are drawn for each seed of the experiment: five seeds make 500."""
+"""Number of strips drawn for each seed of the experiment: five seeds make 500."""
 
 WIDTH_BINS = (4.0, 8.0, 16.0, 32.0, 64.0, 120.0, 200.0)
 """Limits of the rows of the table [px at 320 px]."""

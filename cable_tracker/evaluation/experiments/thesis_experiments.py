@@ -337,4 +337,4 @@ EXPERIMENTS: Mapping[str, Callable[[tuple[int, ...]], Experiment]] = MappingProx
         "coverage": CoverageExperiment,
     }
 )
-"""What makes an experiment from its seeds, by the name on the command line."""
+"""Functions that make an experiment from its seeds, by the name on the command line."""

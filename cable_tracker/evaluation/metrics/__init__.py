@@ -1,1 +1,1 @@
-"""What is measured about a run against ground truth, a file for each question."""
+"""Metrics of a run against ground truth, a file for each question."""

@@ -15,7 +15,7 @@ CLEARLY_BACK = 0.3
 """A cable that was out of view is back when so large a share of its borders can be seen."""
 
 RETURN_SECONDS = 1.0
-"""It is found again if it is claimed, and rightly, within so much time after that [s]."""
+"""Time after the return within which a right claim counts as found again [s]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.evaluation.trace import Trace
 
 START_FRAMES = 30
-"""A start succeeds if the cable is claimed, and rightly, within so many frames that show it."""
+"""Number of frames that show the cable within which a right claim makes a start succeed."""
 
 
 class StartOutcome(str, Enum):
@@ -21,10 +21,10 @@ class StartOutcome(str, Enum):
     """The cable was claimed, and rightly, within `START_FRAMES` frames."""
 
     WRONG = "wrong"
-    """Within that time there were claims, but only of something else: a wrong lock."""
+    """Start with claims in time, but only of something else: a wrong lock."""
 
     NONE = "none"
-    """There was no claim in time."""
+    """Start without a claim in time."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ KEPT = 1.0
 """A distance that is off by less is kept [m]."""
 
 FOUND_AGAIN = 3.0
-"""A target that comes back into view is found again if it is claimed within so long [s]."""
+"""Time after its return within which a claimed target counts as found again [s]."""
 
 
 @dataclass(frozen=True, slots=True)

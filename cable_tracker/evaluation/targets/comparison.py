@@ -114,12 +114,12 @@ class Follower:
     method : str
         Name, see `method_names`.
     tracker : BoxTracker
-        That follows.
+        Tracker that follows the target.
 
     Attributes
     ----------
     claims : list of JudgedClaim
-        Of the frames that count, so far.
+        Claims in the frames that count.
     """
 
     def __init__(self, method: str, tracker: BoxTracker) -> None:

@@ -1,4 +1,4 @@
-"""What the node would publish about a frame of a target, for a bag."""
+"""Messages of the node about a frame of a target, for a bag."""
 
 from __future__ import annotations
 

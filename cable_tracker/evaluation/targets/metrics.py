@@ -14,10 +14,10 @@ ENOUGH_OVERLAP = 0.5
 """Intersection over union of the boxes above which a frame is a success."""
 
 RETURN_FRAMES = 15
-"""A target that comes back should be found within so many frames."""
+"""Number of frames within which a target that comes back should be found."""
 
 OWN_FRAMES = 20
-"""After a crossing, the last so many frames tell whose box it is."""
+"""Number of frames, the last after a crossing, that tell which target the box is on."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from cable_tracker.target.model.estimate import Box
 
 
 class BoxTracker(Protocol):
-    """What follows a box from frame to frame."""
+    """Tracker of a box from frame to frame."""
 
     def start(self, image: Image, box: Box, stamp: int) -> Box | None:
         """Take what is in the box for the target; return the first claim; (H, W) or (H, W, 3)."""
@@ -116,9 +116,9 @@ def _opencv_peers() -> dict[str, Callable[[], BoxTracker]]:
 
 
 PEERS: Mapping[str, Callable[[], BoxTracker]] = MappingProxyType(_opencv_peers())
-"""By name; CSRT and KCF only where the wheel is opencv-contrib-python-headless before 5.0."""
+"""Peers by name; CSRT and KCF only where the wheel is opencv-contrib-python-headless before 5.0."""
 
 MISSING_PEERS: tuple[str, ...] = tuple(
     name for name in ("CSRT", "KCF", "MIL", "CamShift") if name not in PEERS
 )
-"""What the installed OpenCV lacks."""
+"""Names of the peers that the installed OpenCV lacks."""

@@ -1,4 +1,4 @@
-"""What target trackers are judged on: simulated scenarios, and recordings with boxes."""
+"""Sequences on which target trackers are judged: simulated scenarios, and recordings with boxes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What speaks against a cable where none was claimed in a whole recording, and what to try."""
+"""Reasons against a cable where none was claimed in a whole recording, and advice."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ SMALLEST_PICTURE, LARGEST_PICTURE = 480, 960
 
 @dataclass(frozen=True, slots=True)
 class WantedResults:
-    """What a result folder is to hold beside the table.
+    """Content of a result folder beside the table.
 
     Attributes
     ----------
