@@ -31,7 +31,7 @@ PRINTED_METRICS = (
     "useful", "wrong_claims", "false_tracking", "longest_loss", "held_rmse_d", "held_rmse_alpha",
     "start_right", "ms",
 )  # fmt: skip
-"""What fits on a terminal; the report has more."""
+"""Metrics that fit on a terminal; the report has more."""
 
 
 def tuned_filters(

@@ -12,7 +12,7 @@ from cable_tracker.commands.terminal import messages
 from cable_tracker.errors import ParameterError
 
 MEMORY = "4 GiB"
-"""Of each worker, where the user says nothing."""
+"""Memory of each worker, unless the user names another."""
 
 LARGEST_FIRST_SEED = 1_000_000_000
 """Far enough below the largest seed of a tracker for all that is added to it."""
@@ -57,7 +57,7 @@ def chosen_cluster(
 
 
 def seeds_from(count: int, first: int = 0) -> tuple[int, ...]:
-    """Return so many seeds from a first one upwards.
+    """Return a count of seeds from a first one upwards.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What `cable-tracker learn` learns from: labelled recordings and simulated dives."""
+"""Sources of `cable-tracker learn`: labelled recordings and simulated dives."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from cable_tracker.simulation.worlds.split import Split
 MOST_SEEDS = 1000
 
 SEEDS = re.compile(r"(\d{1,9})(?:-(\d{1,9}))?")
-"""One seed, or the first and the last of some."""
+"""Pattern of one seed, or of the first and the last of several."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,16 +58,16 @@ class LabelledSequence:
 
 @dataclass(frozen=True, slots=True)
 class LearningPlan:
-    """How frames are counted.
+    """Plan for counting frames.
 
     Attributes
     ----------
     every : int
-        Use every so manieth frame only, from the first.
+        Interval of the frames that are used, from the first.
     harder : int
-        Count each frame also so many times made harder, see `made_harder`.
+        Number of harder copies of each frame that are counted, too, see `made_harder`.
     limit : int or None
-        Use only so many frames from the beginning of each simulated dive.
+        Number of frames used from the beginning of each simulated dive; None: all.
     skip_bad_frames : bool
         Pass over a frame that cannot be decoded.
     """
@@ -108,11 +108,11 @@ def simulated_dives(
     Parameters
     ----------
     names : sequence of str
-        Of scenarios and of worlds to tune on, or patterns of them such as "tune_*".
+        Names of scenarios and of worlds to tune on, or patterns of them such as "tune_*".
     seeds : sequence of int
-        Each makes another dive.
+        Seeds; each makes another dive.
     limit : int or None
-        Use only so many frames from the beginning of each.
+        Number of frames used from the beginning of each; None: all.
 
     Raises
     ------

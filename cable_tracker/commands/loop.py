@@ -244,7 +244,7 @@ RUN_HEADINGS = {
     "longest_loss": "longest [s]",
     "lost_for_good": "lost for good",
 }
-"""What the table of several runs shows on the terminal."""
+"""Columns of the table of several runs on the terminal, with their headings."""
 
 TOTAL_HEADINGS = {
     "method": "method",

@@ -35,21 +35,22 @@ GRACE = 30.0
 """Time that a run gets to stop its nodes [s]."""
 
 PR_SET_PDEATHSIG = 1
-"""Of prctl: the signal that a process gets when its parent ends."""
+"""Number of the operation of prctl that sets the signal which a process gets when its parent
+ends."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoopCampaign:
-    """What to run.
+    """Runs of a closed-loop campaign.
 
     Attributes
     ----------
     methods : sequence of str
-        Of `evaluation.methods.METHODS`.
+        Methods, keys of `evaluation.methods.METHODS`.
     seeds : sequence of int
-        Each method runs with each of them.
+        Seeds; each method runs with each of them.
     arguments : sequence of str
-        Of `cable-tracker loop`, which all runs share.
+        Arguments of `cable-tracker loop`, which all runs share.
     """
 
     methods: Sequence[str]
@@ -79,7 +80,7 @@ class LoopTask:
 
     @property
     def name(self) -> str:
-        """Of its folder."""
+        """Name of its folder."""
         return f"{self.method}_{self.seed}"
 
     def fingerprint(self) -> str:

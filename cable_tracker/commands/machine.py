@@ -1,4 +1,4 @@
-"""What a report says about how and where it was made."""
+"""Facts in a report about how and where it was made."""
 
 from __future__ import annotations
 

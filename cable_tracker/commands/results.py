@@ -1,4 +1,4 @@
-"""What the commands that track a recording say of it, and where they write."""
+"""Messages and output folders of the commands that track a recording."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the commands that serve a page have in common."""
+"""Base of the commands that serve a page."""
 
 from __future__ import annotations
 

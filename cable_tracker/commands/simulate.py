@@ -44,7 +44,7 @@ from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 
 
 class SimulationFormat(str, Enum):
-    """What `simulate` writes."""
+    """Format that `simulate` writes."""
 
     BAG = "bag"
     SEQUENCE = "sequence"
@@ -224,7 +224,7 @@ def _write_cable(
 
 @dataclass(frozen=True, slots=True)
 class TargetRequest:
-    """What to simulate of a target; see `simulate_target`."""
+    """Request for the simulation of a target; see `simulate_target`."""
 
     scenario: str
     frames: int

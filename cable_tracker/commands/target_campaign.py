@@ -38,7 +38,7 @@ NOTHING = "nothing"
 
 @dataclass(frozen=True, slots=True)
 class TargetCampaign:
-    """What is judged on what.
+    """Campaign of target trackers.
 
     Attributes
     ----------

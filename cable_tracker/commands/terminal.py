@@ -1,4 +1,4 @@
-"""What commands print, and how they show that they are at work."""
+"""Output of commands, and how they show that they are at work."""
 
 from __future__ import annotations
 

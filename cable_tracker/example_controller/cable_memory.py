@@ -17,10 +17,10 @@ FEWEST = 5
 """Sightings needed for a line."""
 
 BENT_FROM = 2.0
-"""Only with sightings over so long a way is a bend told from noise [m]."""
+"""Shortest way of sightings over which a bend is told from noise [m]."""
 
 BEND_LASTS = 5.0
-"""A bend is thought to go on so far, and the cable to run straight after that [m]."""
+"""Length over which a bend is extrapolated; beyond it the cable runs straight on [m]."""
 
 MOST_CURVATURE = 0.08
 """[1/m]."""

@@ -21,56 +21,57 @@ from cable_tracker.example_controller.line_of_sight import (
 )
 
 NEAR, NEAR_TURNED = 0.2, math.radians(20.0)
-"""How far from where it is expected, and how askew, the cable may appear [m, rad]."""
+"""Largest distance and angle of the cable from where it is expected [m, rad]."""
 
 GATE_GROWTH, GATE_TURN, MOST_TURNED = 0.15, math.radians(5.0), math.radians(45.0)
-"""How much farther, and how much more askew, for each metre since it was seen [m/m, rad/m], and how
-askew at most [rad]."""
+"""Growth of these limits for each metre since the last sighting [m/m, rad/m], and the largest limit
+of the angle [rad]."""
 
 PROVEN = 2.0
-"""A cable that is lost again before it was followed so far may have been something else [m]."""
+"""Way over which a cable must be followed to be sure; one lost earlier may have been something else
+[m]."""
 
 FORMER_COUNTS = 10.0
 """The line before the present one may be the cable's for this way from where it was left [m]."""
 
 
 class Mode(Enum):
-    """What the controller is about."""
+    """Mode of the controller."""
 
     WAITING = "WAITING"
-    """For the first sight of the cable; the vehicle stands still."""
+    """Wait for the first sight of the cable; the vehicle stands still."""
     FOLLOWING = "FOLLOWING"
     STOPPED = "STOPPED"
-    """The cable is lost: stand still for a moment, it may come back."""
+    """Stop after the loss of the cable: stand still for a moment, it may come back."""
     SEARCHING = "SEARCHING"
     GIVEN_UP = "GIVEN UP"
-    """It was not found; the vehicle stands still."""
+    """End of a search without success; the vehicle stands still."""
 
 
 @dataclass(frozen=True, slots=True)
 class SearchSettings:
-    """What to do where the cable is lost.
+    """Settings of the search for a lost cable.
 
     Attributes
     ----------
     patience : float
-        Go on with the last command for so long: a frame or two without an answer are usual [s].
+        Time for which the last command goes on: a frame or two without an answer are usual [s].
     pause : float
-        Then stand still for so long [s].
+        Time of standstill after that [s].
     speed : float
-        Of the search [m/s].
+        Speed of the search [m/s].
     straight : float
-        So far the search follows the remembered line itself [m].
+        Way over which the search follows the remembered line itself [m].
     sweep_growth : float
-        After that it sweeps to both sides, farther by this for each metre.
+        Growth of the sweeps to both sides after that, for each metre [m/m].
     most_sweep : float
         The farthest sweep to a side [m].
     sweep_length : float
         Way along the line for a sweep to both sides [m].
     give_up : float
-        The search ends so far along the line [m].
+        Way along the line at which the search ends [m].
     confirmations : int
-        The cable must be seen so often in a row before the search ends.
+        Number of sightings in a row that end the search.
     """
 
     patience: float = 0.4
@@ -122,7 +123,7 @@ class Controller:
 
     @property
     def mode(self) -> Mode:
-        """What it is about."""
+        """Mode of the controller."""
         return self._mode
 
     def step(self, time: float, cable: Cable | None, pose: Pose | None) -> Command:

@@ -13,22 +13,22 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class GuidanceSettings:
-    """How to steer.
+    """Settings of the steering.
 
     Attributes
     ----------
     speed : float
-        Forward, through the water [m/s].
+        Speed forward, through the water [m/s].
     look_ahead : float
-        The vehicle steers for the point of the cable so far ahead [m].
+        Distance ahead of the point of the cable that the vehicle steers for [m].
     integral_gain : float
-        How fast an offset that stays is steered against [1/s].
+        Gain against a lasting offset [1/s].
     most_integral : float
-        The integral part never shifts the cable by more than this [m].
+        Largest shift of the cable by the integral part [m].
     turn_gain : float
         Rate of turn for each radian off the course to steer [1/s].
     most_turn : float
-        [rad/s].
+        Largest rate of turn [rad/s].
     """
 
     speed: float = 0.5
@@ -41,14 +41,14 @@ class GuidanceSettings:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """What the vehicle is told.
+    """Command to the vehicle.
 
     Attributes
     ----------
     surge : float
-        Forward [m/s].
+        Velocity forward [m/s].
     turn : float
-        To the left [rad/s].
+        Rate of turn to the left [rad/s].
     """
 
     surge: float

@@ -14,33 +14,32 @@ from enum import Enum
 
 @dataclass(frozen=True, slots=True)
 class FollowSettings:
-    """How to follow.
+    """Settings of the follower.
 
     Attributes
     ----------
     distance : float
-        To be kept [m].
+        Distance to be kept [m].
     gain, integral_gain : float
-        Surge for each metre too far [1/s], and how fast a distance that stays is worked against
-        [1/s²].
+        Surge for each metre too far [1/s], and gain against a lasting error of distance [1/s²].
     most_surge : float
-        Forward; backward half of it [m/s].
+        Largest surge forward; backward half of it [m/s].
     turn_gain : float
         Rate of turn for each radian of bearing [1/s].
     most_turn : float
-        [rad/s].
+        Largest rate of turn [rad/s].
     climb_gain : float
         Heave for each metre above [1/s].
     most_heave : float
-        [m/s].
+        Largest heave [m/s].
     memory_time : float
-        So long a lost target is followed where it should be [s].
+        Time for which a lost target is followed where it should be [s].
     give_up : float
-        After so long without it the vehicle stands still [s].
+        Time without it after which the vehicle stands still [s].
     search_turn : float
         Rate of turn while it is looked for [rad/s].
     search_angle : float
-        To either side of the course at first; every time so much farther [rad].
+        Angle to either side of the course at first, and its growth every time [rad].
     """
 
     distance: float = 2.5
@@ -84,14 +83,14 @@ class TargetPlace:
 
 @dataclass(frozen=True, slots=True)
 class FollowCommand:
-    """What the vehicle is told.
+    """Command to the vehicle.
 
     Attributes
     ----------
     surge, heave : float
-        Forward and up [m/s].
+        Velocity forward and up [m/s].
     turn : float
-        To the left [rad/s].
+        Rate of turn to the left [rad/s].
     """
 
     surge: float = 0.0
@@ -100,7 +99,7 @@ class FollowCommand:
 
 
 class FollowMode(str, Enum):
-    """What the follower is about."""
+    """Mode of the follower."""
 
     WAITING = "WAITING"
     FOLLOWING = "FOLLOWING"
@@ -128,7 +127,7 @@ class TargetFollower:
 
     @property
     def mode(self) -> FollowMode:
-        """What it is about."""
+        """Mode of the follower."""
         return self._mode
 
     def step(self, time: float, place: TargetPlace | None) -> FollowCommand:

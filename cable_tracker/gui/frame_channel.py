@@ -12,7 +12,7 @@ from typing import Protocol
 
 
 class WebSocket(Protocol):
-    """What a channel needs of a WebSocket, in the words of Starlette."""
+    """Interface of a WebSocket that a channel needs, in the words of Starlette."""
 
     async def accept(self) -> None:
         """Open the connection."""

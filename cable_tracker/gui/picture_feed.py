@@ -13,7 +13,7 @@ from cable_tracker.gui.session import AnySnapshot, Session
 from cable_tracker.gui.tracking_history import TrackingHistory
 
 WHOLE_EVERY = 50
-"""One packet of so many brings the whole history."""
+"""Number of packets of which one brings the whole history."""
 
 RATE_TIME = 2.0
 """Time over which frames per second are counted [s]."""

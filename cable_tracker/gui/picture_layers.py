@@ -1,4 +1,4 @@
-"""What is drawn on a picture, as lines and areas in its pixels."""
+"""Layers drawn on a picture, as lines and areas in its pixels."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Layer: TypeAlias = dict[str, object]
 """See browser/frame_view.js."""
 
 LARGEST_CLOUD = 2000
-"""No more particles are sent than this: those of highest weight."""
+"""Largest number of particles that are sent: those of highest weight."""
 
 MOST_OPAQUE = 0.6
 """Opacity of the heaviest particle."""
@@ -35,7 +35,7 @@ CROSS_SHARE = 0.004
 """Length of an arm of the cross that stands for a particle, as a share of the picture's width."""
 
 LARGEST_SIGMA = 1e6
-"""What stands for unknown; wider bands fill the picture anyway [px, rad]."""
+"""Standard deviation that stands for unknown; wider bands fill the picture anyway [px, rad]."""
 
 
 def css(colour: Colour) -> str:

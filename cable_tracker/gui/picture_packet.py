@@ -37,7 +37,7 @@ TO_DISPLAY = np.array([1.0, DEGREE] * (STATE_SIZE // 2))
 """Factors from px, rad to px, deg, columns of `StateColumn`."""
 
 TARGET_TO_DISPLAY = np.array([1.0, 1.0, 1.0, DEGREE, 1.0, 1.0])
-"""The same of `TargetSnapshot.state`."""
+"""Factors from the units of `TargetSnapshot.state` to those of the page, shape (6,)."""
 
 
 Fact: TypeAlias = tuple[str, float | None, int, str]
@@ -46,16 +46,16 @@ Fact: TypeAlias = tuple[str, float | None, int, str]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PictureView:
-    """What is shown of a snapshot, whatever is followed.
+    """Page's view of a snapshot, for any subject.
 
     Attributes
     ----------
     picture : Image
         uint8, grey (H, W) or blue-green-red (H, W, 3).
     layers : list of Layer
-        What is drawn on it.
+        Layers drawn on it.
     lines : FloatArray
-        What stands for the particles; see browser/frame_view.js.
+        Lines that stand for the particles; see browser/frame_view.js.
     cloud : FloatArray
         The particles in units of the page, weights last, shape (M, K).
     state, sigma, truth : list or None
@@ -63,7 +63,7 @@ class PictureView:
     facts : list of Fact
         Further numbers.
     metres : dict or None
-        What is known in metres; None where there are no instruments.
+        Values in metres; None where there are no instruments.
     """
 
     picture: Image

@@ -12,7 +12,7 @@ from cable_tracker.sequences.source import ChosenRecording
 
 @dataclass(frozen=True, slots=True)
 class RecordingRequest(ChosenRecording):
-    """What the user says about a recording.
+    """Choices of the user about a recording.
 
     Attributes
     ----------

@@ -100,7 +100,7 @@ class RecordingSession(SnapshotFeed):
 
     @property
     def trouble(self) -> str:
-        """What keeps frames from coming; empty if nothing."""
+        """Trouble that keeps frames from coming; empty if there is none."""
         return self._trouble
 
     @property
@@ -154,7 +154,7 @@ class RecordingSession(SnapshotFeed):
         self._thread.wake()
 
     def seek(self, frame: int) -> None:
-        """Go to a frame, or to the last one if there are not so many."""
+        """Go to a frame, or to the last one if there are fewer."""
         with self._lock:
             self._target = self._within(frame)
         self._thread.wake()

@@ -1,4 +1,4 @@
-"""What the window watches and commands: a recording tracked in this process, or a live node."""
+"""Session that the window watches and commands: a recording tracked here, or a live node."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Snapshot:
-    """What the filter made of one frame.
+    """Results of the filter for one frame.
 
     Attributes
     ----------
@@ -82,12 +82,12 @@ class Snapshot:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TargetSnapshot:
-    """What the filter of a target made of one frame.
+    """Results of the filter of a target for one frame.
 
     Attributes
     ----------
     number, frame, stamp, status, reason, presence, n_eff, ms
-        As of a `Snapshot`.
+        Facts as of a `Snapshot`.
     image : Image
         The frame, uint8, blue-green-red (H, W, 3) or grey (H, W).
     state : FloatArray or None
@@ -100,11 +100,11 @@ class TargetSnapshot:
     outline : FloatArray
         Corners of the contour, from the top left corner [px], shape (K, 2).
     area : float or None
-        Of the contour [px²].
+        Area of the contour [px²].
     cloud : FloatArray or None
         Particles, columns of `state`, and their weights, shape (N, 7); None if there are none.
     score : float or None
-        How well the estimated region fits.
+        Score of the fit of the estimated region.
     truth : Box or None
         Where the target really is, if the frame is labelled.
     """
@@ -131,7 +131,7 @@ class TargetSnapshot:
 AnySnapshot: TypeAlias = Snapshot | TargetSnapshot
 
 AnyStart: TypeAlias = GivenState | TargetStart
-"""What a user says about where a cable or a target is."""
+"""Start given by the user: the place of a cable or of a target."""
 
 Listener: TypeAlias = Callable[[AnySnapshot], None]
 """Told of every new snapshot, in the session's own thread: it must not take long."""
@@ -161,7 +161,7 @@ class Session(Protocol):
 
     @property
     def trouble(self) -> str:
-        """What keeps frames from coming: the damage, the node that is gone. Empty if nothing."""
+        """Trouble that keeps frames from coming: damage, a node that is gone. Empty without any."""
         ...
 
     @property

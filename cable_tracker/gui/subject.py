@@ -1,4 +1,4 @@
-"""What a page has to know of what is followed: a cable, or a target with an outline."""
+"""Knowledge of a page about its subject: a cable, or a target with an outline."""
 
 from __future__ import annotations
 
@@ -35,36 +35,36 @@ Lane = tuple[str, float]
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What is followed, as the page shows it.
+    """Subject that is followed, as the page shows it.
 
     Attributes
     ----------
     noun : str
-        In words.
+        Noun for the subject.
     node : str
         Name of the node that follows it, and of its section in files.
     shape : str
         What the user draws on the picture: a `line` or a `box`.
     names, units : tuple of str
-        Of the components of the state.
+        Names and units of the components of the state.
     least_spans : tuple of float
-        Of the axes of their plots.
+        Smallest spans of the axes of their plots.
     truths : int
-        So many of them, from the first, may have a ground truth.
+        Number of components, from the first, that may have a ground truth.
     lanes : tuple of Lane
         The two components that the history shows.
     layers : tuple of LayerToggle
-        What is drawn on the picture.
+        Layers drawn on the picture.
     parameters : type
-        Of the filter.
+        Class of the filter's parameters.
     table : tuple of ParameterSpec
         The filter's parameters.
     runtime, of_node : tuple of ParameterSpec
-        Of the node: those that can be changed while it runs, and all.
+        Parameters of the node: those that can be changed while it runs, and all.
     presets : mapping
-        By name.
+        Presets by name.
     groups : Groups
-        Of the parameters.
+        Groups of the parameters.
     """
 
     noun: str

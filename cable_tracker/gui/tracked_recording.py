@@ -15,7 +15,7 @@ from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 
 LONGEST_RUN = 25
-"""Frames on the way to one a little further on are tracked, up to so many."""
+"""Largest number of frames that are tracked on the way to one a little further on."""
 
 
 class TrackedRecording:

@@ -1,4 +1,4 @@
-"""What a tracker believed at earlier frames, so that one can go back to them."""
+"""Memory of what a tracker believed at earlier frames, so that one can go back to them."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ FIRST_INTERVAL = 25
 """Frames between two remembered trackers, to begin with."""
 
 LARGEST_COUNT = 128
-"""So many trackers are remembered at most."""
+"""Largest number of trackers that are remembered."""
 
 LARGEST_PARTICLE_COUNT = 200_000
-"""So many particles do they have together at most; but a few trackers are always remembered."""
+"""Largest number of particles of all remembered trackers; a few trackers are always remembered."""
 
 LEAST_COUNT = 8
 
 
 class Remembered(Protocol):
-    """What can be remembered: a tracker, or what holds one."""
+    """Interface of what is remembered: a tracker, or what holds one."""
 
     @property
     def particles(self) -> Particles | None:

@@ -1,4 +1,4 @@
-"""What can be commanded with buttons and keys."""
+"""Commands by buttons and keys."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ POINTER_HELP = {
     ),
     "box": (("drag on the picture", "draw a box around the target; Esc cancels"), *ZOOM_HELP),
 }
-"""By what the user draws."""
+"""Help on the pointer for each shape that the user draws."""
 
 
 def commands_for(*, is_player: bool, noun: str = "cable") -> tuple[Command, ...]:

@@ -1,4 +1,4 @@
-"""What all browsers that look at one server share: the session and its pictures."""
+"""Desk shared by all browsers of one server: the session and its pictures."""
 
 from __future__ import annotations
 

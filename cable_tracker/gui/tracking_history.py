@@ -15,10 +15,11 @@ from cable_tracker.gui.session import AnySnapshot, TargetSnapshot
 from cable_tracker.stamps import NANOSECONDS
 
 HISTORY_TIME = 30.0
-"""So much is kept [s]."""
+"""Length of the history that is kept [s]."""
 
 RECENT_TIME = 2.0
-"""So much goes with every picture, so that a browser that missed some has no gaps [s]."""
+"""Length of the history that goes with every picture, so that a browser that missed some has no
+gaps [s]."""
 
 LARGEST_LENGTH = 4000
 

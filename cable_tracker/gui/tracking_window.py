@@ -60,10 +60,10 @@ from cable_tracker.gui.tracking_elements import (
 from cable_tracker.tracking.parameter_table import ParameterValue
 
 REFRESH = 0.2
-"""How often a page looks whether another one has played, paused or opened something [s]."""
+"""Interval between two checks whether another page has played, paused or opened something [s]."""
 
 REFRESH_OF_PARAMETERS = 1.0
-"""How often it looks whether another one has changed a parameter [s]."""
+"""Interval between two checks whether another page has changed a parameter [s]."""
 
 STYLE = Path(__file__).with_name("tracking_window.css").read_text(encoding="utf-8")
 

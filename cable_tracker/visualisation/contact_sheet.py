@@ -32,9 +32,9 @@ class ContactSheet:
     Parameters
     ----------
     stride : int
-        Keep every so many pictures, at least 1.
+        Interval of the pictures that are kept, at least 1.
     limit : int
-        Keep no more than this, at least 2.
+        Largest number of pictures, at least 2.
     thumbnail_width : int
         Width of a picture on the sheet [px], at least 32.
 

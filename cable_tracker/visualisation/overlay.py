@@ -25,13 +25,13 @@ from cable_tracker.visualisation.palette import (
 )
 
 LARGEST_CLOUD = 100
-"""No more particles are drawn than this: those of highest weight."""
+"""Largest number of particles that are drawn: those of highest weight."""
 
 LEAST_PROBABILITY = 0.05
 """Hypotheses below this are not drawn."""
 
 LARGEST_SIGMA = 1e6
-"""What stands for unknown; wider bands fill the image anyway [px, rad]."""
+"""Standard deviation that stands for unknown; wider bands fill the image anyway [px, rad]."""
 
 SHIFT = 4
 """Binary digits after the point in the coordinates that OpenCV draws."""

@@ -46,7 +46,7 @@ class _Panel:
     column: StateColumn
     label: str
     factor: float
-    """From px or rad to the unit of the axis."""
+    """Factor from px or rad to the unit of the axis."""
 
 
 PANELS = (

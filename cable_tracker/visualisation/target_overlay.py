@@ -16,7 +16,7 @@ CONTOUR = (0, 255, 255)
 PARTICLE = (255, 0, 255)
 
 LEGEND_HEIGHT = 18
-"""Of the line of numbers, at a width of 480 [px]."""
+"""Height of the line of numbers, at a width of 480 [px]."""
 
 
 def draw_target(

@@ -29,7 +29,8 @@ LONGEST_STEP = 10_000_000_000
 """A longer pause between two stamps is not shown in full, but as a usual step [ns]."""
 
 CONTAINER_OPTIONS = {"fflags": "+bitexact"}
-"""Otherwise each file gets a random number of its own: the same frames must give the same file."""
+"""Options of the container; without them each file gets a random number of its own, but equal
+frames must give equal files."""
 
 CODEC: Final = "libvpx"
 """VP8: takes half of the time that VP9 takes, and browsers play both."""
@@ -38,7 +39,8 @@ CODEC_OPTIONS = {"deadline": "realtime", "cpu-used": "16", "crf": "20", "b": "4M
 """`crf` is the quality to reach, and `b` the most bits a second that it may take."""
 
 CODEC_THREADS = 1
-"""More share a frame's time only when nothing else computes, and take more of it in all."""
+"""Number of threads of the codec; more share a frame's time only when nothing else computes, and
+take more of it in all."""
 
 
 def next_step(previous: int, stamp: int, usual: int) -> int:
@@ -124,7 +126,7 @@ class VideoWriter:
 
     @property
     def frame_count(self) -> int:
-        """Number of frames written so far."""
+        """Number of frames written."""
         return self._frame_count
 
     def add(self, image: Image, stamp: int) -> None:
@@ -211,7 +213,7 @@ class VideoWriter:
             self._discard()
 
     def _discard(self) -> None:
-        """Close and remove what has been written so far."""
+        """Close and remove the files that have been written."""
         container, self._container, self._stream = self._container, None, None
         try:
             try:

@@ -34,7 +34,7 @@ from cable_tracker.evaluation.experiments.experiment_result import ResultTable
 from cable_tracker.sequences.output_folder import output_file
 
 PLANS = {False: FULL, True: QUICK}
-"""By whether it is to be quick."""
+"""Plans by whether the benchmark is to be quick."""
 
 NODE_TRIALS = (
     (RENDERED_SIZE, REFERENCE_PARTICLES),

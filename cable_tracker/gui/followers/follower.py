@@ -19,7 +19,7 @@ BLANK = np.zeros((240, 320), np.uint8)
 
 
 class AnyTracker(Protocol):
-    """What the trackers of all subjects have in common."""
+    """Interface of the trackers of all subjects."""
 
     @property
     def particles(self) -> Particles | None:

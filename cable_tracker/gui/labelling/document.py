@@ -21,7 +21,7 @@ class _Step:
     Attributes
     ----------
     frame : int
-        Where the user was.
+        Frame at which the user was.
     before, after : mapping
         Labels of the changed frames.
     """

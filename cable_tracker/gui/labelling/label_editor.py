@@ -15,7 +15,7 @@ from cable_tracker.visualisation.palette import AMBER, GREEN, RED, SKY, STRAW, C
 STYLE = Path(__file__).with_name("label_editor.css")
 
 PRIMARY = "#2a7fb8"
-"""Of the buttons of dialogs: the blue of proposals, dark enough for white letters."""
+"""Colour of the buttons of dialogs: the blue of proposals, dark enough for white letters."""
 
 COLOURS: Mapping[str, Colour] = {
     "hand": GREEN,

@@ -64,7 +64,7 @@ class Flag:
 
 @dataclass(frozen=True, slots=True)
 class FileContent:
-    """What a file of labels and its flags say.
+    """Content of a file of labels and its flags.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a person says about one frame: where the cable is, or that there is none."""
+"""Labels by a person of one frame: the place of the cable, or that there is none."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Origin(str, Enum):
     """The tracker has proposed it, and a person has accepted it as it was."""
 
     INTERPOLATED = "interpolated"
-    """It lies between two key frames, and was not looked at."""
+    """Label between two key frames that a person has not looked at."""
 
 
 @dataclass(frozen=True, slots=True)

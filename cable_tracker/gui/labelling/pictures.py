@@ -20,7 +20,7 @@ KEPT_BYTES = 64 << 20
 """Size of the JPEG files that are kept in memory."""
 
 STAND_IN_SIZE = (320, 240)
-"""Of the picture that stands for a frame without one [px]."""
+"""Size of the picture that stands for a frame without one [px]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,27 +21,28 @@ from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.trackers import make_tracker
 
 MOST_FRAMES = 250
-"""From a label further back the tracker is not sent; a detector looks at the frame instead."""
+"""Largest number of frames from a label over which the tracker is sent; farther away a detector
+looks at the frame instead."""
 
 MOST_FRAMES_IN_DOUBT = 10
-"""So many frames from a label the particles are still about the cable, claimed or not: over one
-frame of the simulated scenarios within 1 px where no cable was claimed."""
+"""Number of frames from a label for which the particles are still about the cable, claimed or not:
+over one frame of the simulated scenarios within 1 px where no cable was claimed."""
 
 DETECTOR = "hough"
 
 
 @dataclass(frozen=True, slots=True)
 class Proposal:
-    """What is proposed for one frame.
+    """Proposed label of one frame.
 
     Attributes
     ----------
     frame : int
         Number of the frame.
     state : CableState or None
-        Where the cable may be [px, rad]; None if nothing was found.
+        Proposed state of the cable [px, rad]; None if nothing was found.
     words : str
-        How it was found, or why it was not.
+        Words about how it was found, or why it was not.
     """
 
     frame: int

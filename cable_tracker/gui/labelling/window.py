@@ -32,7 +32,7 @@ T = TypeVar("T")
 
 @dataclass(eq=False)
 class LabelServer:
-    """What all browsers share.
+    """State shared by all browsers.
 
     Attributes
     ----------

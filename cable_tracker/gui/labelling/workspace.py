@@ -45,7 +45,7 @@ def default_label_file(source: Path) -> Path:
 
 
 class Workspace:
-    """What the window works on.
+    """Recording and labels that the window works on.
 
     Parameters
     ----------
