@@ -204,8 +204,8 @@ class Controller:
         search goes on along the line from before. A single sighting is better than no line at all.
         """
         if self._line is None or self._memory.way >= PROVEN:
-            former, self._line = self._line, self._memory.line() or self._line or self._sighting
-            self._former_line = former
+            self._former_line = self._line
+            self._line = self._memory.line() or self._line or self._sighting
 
 
 def _lies_along(cable: Cable, line: RememberedLine, pose: Pose) -> bool:

@@ -37,7 +37,7 @@ from cable_tracker.cable.filter_interface import (
 )
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief, resampled_belief
 from cable_tracker.cable.hypotheses.belief_update import KNOWN_PRESENCE, BeliefUpdate
-from cable_tracker.cable.hypotheses.births import BirthDensity, draw_births
+from cable_tracker.cable.hypotheses.births import draw_births
 from cable_tracker.cable.hypotheses.claim_support import belief_summary
 from cable_tracker.cable.hypotheses.conclusion import draw_and_conclude
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
@@ -141,7 +141,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
     ) -> Belief:
         """Return the belief after one more frame; the arguments are those of `CableFilter.step`."""
         if belief.refused_time >= self._parameters.search_time:
-            belief = self._forgotten_belief(belief)
+            # The leading hypothesis can never be claimed.
+            belief = _new_search(self.first_belief(), belief)
         belief = belief.aged(dt)
         prediction = self._predictor.predict(belief, dt, motion)
         counts = sample_counts(
@@ -155,7 +156,9 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         config = self._known_config if self._update.is_known(belief) else self._config
         found = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
         if not len(found.hypotheses.clusters.masses):
-            return self._restarted_belief(belief, prediction.births)
+            # Every particle is impossible.
+            states = draw_births(prediction.births, self._parameters.particle_count, self._rng)
+            return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
         return self._update.updated_belief(belief, found, prediction.expected[0], dt)
 
     def _inputs(
@@ -190,28 +193,16 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         even = np.full(ancestor_count, 1.0 / ancestor_count)
         return self._resample(even, survivors, self._rng)
 
-    def _forgotten_belief(self, belief: Belief) -> Belief:
-        """Return the belief without the hypotheses: the leading one can never be claimed.
-
-        The cable that was tracked before is remembered.
-        """
-        return replace(
-            self.first_belief(),
-            p_bright=belief.p_bright,
-            memory=belief.memory,
-            width_prior=belief.width_prior,
-        )
-
-    def _restarted_belief(self, before: Belief, births: BirthDensity) -> Belief:
-        """Return the belief when every particle is impossible: that of a new search."""
-        states = draw_births(births, self._parameters.particle_count, self._rng)
-        return replace(
-            initial_belief(states, LEAST_PRESENCE),
-            p_bright=before.p_bright,
-            memory=before.memory,
-            width_prior=before.width_prior,
-        )
-
     def summary(self, belief: Belief, image: WorkingImage) -> BeliefSummary:
         """Return what a belief says about the frame that it came from."""
         return belief_summary(belief, self._parameters, self._image_size[0])
+
+
+def _new_search(first: Belief, before: Belief) -> Belief:
+    """Return the first belief of a search that remembers the cable tracked before."""
+    return replace(
+        first,
+        p_bright=before.p_bright,
+        memory=before.memory,
+        width_prior=before.width_prior,
+    )

@@ -56,8 +56,13 @@ class WidthPrior:
 
     def deviation(self, width: float, parameters: TrackerParameters) -> float:
         """Return how far the logarithm of a width [px] is from the prior's, in its spreads."""
-        apart = math.log(max(width, NARROWEST)) - self.log_width
-        return apart / self.spread(parameters)
+        return float(width_deviation(width, self.log_width, self.spread(parameters)))
+
+
+@compiled_inside
+def width_deviation(width: float, log_width: float, spread: float) -> float:
+    """Return how far the logarithm of a width [px] is from `log_width`, in units of `spread`."""
+    return (math.log(max(width, NARROWEST)) - log_width) / spread
 
 
 @compiled_inside
@@ -65,7 +70,7 @@ def width_penalty(width: float, log_width: float, spread: float) -> float:
     """Return the logarithm of how well a width [px] fits, at most 0; 0 for an infinite spread."""
     if math.isinf(spread):
         return 0.0
-    deviation = (math.log(max(width, NARROWEST)) - log_width) / spread
+    deviation = width_deviation(width, log_width, spread)
     return relative_log_density(deviation * deviation, TAIL, 1)
 
 
