@@ -26,7 +26,8 @@ from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
 from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages import make_header, make_image
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.images import make_image
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
 PACKAGE = Path(arrays.__file__).parent

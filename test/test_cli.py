@@ -28,7 +28,8 @@ from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_writer import write_sequence
-from cable_tracker.sequences.messages import make_header, make_image
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.images import make_image
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.scenario import SimulationSettings, simulate

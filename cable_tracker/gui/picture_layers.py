@@ -12,7 +12,7 @@ from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import project_borders, segment_inside
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.gui.session import Snapshot, TargetSnapshot
-from cable_tracker.sequences.target_messages import box_corners
+from cable_tracker.target.model.estimate import box_corners
 from cable_tracker.visualisation.palette import AMBER, HYPOTHESES, TRUTH, Colour, status_colour
 
 Layer: TypeAlias = dict[str, object]

@@ -15,12 +15,14 @@ from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, roll_and_pitch
 from cable_tracker.metric.withheld import Withheld
-from cable_tracker.sequences.messages import UNKNOWN_VARIANCE, Message, MessageFactory
-
-Y, YAW = 1, 5
-"""Rows of y and yaw in a 6x6 covariance."""
-
-QUATERNION_TOLERANCE = 0.1
+from cable_tracker.sequences.messages.factory import Message, MessageFactory
+from cable_tracker.sequences.messages.poses import (
+    YAW,
+    Y,
+    make_stamped_pose,
+    pose_covariance,
+    unit_quaternion,
+)
 
 
 def read_camera_info(message: Message, *, is_rectified: bool) -> Calibration:
@@ -73,14 +75,11 @@ def read_attitude(message: Message, least_sigma: float) -> Attitude:
     Not a number if it says that it knows no orientation, or has no unit quaternion. `least_sigma`
     [rad] stands for a covariance that is not given, or smaller.
     """
-    q = message.orientation
-    x, y, z, w = float(q.x), float(q.y), float(q.z), float(q.w)
-    norm = math.sqrt(x * x + y * y + z * z + w * w)
+    quaternion = unit_quaternion(message.orientation)
     covariance = [float(value) for value in message.orientation_covariance]
-    # Written so that NaN counts as no unit quaternion.
-    if covariance[0] == -1.0 or not abs(norm - 1.0) <= QUATERNION_TOLERANCE:
+    if covariance[0] == -1.0 or quaternion is None:
         return Attitude(math.nan, math.nan, least_sigma)
-    roll, pitch = roll_and_pitch(x / norm, y / norm, z / norm, w / norm)
+    roll, pitch = roll_and_pitch(*quaternion)
     if not (math.isfinite(covariance[0]) and math.isfinite(covariance[4])):
         return Attitude(math.nan, math.nan, least_sigma)
     sigma = math.sqrt(max(covariance[0], covariance[4], 0.0))
@@ -142,27 +141,5 @@ def make_cross_track(
     `covariance` (2, 2) is that of y and the heading. What else the pose has room for gets
     `UNKNOWN_VARIANCE`: x is chosen, not measured.
     """
-    x, y, z = place
-    whole = [0.0] * 36
-    for row in range(6):
-        whole[7 * row] = UNKNOWN_VARIANCE
-    for row, own_row in enumerate((Y, YAW)):
-        for column, own_column in enumerate((Y, YAW)):
-            whole[6 * own_row + own_column] = float(covariance[row, column])
-    pose = factory.make(
-        "geometry_msgs/msg/Pose",
-        position=factory.make("geometry_msgs/msg/Point", x=x, y=y, z=z),
-        orientation=factory.make(
-            "geometry_msgs/msg/Quaternion",
-            x=0.0,
-            y=0.0,
-            z=math.sin(heading / 2),
-            w=math.cos(heading / 2),
-        ),
-    )
-    with_covariance = factory.make(
-        "geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=factory.doubles(whole)
-    )
-    return factory.make(
-        "geometry_msgs/msg/PoseWithCovarianceStamped", header=header, pose=with_covariance
-    )
+    known = pose_covariance((Y, YAW), covariance)
+    return make_stamped_pose(factory, header, place, heading, known)

@@ -18,7 +18,7 @@ from cable_tracker.metric.target_metres import (
     VehicleMotion,
     turn_of_picture,
 )
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
 

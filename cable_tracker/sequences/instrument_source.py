@@ -10,7 +10,7 @@ from pathlib import Path
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_storage
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice, find_instruments
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.static_transforms import TF_STATIC, StaticTransform, read_transform
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.unpacking import deserialise

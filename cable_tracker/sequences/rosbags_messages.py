@@ -9,7 +9,7 @@ import numpy as np
 from rosbags.interfaces import Nodetype
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.typestores import typestore
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 
 TF_STATIC = "/tf_static"
 

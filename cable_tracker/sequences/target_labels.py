@@ -25,14 +25,14 @@ from cable_tracker.sequences.convert import write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.image_writer import picture_name, write_picture
-from cable_tracker.sequences.messages import make_header, stamp_of
+from cable_tracker.sequences.messages.headers import make_header, stamp_of
+from cable_tracker.sequences.messages.target import make_polygon
 from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source, is_bag
-from cable_tracker.sequences.target_messages import box_corners, make_polygon
 from cable_tracker.sequences.unpacking import deserialise
-from cable_tracker.target.model.estimate import Box
+from cable_tracker.target.model.estimate import Box, box_corners
 
 BOXES_NAME = "boxes.txt"
 """Beside the pictures of a folder it is read without being asked for."""

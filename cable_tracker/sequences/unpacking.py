@@ -8,7 +8,7 @@ import zstandard
 from rosbags.serde import SerdeError
 
 from cable_tracker.sequences.bag_limits import LARGEST_UNPACKED, unpack_zstd
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.typestores import ros1_typestore, typestore
 

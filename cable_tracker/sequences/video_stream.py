@@ -14,7 +14,7 @@ import numpy as np
 from av.error import FFmpegError
 
 from cable_tracker.arrays import Image
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.picture_header import MAX_PIXELS
 from cable_tracker.sequences.typestores import add_definition
 from cable_tracker.stamps import NANOSECONDS

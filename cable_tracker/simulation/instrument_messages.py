@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.sequences.messages import Message, MessageFactory, make_header
+from cable_tracker.sequences.messages.factory import Message, MessageFactory
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.poses import make_pose, make_uncertain_pose, make_vector
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.instruments import (
     LEAST_RANGE,
@@ -72,9 +74,9 @@ def make_imu(
         header=header,
         orientation=make_quaternion(factory, reading.angles),
         orientation_covariance=spread(errors.attitude),
-        angular_velocity=_vector(factory, reading.turn),
+        angular_velocity=make_vector(factory, reading.turn),
         angular_velocity_covariance=spread(errors.turn),
-        linear_acceleration=_vector(factory, reading.acceleration),
+        linear_acceleration=make_vector(factory, reading.acceleration),
         linear_acceleration_covariance=spread(errors.acceleration),
     )
 
@@ -82,25 +84,17 @@ def make_imu(
 def make_odometry(factory: MessageFactory, header: Message, reading: OdometryReading) -> Message:
     """Pack what odometry says as Odometry."""
     x, y, z = (float(value) for value in reading.position)
-    pose = factory.make(
-        "geometry_msgs/msg/Pose",
-        position=factory.make("geometry_msgs/msg/Point", x=x, y=y, z=z),
-        orientation=make_quaternion(factory, reading.angles),
-    )
+    pose = make_pose(factory, (x, y, z), make_quaternion(factory, reading.angles))
     twist = factory.make(
         "geometry_msgs/msg/Twist",
-        linear=_vector(factory, reading.twist[:3]),
-        angular=_vector(factory, reading.twist[3:]),
+        linear=make_vector(factory, reading.twist[:3]),
+        angular=make_vector(factory, reading.twist[3:]),
     )
     return factory.make(
         "nav_msgs/msg/Odometry",
         header=header,
         child_frame_id=BASE,
-        pose=factory.make(
-            "geometry_msgs/msg/PoseWithCovariance",
-            pose=pose,
-            covariance=factory.doubles(reading.pose_covariance.ravel()),
-        ),
+        pose=make_uncertain_pose(factory, pose, reading.pose_covariance),
         twist=factory.make(
             "geometry_msgs/msg/TwistWithCovariance",
             twist=twist,
@@ -175,7 +169,7 @@ def make_static_transforms(
     for child, rotation in ((CAMERA, camera_rotation), (ALTIMETER, np.eye(3))):
         transform = factory.make(
             "geometry_msgs/msg/Transform",
-            translation=_vector(factory, np.zeros(3)),
+            translation=make_vector(factory, np.zeros(3)),
             rotation=_quaternion_of_matrix(factory, rotation),
         )
         transforms.append(
@@ -197,11 +191,6 @@ def optical_rotation(mounting: float) -> FloatArray:
     sine, cosine = math.sin(mounting), math.cos(mounting)
     # Columns: x to the right, y down in the image, z along the line of sight.
     return np.array([[0.0, -cosine, sine], [-1.0, 0.0, 0.0], [0.0, -sine, -cosine]])
-
-
-def _vector(factory: MessageFactory, values: FloatArray) -> Message:
-    x, y, z = (float(value) for value in values)
-    return factory.make("geometry_msgs/msg/Vector3", x=x, y=y, z=z)
 
 
 def _quaternion_of_matrix(factory: MessageFactory, matrix: FloatArray) -> Message:

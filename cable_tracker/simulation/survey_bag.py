@@ -20,7 +20,9 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.messages import make_header, make_image, make_state
+from cable_tracker.sequences.messages.cable import make_state
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.images import make_image
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import FIRST_STAMP

@@ -28,7 +28,7 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instrument_source import InstrumentMessage
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
-from cable_tracker.sequences.messages import yaw_of
+from cable_tracker.sequences.messages.poses import yaw_of
 from cable_tracker.sequences.source import Source, open_source
 from cable_tracker.survey.crossing_search import CrossingSearch
 from cable_tracker.survey.frame_metres import put_metres, put_profile, put_view

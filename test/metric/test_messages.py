@@ -20,7 +20,7 @@ from cable_tracker.metric.messages import (
     read_twist,
 )
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.sequences.messages import UNKNOWN_VARIANCE
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 
 K = [560.0, 0.0, 321.0, 0.0, 550.0, 238.0, 0.0, 0.0, 1.0]
 P = [500.0, 0.0, 320.0, 0.0, 0.0, 501.0, 239.0, 0.0, 0.0, 0.0, 1.0, 0.0]

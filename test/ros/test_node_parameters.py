@@ -19,7 +19,7 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
 from cable_tracker.node_parameter_tables import REPLAY_NODE_PARAMETERS, TRACKER_NODE_PARAMETERS
 from cable_tracker.ros import node_parameters
-from cable_tracker.sequences.messages import read_state
+from cable_tracker.sequences.messages.cable import read_state
 
 ALL = (*PARAMETER_TABLE, *TRACKER_NODE_PARAMETERS)
 

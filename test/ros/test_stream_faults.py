@@ -24,7 +24,7 @@ from std_srvs.srv import SetBool
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.ros.nodes import tracker_node, tracker_outputs
 from cable_tracker.sequences.encodings import MAX_PIXELS
-from cable_tracker.sequences.messages import read_state
+from cable_tracker.sequences.messages.cable import read_state
 
 pytestmark = pytest.mark.slow
 

@@ -28,7 +28,8 @@ from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages import make_header, make_image
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.images import make_image
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.typestores import typestore

@@ -6,7 +6,7 @@ from cable_tracker.sequences.instrument_source import InstrumentSource
 from cable_tracker.sequences.instruments import (
     Instrument,
 )
-from cable_tracker.sequences.messages import make_header
+from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.static_transforms import place_in
 from cable_tracker.simulation.instrument_messages import (

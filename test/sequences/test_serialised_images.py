@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from cable_tracker.errors import FrameError
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.messages import make_compressed_image, make_header, make_image
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.images import make_compressed_image, make_image
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.serialised_images import (
     read_serialised_compressed_image,

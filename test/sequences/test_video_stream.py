@@ -8,7 +8,7 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.messages import make_header, make_time
+from cable_tracker.sequences.messages.headers import make_header, make_time
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.video_stream import DECODERS, FFMPEG, FOXGLOVE
 

@@ -15,27 +15,23 @@ from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.jpeg import encode_jpeg
-from cable_tracker.sequences.messages import (
-    Message,
-    make_compressed_image,
-    make_header,
-    make_report,
-)
-from cable_tracker.sequences.output_topics import OutputTopic
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.target_messages import (
-    box_corners,
-    is_claimed,
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.frame_report import make_report
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.images import make_compressed_image
+from cable_tracker.sequences.messages.target import (
     make_bearing,
     make_polygon,
     make_relative_pose,
     make_target,
-    make_target_markers,
-    make_target_particles,
     make_target_state,
     target_report_values,
 )
-from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.sequences.messages.target_markers import make_target_markers
+from cable_tracker.sequences.messages.target_particles import make_target_particles
+from cable_tracker.sequences.output_topics import OutputTopic
+from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+from cable_tracker.target.model.estimate import TargetEstimate, box_corners, is_claimed
 
 
 class FrameMessages:

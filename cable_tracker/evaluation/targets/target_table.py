@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from cable_tracker.metric.target_facts import TARGET_METRES_KEYS
 from cable_tracker.sequences.estimates import format_stamp
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.target_messages import is_claimed
-from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.target.model.estimate import TargetEstimate, is_claimed
 from cable_tracker.target.model.state import PoseColumn
 
 ESTIMATES, METRES = "estimates.csv", "metres.csv"

@@ -26,18 +26,13 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED, EstimateRow, RowMetres
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.jpeg import encode_jpeg
-from cable_tracker.sequences.messages import (
-    Message,
-    cloud_of,
-    make_centreline,
-    make_compressed_image,
-    make_header,
-    make_markers,
-    make_particles,
-    make_report,
-    make_state,
-    report_values,
-)
+from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
+from cable_tracker.sequences.messages.cable_markers import make_markers
+from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.frame_report import make_report
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.images import make_compressed_image
 from cable_tracker.sequences.output_topics import OutputTopic
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source

@@ -21,7 +21,7 @@ from cable_tracker.metric.recorded import RecordedMetres
 from cable_tracker.metric.withheld import Reason, Withheld
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages import cloud_of
+from cable_tracker.sequences.messages.cable_particles import cloud_of
 from cable_tracker.sequences.source import Source
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 from cable_tracker.tracking.parameter_table import ParameterSet

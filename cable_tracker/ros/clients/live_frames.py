@@ -17,16 +17,13 @@ from cable_tracker.errors import FrameError
 from cable_tracker.gui.session import AnySnapshot, Snapshot, TargetSnapshot
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.messages import (
-    Message,
-    fact_number,
-    read_cloud,
-    read_sigma,
-    read_state,
-    report_facts,
-    stamp_of,
-)
-from cable_tracker.sequences.target_messages import TARGET_STATE_NAMES, read_target_particles
+from cable_tracker.sequences.messages.cable import read_sigma, read_state
+from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.frame_report import fact_number, report_facts
+from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.messages.target import TARGET_STATE_NAMES
+from cable_tracker.sequences.messages.target_particles import read_target_particles
 
 KEPT_FRAMES = 16
 """Frames whose messages are waited for; older ones are given up."""
@@ -208,7 +205,7 @@ def _snapshot(number: int, stamp: int, parts: _Parts) -> Snapshot:
     facts = parts.facts()
     state = read_state(parts.state)
     sigma = read_sigma(parts.state)
-    cloud = read_cloud(parts.cloud) if parts.cloud is not None else None
+    cloud = read_particles(parts.cloud) if parts.cloud is not None else None
     grey = eight_bits(decode_grey(parts.image))
     return Snapshot(
         number=number,

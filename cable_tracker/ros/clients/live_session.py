@@ -33,13 +33,11 @@ from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
 from cable_tracker.ros.clients.live_topics import FRAME_REPORT, LiveConnection, find_topics
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.environment import check_profile
-from cable_tracker.sequences.messages import (
-    UNKNOWN_VARIANCE,
-    Message,
-    make_centreline,
-    make_header,
-)
-from cable_tracker.sequences.target_messages import make_polygon
+from cable_tracker.sequences.messages.cable import make_centreline
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
+from cable_tracker.sequences.messages.target import make_polygon
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.tracking.idle_status import DISABLED
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue

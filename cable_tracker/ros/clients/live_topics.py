@@ -16,7 +16,8 @@ from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames
-from cable_tracker.sequences.messages import Message, read_compressed_image, read_image
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.images import read_compressed_image, read_image
 
 FRAME_REPORT = "frame_report"
 """Private topic that every tracker has from its start to its end."""

@@ -21,7 +21,7 @@ from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instruments import InstrumentChoice
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.source import ChosenRecording, Source
 from cable_tracker.tracking.parameter_table import ParameterValue
 

@@ -19,7 +19,7 @@ from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import output_topics
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.output_topics import OutputTopic
 from cable_tracker.tracking.idle_status import WARMING_UP
 

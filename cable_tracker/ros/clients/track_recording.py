@@ -25,14 +25,10 @@ from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.convert import write_truth
 from cable_tracker.sequences.estimates import EstimateRow, RowMetres
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages import (
-    Message,
-    fact_number,
-    read_cloud,
-    read_sigma,
-    read_state,
-    report_facts,
-)
+from cable_tracker.sequences.messages.cable import read_sigma, read_state
+from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.frame_report import fact_number, report_facts
 from cable_tracker.sequences.source import Source
 
 
@@ -97,7 +93,7 @@ def track_recording_over_ros(
         state = recorded.read(output_topics.STATE)
         cloud = None
         if output_topics.PARTICLES in recorded.messages:
-            cloud = read_cloud(recorded.read(output_topics.PARTICLES))
+            cloud = read_particles(recorded.read(output_topics.PARTICLES))
         results.add(frame, _row(frame, recorded, state), cloud)
         return state
 

@@ -16,12 +16,9 @@ from cable_tracker.ros.clients.recorder import RecordedFrame, Recorder
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages import (
-    Message,
-    fact_number,
-    read_compressed_image,
-    report_facts,
-)
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.frame_report import fact_number, report_facts
+from cable_tracker.sequences.messages.images import read_compressed_image
 from cable_tracker.sequences.output_topics import OutputTopic
 from cable_tracker.sequences.source import Source
 from cable_tracker.target.parameters.parameters import TargetParameters

@@ -8,7 +8,7 @@ from enum import IntEnum
 
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.ros.health.latency import LatencyStatistics
-from cable_tracker.sequences.messages import Message, MessageFactory
+from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 
 STALE_INPUT = "STALE INPUT"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 
 
 def followed_by(

@@ -10,7 +10,8 @@ from sensor_msgs.msg import JointState
 from cable_tracker.ros import qos
 from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.sequences import output_topics
-from cable_tracker.sequences.messages import Message, stamp_of
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import stamp_of
 
 RELIABLE = "reliable"
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 
 
 @cache

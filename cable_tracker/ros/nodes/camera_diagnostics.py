@@ -17,7 +17,7 @@ from cable_tracker.ros.inputs.image_input import ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
 from cable_tracker.ros.inputs.picture_remarks import remark_on
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.sequences.messages import make_header
+from cable_tracker.sequences.messages.headers import make_header
 
 
 class CameraDiagnostics:

@@ -30,7 +30,8 @@ from cable_tracker.ros.nodes.camera_diagnostics import CameraDiagnostics
 from cable_tracker.ros.process.process_node import ProcessNode
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED
-from cable_tracker.sequences.messages import Message, make_header
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.serialised_images import MessageHeader
 from cable_tracker.tracking.idle_status import DISABLED, WARMING_UP
 

@@ -21,7 +21,9 @@ from cable_tracker.metric.messages import METRES_KEYS
 from cable_tracker.node_parameter_tables import CONTROLLER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
-from cable_tracker.sequences.messages import Message, stamp_of, yaw_of
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.messages.poses import yaw_of
 from cable_tracker.stamps import NANOSECONDS
 
 

@@ -19,7 +19,8 @@ from cable_tracker.metric.target_facts import has_place
 from cable_tracker.node_parameter_tables import FOLLOWER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
-from cable_tracker.sequences.messages import Message, stamp_of
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.stamps import NANOSECONDS
 
 

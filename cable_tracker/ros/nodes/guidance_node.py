@@ -14,7 +14,9 @@ from sensor_msgs.msg import JointState
 
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
-from cable_tracker.sequences.messages import Message, report_facts, stamp_of
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.frame_report import report_facts
+from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec
 

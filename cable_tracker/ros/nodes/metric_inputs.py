@@ -36,7 +36,8 @@ from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
-from cable_tracker.sequences.messages import Message, MessageFactory, make_header, stamp_of
+from cable_tracker.sequences.messages.factory import Message, MessageFactory
+from cable_tracker.sequences.messages.headers import make_header, stamp_of
 
 INSTRUMENTS = ("altitude", "imu", "odometry")
 """Instruments whose measurements have a time."""

@@ -24,7 +24,8 @@ from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instrument_source import InstrumentMessage
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
-from cable_tracker.sequences.messages import MessageFactory, make_header
+from cable_tracker.sequences.messages.factory import MessageFactory
+from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.source import Source
 from cable_tracker.sequences.static_transforms import TF_STATIC, TF_TYPE
 from cable_tracker.sequences.typestores import typestore

@@ -24,15 +24,10 @@ from cable_tracker.ros.nodes.replay_instruments import InstrumentReplay
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
-from cable_tracker.sequences.messages import (
-    Message,
-    make_compressed_image,
-    make_header,
-    make_image,
-    make_state,
-    make_time,
-    stamp_of,
-)
+from cable_tracker.sequences.messages.cable import make_state
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import make_header, make_time, stamp_of
+from cable_tracker.sequences.messages.images import make_compressed_image, make_image
 from cable_tracker.sequences.source import open_source
 from cable_tracker.stamps import NANOSECONDS
 

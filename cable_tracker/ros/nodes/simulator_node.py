@@ -23,14 +23,11 @@ from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import RawImage
-from cable_tracker.sequences.messages import (
-    UNKNOWN_VARIANCE,
-    Message,
-    make_header,
-    make_image,
-    make_state,
-    make_time,
-)
+from cable_tracker.sequences.messages.cable import make_state
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import make_header, make_time
+from cable_tracker.sequences.messages.images import make_image
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import FIRST_STAMP
 from cable_tracker.simulation.instrument_messages import (

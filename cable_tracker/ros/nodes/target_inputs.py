@@ -20,7 +20,8 @@ from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
-from cable_tracker.sequences.messages import Message, stamp_of
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
 

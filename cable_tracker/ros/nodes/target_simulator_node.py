@@ -14,8 +14,9 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.nodes.simulator_node import VehicleNode
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import RawImage
-from cable_tracker.sequences.messages import UNKNOWN_VARIANCE, make_header
-from cable_tracker.sequences.target_messages import make_relative_pose
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
+from cable_tracker.sequences.messages.target import make_relative_pose
 from cable_tracker.simulation.instrument_messages import BASE
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseView, ChaseWorld
 from cable_tracker.simulation.vehicle import Motion

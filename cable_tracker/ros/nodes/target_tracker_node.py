@@ -25,8 +25,8 @@ from cable_tracker.ros.nodes.camera_node import CameraNode, FrameOutcome
 from cable_tracker.ros.nodes.target_inputs import TargetInputs
 from cable_tracker.ros.nodes.target_outputs import TargetAnswer, TargetOutputs
 from cable_tracker.sequences.encodings import decode_bgr
-from cable_tracker.sequences.messages import Message
-from cable_tracker.sequences.target_messages import read_start
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.target import read_start
 from cable_tracker.target.group import TargetGroup
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart

@@ -38,7 +38,8 @@ from cable_tracker.ros.nodes.frame_tracker import FrameTracker
 from cable_tracker.ros.nodes.initial_search import InitialSearch
 from cable_tracker.ros.nodes.metric_inputs import MetricInputs
 from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
-from cable_tracker.sequences.messages import Message, read_prior
+from cable_tracker.sequences.messages.cable import read_prior
+from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
 
 

@@ -22,18 +22,12 @@ from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.jpeg import encode_jpeg
-from cable_tracker.sequences.messages import (
-    Message,
-    cloud_of,
-    make_centreline,
-    make_compressed_image,
-    make_image,
-    make_markers,
-    make_particles,
-    make_report,
-    make_state,
-    report_values,
-)
+from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
+from cable_tracker.sequences.messages.cable_markers import make_markers
+from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.frame_report import make_report
+from cable_tracker.sequences.messages.images import make_compressed_image, make_image
 from cable_tracker.visualisation.overlay import draw_overlay
 
 

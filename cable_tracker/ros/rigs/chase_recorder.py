@@ -21,7 +21,9 @@ from cable_tracker.ros.rigs.released_commands import ReleasedCommands
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
 from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
 from cable_tracker.sequences.encodings import decode_bgr
-from cable_tracker.sequences.messages import read_compressed_image, report_facts, stamp_of
+from cable_tracker.sequences.messages.frame_report import report_facts
+from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.messages.images import read_compressed_image
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.visualisation.video import VideoWriter
 

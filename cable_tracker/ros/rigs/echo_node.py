@@ -17,7 +17,8 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import ProcessNode, run_node
 from cable_tracker.ros.process.stop_request import stop_on_signals
-from cable_tracker.sequences.messages import Message, make_centreline, make_state
+from cable_tracker.sequences.messages.cable import make_centreline, make_state
+from cable_tracker.sequences.messages.factory import Message
 
 ANSWER = CableState(0.0, 0.0, 40.0)
 

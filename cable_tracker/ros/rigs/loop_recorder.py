@@ -17,12 +17,15 @@ from sensor_msgs.msg import Image, JointState
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
-from cable_tracker.metric.messages import Y
 from cable_tracker.ros import qos
 from cable_tracker.ros.rigs.released_commands import ReleasedCommands
 from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.messages import Message, read_image, read_state, stamp_of, yaw_of
+from cable_tracker.sequences.messages.cable import read_state
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.messages.images import read_image
+from cable_tracker.sequences.messages.poses import Y, yaw_of
 from cable_tracker.stamps import NANOSECONDS
 
 

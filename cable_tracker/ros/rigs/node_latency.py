@@ -35,7 +35,9 @@ from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.messages import Message, make_header, make_image, stamp_of
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import make_header, stamp_of
+from cable_tracker.sequences.messages.images import make_image
 
 BLOCK = 30
 """Frames that one of the competitors gets before it is the next one's turn."""

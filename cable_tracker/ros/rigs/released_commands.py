@@ -9,7 +9,7 @@ from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
 from cable_tracker.ros import qos
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 
 COMMAND: Final = "cmd_vel"
 RELEASED: Final = "recorded_cmd_vel"

@@ -15,7 +15,7 @@ from cable_tracker.ros.health.diagnostics import STALE_INPUT
 from cable_tracker.ros.rigs.soak_faults import REFUSED, Fault
 from cable_tracker.ros.rigs.soak_frames import FIRST_STAMP, REPLAYED_FRAMES
 from cable_tracker.ros.rigs.soak_rig import SoakRig
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec, ParameterValue
 

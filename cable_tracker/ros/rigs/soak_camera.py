@@ -23,7 +23,8 @@ from cable_tracker.ros.rigs.soak_checks import (
 )
 from cable_tracker.ros.rigs.soak_record import SoakRecord
 from cable_tracker.ros.rigs.soaked_node import CABLE_NODE, SoakedNode
-from cable_tracker.sequences.messages import Message, stamp_of
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import stamp_of
 
 BEST_EFFORT = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT

@@ -8,8 +8,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cable_tracker.sequences.messages import Message, read_cloud
-from cable_tracker.sequences.target_messages import read_target_particles
+from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.target_particles import read_target_particles
 
 Check: TypeAlias = Callable[[Message], bool]
 
@@ -38,7 +39,7 @@ def centreline_is_finite(message: Message) -> bool:
 
 def cloud_is_finite(message: Message) -> bool:
     """Look at the numbers of `particles`."""
-    return bool(np.isfinite(read_cloud(message)).all())
+    return bool(np.isfinite(read_particles(message)).all())
 
 
 def markers_are_finite(message: Message) -> bool:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 
 FLOAT_SIZE = (16, 12)
 """Size of a float image all of whose pixels are NaN [px]."""

@@ -9,12 +9,9 @@ from pathlib import Path
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.sequences.convert import ImageFormat, in_format, write_bag
 from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.sequences.messages import (
-    Message,
-    make_compressed_image,
-    make_header,
-    make_image,
-)
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.images import make_compressed_image, make_image
 from cable_tracker.stamps import NANOSECONDS
 
 FIRST_STAMP = 1_700_000_000 * NANOSECONDS

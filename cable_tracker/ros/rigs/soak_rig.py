@@ -23,7 +23,7 @@ from cable_tracker.ros.rigs.soak_frames import SoakFrames
 from cable_tracker.ros.rigs.soak_record import MemorySample, SoakRecord, read_memory
 from cable_tracker.ros.rigs.soaked_node import SOAKED
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 
 PATIENCE = 10.0
 """Longest wait for an event [s]; what has not come by then will not come."""

@@ -20,8 +20,8 @@ from cable_tracker.ros.rigs.soak_checks import (
     points_are_finite,
     polygon_is_finite,
 )
-from cable_tracker.sequences.messages import Message
-from cable_tracker.sequences.target_messages import make_polygon
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.target import make_polygon
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.parameters.presets import target_preset
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterSpec, parameter_table

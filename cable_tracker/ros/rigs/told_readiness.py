@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cable_tracker.sequences.messages import Message
+from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.tracking.idle_status import WARMING_UP
 
 

@@ -72,3 +72,18 @@ class TargetEstimate:
         """Return the square roots of the covariance's diagonal, shape (6,)."""
         variances: FloatArray = np.maximum(np.diag(self.covariance), 0.0)
         return np.sqrt(variances)
+
+
+def is_claimed(estimate: TargetEstimate | None) -> bool:
+    """Tell whether an estimate claims a target, with an outline."""
+    return (
+        estimate is not None
+        and estimate.status is TrackingStatus.TRACKING
+        and estimate.box is not None
+    )
+
+
+def box_corners(box: Box) -> FloatArray:
+    """Return the corners of a box, clockwise from the top left, shape (4, 2)."""
+    left, top, right, bottom = box
+    return np.array([[left, top], [right, top], [right, bottom], [left, bottom]])

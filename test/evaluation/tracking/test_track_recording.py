@@ -17,7 +17,9 @@ from cable_tracker.evaluation.tracking.track_recording import (
     track_recording,
 )
 from cable_tracker.sequences.estimates import read_estimates
-from cable_tracker.sequences.messages import read_cloud, read_sigma, read_state, stamp_of
+from cable_tracker.sequences.messages.cable import read_sigma, read_state
+from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.headers import stamp_of
 
 EVERY_TOPIC = {
     "/state",
@@ -78,7 +80,7 @@ def test_bag_and_table_say_the_same(track, make_recording, dive):
         assert read_state(state) == row.state
         assert read_sigma(state) == row.sigma
         assert read_state(messages["/ground_truth"][index]) == dive[index].truth
-        cloud = read_cloud(messages["/particles"][index])
+        cloud = read_particles(messages["/particles"][index])
         assert cloud.shape == (200, 9)
         assert cloud[:, -1] @ cloud[:, 0] == pytest.approx(row.state.distance, abs=0.5)
         pose = messages["/centreline"][index].pose.pose

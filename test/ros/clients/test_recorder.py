@@ -15,7 +15,8 @@ from cable_tracker.errors import RosError
 from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
 from cable_tracker.sequences import output_topics
-from cable_tracker.sequences.messages import read_cloud, stamp_of
+from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.headers import stamp_of
 
 
 @pytest.fixture
@@ -93,7 +94,7 @@ def test_all_messages_about_a_frame_are_put_together(
         stamp = stamp_of(image_message(index=index).header)
         stamped = set(frame.messages) - {output_topics.MARKERS}
         assert {stamp_of(frame.read(topic).header) for topic in stamped} == {stamp}
-        assert read_cloud(frame.read(output_topics.PARTICLES)).shape == (500, 9)
+        assert read_particles(frame.read(output_topics.PARTICLES)).shape == (500, 9)
     assert recorder.take() is None
 
 

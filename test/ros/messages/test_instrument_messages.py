@@ -13,7 +13,8 @@ from cable_tracker.metric.messages import (
     read_twist,
 )
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.sequences.messages import make_header, yaw_of
+from cable_tracker.sequences.messages.headers import make_header
+from cable_tracker.sequences.messages.poses import yaw_of
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.instrument_messages import (
     make_camera_info,

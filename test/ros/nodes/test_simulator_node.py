@@ -12,7 +12,7 @@ from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, Range
 
 from cable_tracker.errors import ParameterError, RosError
 from cable_tracker.ros.nodes.simulator_node import TICKS
-from cable_tracker.sequences.messages import stamp_of
+from cable_tracker.sequences.messages.headers import stamp_of
 
 CURRENT_AHEAD = 2
 """A seed whose current carries the vehicle along the cable."""

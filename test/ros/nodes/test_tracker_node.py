@@ -16,7 +16,9 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.tracking.track_recording import start_from
 from cable_tracker.ros.nodes import tracker_outputs
-from cable_tracker.sequences.messages import UNKNOWN_VARIANCE, read_cloud, read_state
+from cable_tracker.sequences.messages.cable import read_state
+from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.trackers import make_tracker
 
 FRAMES = 6
@@ -351,7 +353,7 @@ class TestTopics:
             world.show(node, image_message(picture, index=index))
         world.spin(lambda: len(heard[0]) == len(heard[2]) == len(clouds) == len(pictures))
         assert np.all(np.isfinite(numbers_of([message for topic in heard for message in topic])))
-        assert all(np.all(np.isfinite(read_cloud(cloud))) for cloud in clouds)
+        assert all(np.all(np.isfinite(read_particles(cloud))) for cloud in clouds)
 
     def test_pictures_are_not_built_while_nobody_subscribes(
         self,
@@ -404,7 +406,7 @@ class TestTopics:
         assert (cloud.width, cloud.height, cloud.point_step) == (70, 1, 48)
         assert len(cloud.data) == cloud.row_step == 3360
         assert cloud.header == image_message().header
-        columns = read_cloud(cloud)
+        columns = read_particles(cloud)
         assert np.array_equal(
             columns[:, :8].astype("f4"), node.tracker.particles.states.astype("f4")
         )

@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.methods import BASELINES, METHODS
-from cable_tracker.sequences.messages import read_state
+from cable_tracker.sequences.messages.cable import read_state
 
 FRAMES = 6
 

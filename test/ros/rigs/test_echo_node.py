@@ -7,7 +7,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from sensor_msgs.msg import JointState
 
 from cable_tracker.ros.rigs.echo_node import ANSWER, EchoNode
-from cable_tracker.sequences.messages import read_state
+from cable_tracker.sequences.messages.cable import read_state
 
 
 def test_it_answers_an_image_with_the_header_that_it_came_with(

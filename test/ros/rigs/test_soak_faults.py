@@ -17,7 +17,7 @@ from cable_tracker.ros.rigs.soak_faults import (
     draw_fault,
 )
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.messages import read_compressed_image, read_image
+from cable_tracker.sequences.messages.images import read_compressed_image, read_image
 
 
 @pytest.fixture

@@ -11,31 +11,19 @@ from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, Tracki
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.sequences.messages import (
-    UNKNOWN_VARIANCE,
+from cable_tracker.sequences.messages.cable import (
     centreline_covariance,
-    cloud_of,
     make_centreline,
-    make_compressed_image,
-    make_header,
-    make_image,
-    make_markers,
-    make_particles,
-    make_report,
     make_state,
-    read_cloud,
-    read_compressed_image,
-    read_image,
     read_prior,
     read_sigma,
     read_state,
     report_values,
-    stamp_of,
 )
+from cable_tracker.sequences.messages.frame_report import make_report
+from cable_tracker.sequences.messages.headers import make_header, stamp_of
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
-from cable_tracker.sequences.typestores import typestore
 
 FACTORY = RosbagsMessages()
 HEADER = make_header(FACTORY, 1_700_000_000_123_456_789, "camera")
@@ -46,35 +34,7 @@ COVARIANCE[0, 1] = COVARIANCE[1, 0] = 0.05
 ANGLES = st.floats(-math.pi / 2 + 1e-6, math.pi / 2)
 
 
-def sent(message):
-    """The message as it arrives: written as CDR and read again."""
-    kind = message.__msgtype__
-    return typestore().deserialize_cdr(typestore().serialize_cdr(message, kind), kind)
-
-
-@pytest.mark.parametrize("stamp", [0, 1, 999_999_999, 1_000_000_000, 1_700_000_000_123_456_789])
-def test_stamps_are_kept_to_the_nanosecond(stamp):
-    header = sent(make_header(FACTORY, stamp, "eye"))
-    assert stamp_of(header) == stamp
-    assert header.frame_id == "eye"
-
-
-@pytest.mark.parametrize("big", [False, True])
-def test_images_are_kept_with_their_padding_and_byte_order(big):
-    image = RawImage("mono16", 2, 3, 8, big, memoryview(bytes(range(16))))
-    again = read_image(sent(make_image(FACTORY, image, HEADER)))
-    assert bytes(again.data) == bytes(image.data)
-    assert (again.encoding, again.height, again.width, again.step) == ("mono16", 2, 3, 8)
-    assert again.is_bigendian is big
-
-
-def test_compressed_images_are_kept():
-    image = CompressedImage("png", memoryview(b"\x89PNG..."))
-    again = read_compressed_image(sent(make_compressed_image(FACTORY, image, HEADER)))
-    assert (again.format, bytes(again.data)) == ("png", b"\x89PNG...")
-
-
-def test_a_state_is_kept_exactly_with_its_sigma():
+def test_a_state_is_kept_exactly_with_its_sigma(sent):
     message = sent(make_state(FACTORY, HEADER, STATE, [1.0, 0.1, 2.0, 0.01]))
     assert list(message.name) == ["d", "alpha", "w", "beta"]
     assert list(message.velocity) == [-7.0, 0.05, 3.0, -0.01]
@@ -82,7 +42,7 @@ def test_a_state_is_kept_exactly_with_its_sigma():
     assert read_sigma(message) == (1.0, 0.1, 2.0, 0.01)
 
 
-def test_no_cable_means_no_numbers():
+def test_no_cable_means_no_numbers(sent):
     message = sent(make_state(FACTORY, HEADER, None, [1.0, 0.1, 2.0, 0.01]))
     assert len(message.position) == len(message.velocity) == len(message.effort) == 0
     assert read_state(message) is None
@@ -120,7 +80,7 @@ def test_a_state_whose_names_and_numbers_do_not_belong_together_is_refused(names
     assert "\n" not in str(caught.value)
 
 
-def test_the_centreline_is_the_foot_point_with_the_angle():
+def test_the_centreline_is_the_foot_point_with_the_angle(sent):
     message = sent(make_centreline(FACTORY, HEADER, STATE, COVARIANCE))
     pose = message.pose.pose
     assert pose.position.x == pytest.approx(12.5 * math.cos(0.3))
@@ -209,42 +169,7 @@ def test_a_prior_that_makes_no_sense_is_refused_in_one_line(spoil):
     assert "\n" not in str(caught.value)
 
 
-def test_particles_are_kept_as_float32():
-    states = np.random.default_rng(0).normal(size=(50, 8))
-    cloud = cloud_of(Particles.equally_weighted(states))
-    message = sent(make_particles(FACTORY, HEADER, cloud))
-    np.testing.assert_allclose(read_cloud(message), cloud, rtol=1e-6)
-    assert [field.name for field in message.fields] == [
-        "x", "y", "z", "d", "alpha", "w", "beta", "v_d", "v_alpha", "v_w", "v_beta", "weight",
-    ]  # fmt: skip
-    assert (message.width, message.point_step, message.row_step) == (50, 48, 2400)
-    points = np.frombuffer(message.data, "<f4").reshape(50, 12)
-    np.testing.assert_allclose(points[:, 0], states[:, 0] * np.cos(states[:, 1]), rtol=1e-5)
-    np.testing.assert_allclose(points[:, 1], states[:, 0] * np.sin(states[:, 1]), rtol=1e-5)
-
-
-def test_markers_show_borders_and_centreline_in_metres():
-    markers = sent(make_markers(FACTORY, HEADER, CableState(20.0, 0.0, 40.0), SIZE)).markers
-    clear, image, borders, centreline = markers
-    assert clear.action == 3
-    assert [m.ns for m in (image, borders, centreline)] == ["image", "borders", "centreline"]
-    assert len(image.points) == 8
-    assert [p.x for p in centreline.points] == pytest.approx([0.2, 0.2])
-    assert [p.y for p in centreline.points] == pytest.approx([-1.195, 1.195])
-    assert [p.x for p in borders.points] == pytest.approx([0.0, 0.0, 0.4, 0.4])
-
-
-def test_without_a_cable_the_markers_of_before_are_deleted():
-    markers = make_markers(FACTORY, HEADER, None, SIZE).markers
-    assert [m.ns for m in markers] == ["", "image"]
-
-
-def test_a_cable_outside_the_image_has_markers_without_points():
-    markers = sent(make_markers(FACTORY, HEADER, CableState(500.0, 0.0, 40.0), SIZE)).markers
-    assert [len(m.points) for m in markers[2:]] == [0, 0]
-
-
-def test_a_report_holds_status_and_facts():
+def test_a_report_holds_status_and_facts(sent):
     estimate = CableEstimate(
         stamp=1,
         status=TrackingStatus.LOST,

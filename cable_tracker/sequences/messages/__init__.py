@@ -1,0 +1,1 @@
+"""How images, estimates and ground truth are packed into ROS messages, and read back."""

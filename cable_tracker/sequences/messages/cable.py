@@ -1,0 +1,151 @@
+"""What is known of a cable: its state, its centreline, and the facts of a frame's report.
+
+The image frame has its origin at the image centre, x right, y up [px].
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.geometry import foot_point
+from cable_tracker.cable.model.initial_state import GivenState
+from cable_tracker.cable.model.state import STATE_SIZE, STATE_SYMBOLS, CableState, StateColumn
+from cable_tracker.errors import FrameError
+from cable_tracker.sequences.messages.factory import Message, MessageFactory
+from cable_tracker.sequences.messages.joint_state import make_joint_state
+from cable_tracker.sequences.messages.poses import (
+    UNKNOWN_VARIANCE,
+    YAW,
+    X,
+    Y,
+    make_stamped_pose,
+    pose_covariance,
+    unit_quaternion,
+    yaw_of,
+)
+
+STATE_NAMES = STATE_SYMBOLS[:4]
+
+
+def make_state(
+    factory: MessageFactory,
+    header: Message,
+    state: CableState | None,
+    sigma: Sequence[float] | FloatArray = (),
+) -> Message:
+    """Pack a state as named scalars in a sensor_msgs/JointState.
+
+    ``name`` is [d, alpha, w, beta], ``position`` their values [px, rad], ``velocity`` their rates
+    [per second], ``effort`` one standard deviation of each (empty for ground truth). Without a
+    cable the last three are empty: there is no number that a controller could mistake for one.
+    """
+    values = state.to_array() if state is not None else np.empty(0)
+    return make_joint_state(
+        factory,
+        header,
+        names=STATE_NAMES,
+        values=values[:4],
+        rates=values[4:],
+        sigma=sigma if state is not None else (),
+    )
+
+
+def read_state(message: Message) -> CableState | None:
+    """Read a state packed by `make_state`; None if it claims no cable.
+
+    Raises
+    ------
+    FrameError
+        Names and numbers do not belong together.
+    """
+    if len(message.position) == 0:
+        return None
+    names = [str(name) for name in message.name]
+    missing = [name for name in STATE_NAMES if name not in names]
+    if missing or len(message.position) != len(names):
+        raise FrameError(f"a state message names {names}, with {len(message.position)} positions")
+    columns = [names.index(name) for name in STATE_NAMES]
+    values = [float(message.position[column]) for column in columns]
+    rates: list[float] = []
+    if len(message.velocity) == len(names):
+        rates = [float(message.velocity[column]) for column in columns]
+    return CableState(*values, *rates)
+
+
+def read_sigma(message: Message) -> tuple[float, float, float, float] | None:
+    """Read the standard deviations of a state packed by `make_state`; None if it has none."""
+    if len(message.effort) != len(STATE_NAMES):
+        return None
+    d, alpha, w, beta = (float(value) for value in message.effort)
+    return d, alpha, w, beta
+
+
+def centreline_covariance(state: CableState, covariance: FloatArray) -> FloatArray:
+    """Return the covariance (6, 6) of x, y, z, roll, pitch, yaw of the foot point.
+
+    First-order propagation from d and alpha through f = d (cos alpha, sin alpha). What a line in
+    an image says nothing about gets `UNKNOWN_VARIANCE`.
+    """
+    cos, sin = math.cos(state.angle), math.sin(state.angle)
+    jacobian = np.array([[cos, -state.distance * sin], [sin, state.distance * cos], [0.0, 1.0]])
+    columns = [StateColumn.DISTANCE, StateColumn.ANGLE]
+    known = jacobian @ covariance[np.ix_(columns, columns)] @ jacobian.T
+    return pose_covariance((X, Y, YAW), known)
+
+
+def make_centreline(
+    factory: MessageFactory, header: Message, state: CableState, covariance: FloatArray
+) -> Message:
+    """Pack foot point [px] and direction of the centreline as a PoseWithCovarianceStamped."""
+    x, y = foot_point(state.distance, state.angle)
+    known = centreline_covariance(state, covariance)
+    return make_stamped_pose(factory, header, (x, y, 0.0), state.angle, known)
+
+
+def read_prior(message: Message) -> GivenState:
+    """Read an initial state, encoded like `centreline`.
+
+    Width, skew and rates are not part of it and count as not known. So does a variance of
+    `UNKNOWN_VARIANCE` or more. A variance of zero means "not said".
+
+    Raises
+    ------
+    FrameError
+        It has numbers that are not finite, or no unit quaternion.
+    """
+    pose = message.pose.pose
+    if unit_quaternion(pose.orientation) is None:
+        raise FrameError("the orientation of the initial state is no unit quaternion")
+    x, y, angle = float(pose.position.x), float(pose.position.y), yaw_of(pose.orientation)
+    covariance = np.asarray(message.pose.covariance, dtype=np.float64).reshape(6, 6)
+    normal = np.array([math.cos(angle), math.sin(angle)])
+    distance = float(normal @ [x, y])
+    variances = np.array([normal @ covariance[:2, :2] @ normal, covariance[YAW, YAW]])
+    if not (math.isfinite(distance) and bool(np.all(variances >= 0.0))):
+        raise FrameError("the initial state has numbers that are not finite, or negative variances")
+    state = CableState(distance, angle, 0.0)
+    sigma = np.full(STATE_SIZE, np.inf)
+    sigma[:2] = np.where(variances == 0.0, np.nan, np.sqrt(variances))
+    sigma[:2][variances >= UNKNOWN_VARIANCE] = np.inf
+    return GivenState(state, sigma)
+
+
+def report_values(estimate: CableEstimate, ms: float) -> dict[str, str]:
+    """Return the facts about one tracked frame that `make_report` publishes.
+
+    What the filter has no notion of is empty.
+    """
+    probabilities = [f"{hypothesis.probability:.3f}" for hypothesis in estimate.hypotheses]
+    return {
+        "n_eff": repr(estimate.effective_sample_size),
+        "ms": repr(ms),
+        "evidence": repr(estimate.evidence),
+        "presence": "" if estimate.presence is None else repr(estimate.presence),
+        "hypotheses": " ".join(probabilities),
+        "event": estimate.event,
+    }

@@ -1,0 +1,138 @@
+"""What is known of a target: its centre, its state, its contour, and where it was marked.
+
+Centre and state are in the image frame: origin at the image centre, x right, y up [px]. Contours,
+boxes and marks count from the top left corner of the picture, y down [px], as boxes of pictures do
+everywhere, and on the command line.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.errors import FrameError
+from cable_tracker.sequences.messages.factory import Message, MessageFactory
+from cable_tracker.sequences.messages.joint_state import make_joint_state
+from cable_tracker.sequences.messages.poses import (
+    YAW,
+    X,
+    Y,
+    Z,
+    make_stamped_pose,
+    make_vector,
+    pose_covariance,
+)
+from cable_tracker.target.model.estimate import TargetEstimate, is_claimed
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.model.state import PoseColumn
+
+TARGET_STATE_NAMES = ("x", "y", "size", "angle")
+
+MOST_CORNERS = 100_000
+"""Largest number of corners of a mark that is read."""
+
+
+def make_target(factory: MessageFactory, header: Message, estimate: TargetEstimate) -> Message:
+    """Pack the centre of a target [px] and its angle as a PoseWithCovarianceStamped.
+
+    The angle is the turn about the line of sight since the start, counter-clockwise. Covariances of
+    what a picture does not say are `UNKNOWN_VARIANCE`.
+    """
+    state = estimate.state
+    columns = [PoseColumn.X, PoseColumn.Y, PoseColumn.ANGLE]
+    covariance = pose_covariance((X, Y, YAW), estimate.covariance[np.ix_(columns, columns)])
+    place = (float(state[PoseColumn.X]), float(state[PoseColumn.Y]), 0.0)
+    return make_stamped_pose(factory, header, place, float(state[PoseColumn.ANGLE]), covariance)
+
+
+def make_relative_pose(
+    factory: MessageFactory, header: Message, place: FloatArray, covariance: FloatArray
+) -> Message:
+    """Pack where a target is, shape (3,), with its covariance (3, 3) [m].
+
+    How the target itself is turned is not known: no rotation, with `UNKNOWN_VARIANCE`.
+    """
+    x, y, z = (float(value) for value in place)
+    whole = pose_covariance((X, Y, Z), covariance)
+    return make_stamped_pose(factory, header, (x, y, z), 0.0, whole)
+
+
+def make_target_state(
+    factory: MessageFactory, header: Message, estimate: TargetEstimate | None
+) -> Message:
+    """Pack a target as named scalars in a sensor_msgs/JointState.
+
+    ``name`` is [x, y, size, angle], ``position`` their values [px, rad], ``velocity`` their rates
+    [per second], ``effort`` one standard deviation of each. The size is the root of the contour's
+    area; the filter knows no rates of size and angle: they are 0. Without a claim the last three
+    are empty.
+    """
+    values: FloatArray = np.empty(0)
+    rates: FloatArray = np.empty(0)
+    sigma: FloatArray = np.empty(0)
+    if estimate is not None and is_claimed(estimate):
+        state, deviations = estimate.state, estimate.standard_deviations()
+        size = math.sqrt(estimate.area)
+        values = np.array([state[0], state[1], size, state[PoseColumn.ANGLE]])
+        rates = np.array([state[PoseColumn.X_RATE], state[PoseColumn.Y_RATE], 0.0, 0.0])
+        sigma = deviations[:4].copy()
+        sigma[2] *= size
+    return make_joint_state(
+        factory, header, names=TARGET_STATE_NAMES, values=values, rates=rates, sigma=sigma
+    )
+
+
+def make_polygon(factory: MessageFactory, header: Message, corners: FloatArray) -> Message:
+    """Pack corners (K, 2), px from the top left, as a PolygonStamped."""
+    points = [
+        factory.make("geometry_msgs/msg/Point32", x=float(x), y=float(y), z=0.0) for x, y in corners
+    ]
+    polygon = factory.make("geometry_msgs/msg/Polygon", points=points)
+    return factory.make("geometry_msgs/msg/PolygonStamped", header=header, polygon=polygon)
+
+
+def read_start(message: Message) -> TargetStart:
+    """Read a mark from a PolygonStamped: two opposite corners of a box, or an outline.
+
+    Raises
+    ------
+    FrameError
+        It has no area, too few or too many corners, or numbers that are not finite.
+    """
+    points = message.polygon.points
+    if len(points) > MOST_CORNERS:
+        raise FrameError(f"it has {len(points)} corners; {MOST_CORNERS} are read at most")
+    corners = np.array([(float(point.x), float(point.y)) for point in points], dtype=np.float64)
+    return TargetStart(corners.reshape(-1, 2))
+
+
+def make_bearing(factory: MessageFactory, header: Message, ray: FloatArray) -> Message:
+    """Pack a unit vector of the camera optical frame, shape (3,), as a Vector3Stamped."""
+    vector = make_vector(factory, ray)
+    return factory.make("geometry_msgs/msg/Vector3Stamped", header=header, vector=vector)
+
+
+def target_report_values(
+    estimate: TargetEstimate, ms: float, particle_count: int
+) -> dict[str, str]:
+    """Return the facts about one frame of a target, as text that loses no digit.
+
+    What there is only with a claim is empty without one: `box` (left, top, right, bottom [px]),
+    `area` [px²], `scale`, `corners` of the contour. `particles` are empty before the first target.
+    """
+    claimed = is_claimed(estimate)
+    box = " ".join(repr(float(side)) for side in estimate.box or ()) if claimed else ""
+    return {
+        "n_eff": repr(float(estimate.effective_sample_size)),
+        "ms": repr(ms),
+        "presence": repr(float(estimate.presence)),
+        "scale": repr(estimate.scale) if claimed else "",
+        "area": repr(float(estimate.area)) if claimed else "",
+        "box": box,
+        "corners": str(len(estimate.outline)) if claimed and len(estimate.outline) else "",
+        "particles": str(particle_count) if particle_count else "",
+        "score": repr(float(estimate.score)),
+        "event": estimate.event,
+    }
