@@ -131,6 +131,17 @@ class CameraModel:
         (fx, fy), (cx, cy) = self.focal, self.centre
         return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
 
+    @property
+    def image_matrix(self) -> FloatArray:
+        """The camera matrix of a pinhole for the image frame, shape (3, 3) [px].
+
+        It takes the optical frame to the frame of the filters: origin at the image centre, y up.
+        """
+        (width, height), (fx, fy), (cx, cy) = self.image_size, self.focal, self.centre
+        return np.array(
+            [[fx, 0.0, cx - (width - 1) / 2], [0.0, -fy, (height - 1) / 2 - cy], [0.0, 0.0, 1.0]]
+        )
+
     def rays(self, points: FloatArray) -> FloatArray:
         """Return the lines of sight of points of the image frame.
 

@@ -76,8 +76,7 @@ class Attitude:
     @property
     def rotation(self) -> FloatArray:
         """From base_link to the level frame, shape (3, 3)."""
-        rotation: FloatArray = rotations_of(np.array([[self.roll, self.pitch, 0.0]]))[0]
-        return rotation
+        return rotation_of(np.array([self.roll, self.pitch, 0.0]))
 
     def is_finite(self) -> bool:
         """Tell whether every number is finite, and sigma not negative."""
@@ -87,8 +86,14 @@ class Attitude:
 @lru_cache(maxsize=16)
 def _rotation_of_camera(roll: float, pitch: float, yaw: float) -> FloatArray:
     """Return the rotation from the optical frame of a camera whose body is turned so [rad]."""
-    rotation: FloatArray = rotations_of(np.array([[roll, pitch, yaw]]))[0] @ OPTICAL_IN_BODY
+    rotation: FloatArray = rotation_of(np.array([roll, pitch, yaw])) @ OPTICAL_IN_BODY
     rotation.flags.writeable = False
+    return rotation
+
+
+def rotation_of(angles: FloatArray) -> FloatArray:
+    """Return the rotation by roll, pitch, yaw (3,) [rad], shape (3, 3)."""
+    rotation: FloatArray = rotations_of(angles[None])[0]
     return rotation
 
 
@@ -104,6 +109,12 @@ def rotations_of(angles: FloatArray) -> FloatArray:
     rotations[:, 1, 2] = sy * sp * cr - cy * sr
     rotations[:, 2, 2] = cp * cr
     return rotations
+
+
+def rotation_in_plane(angle: float) -> FloatArray:
+    """Return the rotation in the plane by an angle, to the left [rad], shape (2, 2)."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([[cos, -sin], [sin, cos]])
 
 
 def roll_and_pitch(x: float, y: float, z: float, w: float) -> tuple[float, float]:

@@ -50,18 +50,6 @@ class Overflight:
     height: float
     height_sigma: float
 
-    def image_matrix(self) -> FloatArray:
-        """Return what takes the optical frame to the image frame, shape (3, 3) [px]."""
-        (width, height), (fx, fy) = self.camera.image_size, self.camera.focal
-        cx, cy = self.camera.centre
-        return np.array(
-            [
-                [fx, 0.0, cx - (width - 1) / 2],
-                [0.0, -fy, (height - 1) / 2 - cy],
-                [0.0, 0.0, 1.0],
-            ]
-        )
-
 
 def homography(flight: Overflight, change: PoseChange) -> FloatArray:
     """Return what takes points of the earlier image to the later one, shape (3, 3).
@@ -87,7 +75,7 @@ def _homographies(
     down = (level @ rotation).T @ np.array([0.0, 0.0, -1.0])
     clearances = np.maximum(heights + float((level @ position)[2]), LEAST_CLEARANCE)
     planes = to_later + shifts[:, :, None] * down / clearances[:, None, None]
-    matrix = flight.image_matrix()
+    matrix = flight.camera.image_matrix
     mapped: FloatArray = matrix @ planes @ np.linalg.inv(matrix)
     return mapped / mapped[:, 2:, 2:]
 

@@ -123,10 +123,7 @@ def turn_of_picture(camera: CameraModel, mounting: Mounting, rotation: FloatArra
     rotation : FloatArray
         From the later base_link to the earlier one, shape (3, 3).
     """
-    (width, height), (fx, fy), (cx, cy) = camera.image_size, camera.focal, camera.centre
-    matrix = np.array(
-        [[fx, 0.0, cx - (width - 1) / 2], [0.0, -fy, (height - 1) / 2 - cy], [0.0, 0.0, 1.0]]
-    )
+    matrix = camera.image_matrix
     to_later = mounting.rotation.T @ rotation.T @ mounting.rotation
     mapping = matrix @ to_later @ np.linalg.inv(matrix)
     return CameraMotion(mapping / mapping[2, 2])

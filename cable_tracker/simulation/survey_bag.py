@@ -17,6 +17,7 @@ import numpy as np
 from pyproj import Transformer
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.metric.frames import rotation_in_plane
 from cable_tracker.sequences import output_topics
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import raw_from_array
@@ -82,8 +83,8 @@ class WrittenDive:
 
 def to_east_north(places: FloatArray) -> FloatArray:
     """Turn places x, y of the world (N, 2) into metres east and north of its origin."""
-    cos, sin = math.cos(BEARING), math.sin(BEARING)
-    turned: FloatArray = places @ np.array([[cos, sin], [-sin, cos]])
+    # Places are rows: they are turned by the transposed matrix, which turns back.
+    turned: FloatArray = places @ rotation_in_plane(-BEARING)
     return turned
 
 

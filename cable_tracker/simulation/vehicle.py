@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.metric.frames import rotation_of
 from cable_tracker.simulation.trajectory import Bands, Harmonics
 
 AXES = 4
@@ -244,27 +245,13 @@ class Vehicle:
         to_world = rotation_of(angles)
         over_ground = self._drift()[:3]
         # The mean of four bodies of their own turns level.
-        level = np.array(
-            [[math.cos(yaw), -math.sin(yaw), 0.0], [math.sin(yaw), math.cos(yaw), 0.0], [0, 0, 1]]
-        )
+        level = rotation_of(np.array([0.0, 0.0, yaw]))
         return Motion(
             position=self._pose[:3].copy(),
             angles=angles,
             twist=np.concatenate((to_world.T @ over_ground, body_rates(angles, rates))),
             acceleration=to_world.T @ (level @ self._gain[:3]),
         )
-
-
-def rotation_of(angles: FloatArray) -> FloatArray:
-    """Return the rotation by roll, pitch, yaw about the fixed axes x, y, z, shape (3, 3)."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(angles), np.sin(angles)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
 
 
 def body_rates(angles: FloatArray, rates: tuple[float, float, float]) -> FloatArray:

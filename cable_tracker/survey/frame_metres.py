@@ -60,7 +60,7 @@ def on_ground(flight: Overflight, points: FloatArray) -> FloatArray:
 
     In the level frame; the lens counts as a pinhole. NaN at and above the horizon.
     """
-    matrix = np.linalg.inv(flight.image_matrix())
+    matrix = np.linalg.inv(flight.camera.image_matrix)
     level = flight.attitude.rotation
     turned = level @ flight.mounting.rotation @ matrix
     rays = np.column_stack((points, np.ones(len(points)))) @ turned.T

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.metric.frames import rotation_in_plane
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_table import Samples
 from cable_tracker.survey.interpolation import interpolated
@@ -110,13 +111,12 @@ def _fitted(
     turn = math.atan2(
         float(weights @ (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])), float(weights @ (a * b).sum(1))
     )
-    cos, sin = math.cos(turn), math.sin(turn)
-    return turn, other - np.array([[cos, -sin], [sin, cos]]) @ own
+    return turn, other - rotation_in_plane(turn) @ own
 
 
 def _left(places: FloatArray, measured: FloatArray, turn: float, shift: FloatArray) -> FloatArray:
-    cos, sin = math.cos(turn), math.sin(turn)
-    left: FloatArray = measured - (places @ np.array([[cos, sin], [-sin, cos]]) + shift)
+    # Places are rows: they are turned by the transposed matrix, which turns back.
+    left: FloatArray = measured - (places @ rotation_in_plane(-turn) + shift)
     return left
 
 

@@ -185,6 +185,6 @@ def _to_image(flight: Overflight) -> FloatArray:
     ground = np.array(
         [[0.0, 1.0, -centre[0]], [-1.0, 0.0, -centre[1]], [0.0, 0.0, -(flight.height + centre[2])]]
     )
-    mapping: FloatArray = flight.image_matrix() @ (level @ flight.mounting.rotation).T @ ground
+    mapping: FloatArray = flight.camera.image_matrix @ (level @ flight.mounting.rotation).T @ ground
     mapping /= mapping[2, 2]
     return mapping

@@ -5,7 +5,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.metric.frames import Attitude, Mounting, roll_and_pitch, rotations_of
+from cable_tracker.metric.frames import (
+    Attitude,
+    Mounting,
+    roll_and_pitch,
+    rotation_in_plane,
+    rotation_of,
+    rotations_of,
+)
 
 ANGLES = st.floats(-1.5, 1.5)
 
@@ -64,3 +71,10 @@ def test_an_attitude_knows_whether_it_is_one():
     assert Attitude(0.1, 0.2, 0.01).is_finite()
     assert not Attitude(math.nan).is_finite()
     assert not Attitude(sigma=-1.0).is_finite()
+
+
+def test_a_rotation_by_yaw_alone_is_one_in_the_plane():
+    turned = rotation_of(np.array([0.0, 0.0, 0.4]))
+    np.testing.assert_allclose(turned[:2, :2], rotation_in_plane(0.4), atol=1e-15)
+    np.testing.assert_array_equal(turned[2], [0.0, 0.0, 1.0])
+    assert rotation_in_plane(0.4) @ [1.0, 0.0] == pytest.approx([np.cos(0.4), np.sin(0.4)])

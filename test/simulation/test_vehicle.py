@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from cable_tracker.metric.frames import rotation_of
 from cable_tracker.simulation.vehicle import (
     Current,
     Motion,
     Vehicle,
     VehicleModel,
     VelocityCommand,
-    rotation_of,
 )
 
 ALTITUDE = 2.0

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.evaluation.closed_loop.loop_table import Burial, LoopRow
+from cable_tracker.metric.frames import rotation_in_plane
 from cable_tracker.visualisation.files import write_bytes
 from cable_tracker.visualisation.palette import (
     AMBER,
@@ -222,8 +223,8 @@ class MapPanel:
             cv2.polylines(canvas, [pixels], False, to_bgr(colour), 2, cv2.LINE_AA)
 
     def _vehicle(self, canvas: Image, yaw: float) -> None:
-        cos, sin = np.cos(yaw), np.sin(yaw)
         hull = np.array([[0.35, 0.0], [-0.25, 0.18], [-0.25, -0.18]])
-        turned = hull @ np.array([[cos, sin], [-sin, cos]])
+        # Corners are rows: they are turned by the transposed matrix, which turns back.
+        turned = hull @ rotation_in_plane(-yaw)
         pixels = self._pixels(turned, np.zeros(2))
         cv2.fillPoly(canvas, [pixels], to_bgr(SKY), cv2.LINE_AA)

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
+from cable_tracker.metric.frames import rotation_of
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
 from cable_tracker.simulation.targets.bodies import Pose, buoy, paint
@@ -25,7 +26,6 @@ from cable_tracker.simulation.vehicle import (
     Vehicle,
     VehicleModel,
     VelocityCommand,
-    rotation_of,
 )
 
 DIAMETER = 0.5

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.metric.frames import roll_and_pitch, rotations_of
+from cable_tracker.metric.frames import roll_and_pitch
 from cable_tracker.metric.messages import (
     read_attitude,
     read_camera_info,
@@ -24,7 +24,6 @@ from cable_tracker.simulation.instrument_messages import (
     make_range,
 )
 from cable_tracker.simulation.instruments import ImuReading, InstrumentErrors, OdometryReading
-from cable_tracker.simulation.vehicle import rotation_of
 
 FACTORY = RclpyMessages()
 HEADER = make_header(FACTORY, 1_000_000_000, "base_link")
@@ -36,13 +35,6 @@ def test_a_quaternion_holds_the_angles(angles):
     q = make_quaternion(FACTORY, np.array(angles))
     assert yaw_of(q) == pytest.approx(angles[2], abs=1e-9)
     assert roll_and_pitch(q.x, q.y, q.z, q.w) == pytest.approx(angles[:2], abs=1e-9)
-
-
-@given(ANGLES)
-def test_simulation_and_metres_turn_alike(angles):
-    assert rotation_of(np.array(angles)) == pytest.approx(
-        rotations_of(np.array([angles]))[0], abs=1e-12
-    )
 
 
 def test_the_tracker_reads_the_camera_as_it_is():
