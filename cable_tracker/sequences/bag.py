@@ -13,6 +13,7 @@ import numpy as np
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError, one_line
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
@@ -42,8 +43,8 @@ if TYPE_CHECKING:
 
 _IMAGE = "sensor_msgs/msg/Image"
 _COMPRESSED = "sensor_msgs/msg/CompressedImage"
-_JOINT_STATE = "sensor_msgs/msg/JointState"
-_TRUTH = "ground_truth"
+_JOINT_STATE = node_topics.GROUND_TRUTH.type_name
+_TRUTH = node_topics.GROUND_TRUTH.name
 HEADER_END = 12
 """End of the stamp in a serialised picture [bytes]."""
 

@@ -10,7 +10,7 @@ from typing import Literal
 
 from cable_tracker.arrays import eight_bits
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import BagWriter, MessageSink
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
@@ -53,9 +53,9 @@ def write_truth(bag: MessageSink, frame: Frame) -> None:
         return
     factory = RosbagsMessages()
     header = make_header(factory, frame.stamp, frame.frame_id)
-    topic = output_topics.GROUND_TRUTH
+    topic = node_topics.GROUND_TRUTH
     truth = make_state(factory, header, frame.truth)
-    bag.write(f"/{topic.name}", topic.type_name, truth, frame.stamp)
+    bag.write(topic.global_name, topic.type_name, truth, frame.stamp)
 
 
 def write_frame(bag: BagWriter, frame: Frame) -> None:
@@ -64,11 +64,11 @@ def write_frame(bag: BagWriter, frame: Frame) -> None:
     factory = RosbagsMessages()
     header = make_header(factory, frame.stamp, frame.frame_id)
     if isinstance(frame.image, RawImage):
-        topic, image = output_topics.IMAGE, make_image(factory, frame.image, header)
+        topic, image = node_topics.IMAGE, make_image(factory, frame.image, header)
     else:
-        topic = output_topics.COMPRESSED_IMAGE
+        topic = node_topics.COMPRESSED_IMAGE
         image = make_compressed_image(factory, frame.image, header)
-    bag.write(f"/{topic.name}", topic.type_name, image, frame.stamp)
+    bag.write(topic.global_name, topic.type_name, image, frame.stamp)
 
 
 @dataclass(frozen=True, slots=True)

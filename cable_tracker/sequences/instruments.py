@@ -12,31 +12,32 @@ from enum import Enum
 from typing import Protocol
 
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_storage import Topic
 
 NO_TOPIC = "none"
 """A choice that leaves an instrument out."""
 
-TRUTH_NAMESPACE = "ground_truth"
+TRUTH_NAMESPACE = node_topics.GROUND_TRUTH.name
 """Topics inside say how it was, not what an instrument said."""
 
 
 class Instrument(str, Enum):
     """Instrument whose messages can be read besides pictures."""
 
-    CAMERA_INFO = "camera_info"
-    ALTITUDE = "altitude"
-    IMU = "imu"
-    ODOMETRY = "odometry"
-    FIX = "fix"
+    CAMERA_INFO = node_topics.CAMERA_INFO.name
+    ALTITUDE = node_topics.ALTITUDE.name
+    IMU = node_topics.IMU.name
+    ODOMETRY = node_topics.ODOMETRY.name
+    FIX = node_topics.FIX.name
 
 
 FOUND_TYPES: Mapping[Instrument, tuple[str, ...]] = {
-    Instrument.CAMERA_INFO: ("sensor_msgs/msg/CameraInfo",),
-    Instrument.ALTITUDE: ("sensor_msgs/msg/Range",),
-    Instrument.IMU: ("sensor_msgs/msg/Imu",),
-    Instrument.ODOMETRY: ("nav_msgs/msg/Odometry",),
-    Instrument.FIX: ("sensor_msgs/msg/NavSatFix",),
+    Instrument.CAMERA_INFO: (node_topics.CAMERA_INFO.type_name,),
+    Instrument.ALTITUDE: (node_topics.ALTITUDE.type_name,),
+    Instrument.IMU: (node_topics.IMU.type_name,),
+    Instrument.ODOMETRY: (node_topics.ODOMETRY.type_name,),
+    Instrument.FIX: (node_topics.FIX.type_name,),
 }
 """Types that are taken without being asked for."""
 

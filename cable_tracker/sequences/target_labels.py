@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from cable_tracker.errors import RecordingError, one_line
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_storage
 from cable_tracker.sequences.bag_writer import BagWriter
@@ -206,18 +206,18 @@ def _storage(path: Path) -> BagStorage:
 
 def _box_topic(storage: BagStorage) -> str:
     """Return the first topic of boxes; empty if there is none."""
-    wanted = output_topics.TRUE_BOX
+    wanted = node_topics.TRUE_BOX
     topics = [
         name
         for name, topic in sorted(storage.topics.items())
-        if topic.msgtype == wanted.type_name and name.endswith(f"/{wanted.name}")
+        if topic.msgtype == wanted.type_name and name.endswith(wanted.global_name)
     ]
     return topics[0] if topics else ""
 
 
 def _read_bag(path: Path) -> dict[int, Box | None]:
     """Read the boxes of a bag by stamp [ns]."""
-    storage, wanted = _storage(path), output_topics.TRUE_BOX
+    storage, wanted = _storage(path), node_topics.TRUE_BOX
     topic = _box_topic(storage)
     if not topic:
         raise RecordingError(
@@ -274,14 +274,14 @@ def write_target_bag(
         The bag cannot be written.
     """
     count = 0
-    factory, topic = RosbagsMessages(), output_topics.TRUE_BOX
+    factory, topic = RosbagsMessages(), node_topics.TRUE_BOX
     with BagWriter(path, storage, overwrite=overwrite) as bag:
         for frame, box in frames:
             write_frame(bag, frame)
             header = make_header(factory, frame.stamp, frame.frame_id)
             corners = np.empty((0, 2)) if box is None else box_corners(box)
             polygon = make_polygon(factory, header, corners)
-            bag.write(f"/{topic.name}", topic.type_name, polygon, frame.stamp)
+            bag.write(topic.global_name, topic.type_name, polygon, frame.stamp)
             count += 1
     return count
 

@@ -18,13 +18,16 @@ from pyproj import Transformer
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.frames import rotation_in_plane
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.cable import make_state
+from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_image
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
+from cable_tracker.sequences.static_transforms import TF_STATIC, TF_TYPE
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import FIRST_STAMP
 from cable_tracker.simulation.instrument_messages import (
@@ -39,9 +42,10 @@ from cable_tracker.simulation.instrument_messages import (
     make_odometry,
     make_range,
     make_static_transforms,
+    make_true_odometry,
     optical_rotation,
 )
-from cable_tracker.simulation.instruments import InstrumentErrors, OdometryReading
+from cable_tracker.simulation.instruments import InstrumentErrors
 from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.simulation.survey_dive import (
     FIX_SIGMA,
@@ -197,50 +201,38 @@ class InstrumentWriter:
         self._earth = Earth()
         rotation = optical_rotation(camera.mounting)
         transforms = make_static_transforms(self._factory, FIRST_STAMP, rotation)
-        bag.write("/tf_static", "tf2_msgs/msg/TFMessage", transforms, FIRST_STAMP)
+        bag.write(TF_STATIC, TF_TYPE, transforms, FIRST_STAMP)
 
     def write(self, tick: Tick) -> None:
         """Write everything about an instant but its picture."""
         stamp = FIRST_STAMP + round(tick.seconds * NANOSECONDS)
-        factory, bag, errors = self._factory, self._bag, self._errors
+        factory, errors = self._factory, self._errors
         in_odom = make_header(factory, stamp, ODOM)
         at_base = make_header(factory, stamp, BASE)
         odometry = make_odometry(factory, in_odom, tick.odometry)
-        bag.write("/odometry", "nav_msgs/msg/Odometry", odometry, stamp)
-        bag.write(
-            "/imu", "sensor_msgs/msg/Imu", make_imu(factory, at_base, tick.imu, errors), stamp
-        )
+        self._write(node_topics.ODOMETRY, odometry, stamp)
+        self._write(node_topics.IMU, make_imu(factory, at_base, tick.imu, errors), stamp)
         if tick.fix is not None:
             height = float(tick.motion.position[2]) - DEPTH
             fix = make_fix(factory, at_base, self._earth.fix(tick.fix, height))
-            bag.write("/fix", "sensor_msgs/msg/NavSatFix", fix, stamp)
+            self._write(node_topics.FIX, fix, stamp)
         if tick.altitude is not None:
             self._write_altitude(tick, tick.altitude, stamp)
 
     def _write_altitude(self, tick: Tick, altitude: float, stamp: int) -> None:
-        factory, bag = self._factory, self._bag
+        factory = self._factory
         at_altimeter = make_header(factory, stamp, ALTIMETER)
         at_camera = make_header(factory, stamp, CAMERA)
-        nothing, motion = np.zeros((6, 6)), tick.motion
-        truth = OdometryReading(motion.position, motion.angles, nothing, motion.twist, nothing)
-        for topic, kind, message in (
-            (
-                "/altitude",
-                "sensor_msgs/msg/Range",
-                make_range(factory, at_altimeter, altitude),
-            ),
-            (
-                "/camera_info",
-                "sensor_msgs/msg/CameraInfo",
-                make_camera_info(factory, at_camera, self._camera),
-            ),
-            (
-                "/ground_truth/odometry",
-                "nav_msgs/msg/Odometry",
-                make_odometry(factory, make_header(factory, stamp, ODOM), truth),
-            ),
-        ):
-            bag.write(topic, kind, message, stamp)
+        in_odom = make_header(factory, stamp, ODOM)
+        measured = make_range(factory, at_altimeter, altitude)
+        self._write(node_topics.ALTITUDE, measured, stamp)
+        calibration = make_camera_info(factory, at_camera, self._camera)
+        self._write(node_topics.CAMERA_INFO, calibration, stamp)
+        truth = make_true_odometry(factory, in_odom, tick.motion)
+        self._write(node_topics.TRUE_ODOMETRY, truth, stamp)
+
+    def _write(self, topic: NodeTopic, message: Message, stamp: int) -> None:
+        self._bag.write(topic.global_name, topic.type_name, message, stamp)
 
 
 class _Writer(InstrumentWriter):
@@ -253,16 +245,6 @@ class _Writer(InstrumentWriter):
         stamp = FIRST_STAMP + round(tick.seconds * NANOSECONDS)
         factory = self._factory
         at_camera = make_header(factory, stamp, CAMERA)
-        for topic, kind, message in (
-            (
-                f"/{output_topics.GROUND_TRUTH.name}",
-                output_topics.GROUND_TRUTH.type_name,
-                make_state(factory, at_camera, tick.truth),
-            ),
-            (
-                f"/{output_topics.IMAGE.name}",
-                output_topics.IMAGE.type_name,
-                make_image(factory, raw_from_array(tick.picture, "mono8"), at_camera),
-            ),
-        ):
-            self._bag.write(topic, kind, message, stamp)
+        self._write(node_topics.GROUND_TRUTH, make_state(factory, at_camera, tick.truth), stamp)
+        image = make_image(factory, raw_from_array(tick.picture, "mono8"), at_camera)
+        self._write(node_topics.IMAGE, image, stamp)

@@ -3,14 +3,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.sequences import output_topics
-from cable_tracker.sequences.output_topics import OutputTopic
+from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.typestores import typestore
 
 FACTORY = RosbagsMessages()
 TYPES = sorted(
-    {topic.type_name for topic in vars(output_topics).values() if isinstance(topic, OutputTopic)}
+    {topic.type_name for topic in vars(node_topics).values() if isinstance(topic, NodeTopic)}
 )
 
 

@@ -10,7 +10,7 @@ from cable_tracker.metric.relative_state import RelativeState
 from cable_tracker.metric.target_metres import TargetMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.particle_filter.particles import Particles
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame
@@ -29,7 +29,7 @@ from cable_tracker.sequences.messages.target import (
 )
 from cable_tracker.sequences.messages.target_markers import make_target_markers
 from cable_tracker.sequences.messages.target_particles import make_target_particles
-from cable_tracker.sequences.output_topics import OutputTopic
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.target.model.estimate import TargetEstimate, box_corners, is_claimed
 
@@ -51,15 +51,15 @@ class FrameMessages:
         self._factory = RosbagsMessages()
         self._header = make_header(self._factory, frame.stamp, frame.frame_id)
 
-    def _write(self, topic: OutputTopic, message: Message) -> None:
-        self._bag.write(f"/{topic.name}", topic.type_name, message, self._stamp)
+    def _write(self, topic: NodeTopic, message: Message) -> None:
+        self._bag.write(topic.global_name, topic.type_name, message, self._stamp)
 
     def write_refusal(self, reason: str) -> None:
         """Write that there is no estimate."""
         factory, header = self._factory, self._header
-        self._write(output_topics.STATE, make_target_state(factory, header, None))
+        self._write(node_topics.STATE, make_target_state(factory, header, None))
         report = make_report(factory, header, REFUSED, {"event": reason})
-        self._write(output_topics.TARGET_REPORT, report)
+        self._write(node_topics.TARGET_REPORT, report)
 
     def write_estimate(
         self,
@@ -85,34 +85,34 @@ class FrameMessages:
             What the report says in metres, see `target_facts`.
         """
         factory, header = self._factory, self._header
-        self._write(output_topics.STATE, make_target_state(factory, header, estimate))
+        self._write(node_topics.STATE, make_target_state(factory, header, estimate))
         count = particles.count if particles is not None else 0
         values = target_report_values(estimate, ms, count) | dict(facts)
         report = make_report(factory, header, estimate.status.value, values)
-        self._write(output_topics.TARGET_REPORT, report)
+        self._write(node_topics.TARGET_REPORT, report)
         if is_claimed(estimate) and estimate.box is not None:
-            self._write(output_topics.TARGET, make_target(factory, header, estimate))
+            self._write(node_topics.TARGET, make_target(factory, header, estimate))
             corners = box_corners(estimate.box)
-            self._write(output_topics.BOX, make_polygon(factory, header, corners))
+            self._write(node_topics.BOX, make_polygon(factory, header, corners))
             if len(estimate.outline):
                 outline = make_polygon(factory, header, estimate.outline)
-                self._write(output_topics.CONTOUR, outline)
+                self._write(node_topics.CONTOUR, outline)
         if particles is not None:
             cloud = make_target_particles(factory, header, particles)
-            self._write(output_topics.PARTICLES, cloud)
+            self._write(node_topics.PARTICLES, cloud)
         markers = make_target_markers(factory, header, estimate, estimate.image_size)
-        self._write(output_topics.MARKERS, markers)
+        self._write(node_topics.MARKERS, markers)
         jpeg = make_compressed_image(factory, encode_jpeg(picture), header)
-        self._write(output_topics.TARGET_OVERLAY, jpeg)
+        self._write(node_topics.TARGET_OVERLAY, jpeg)
 
     def write_metres(self, metres: TargetMetres, sight: RecordedSight) -> None:
         """Write bearing and place, as far as they are known."""
         factory = self._factory
         if not isinstance(metres.ray, Withheld):
-            self._write(output_topics.BEARING, make_bearing(factory, self._header, metres.ray))
+            self._write(node_topics.BEARING, make_bearing(factory, self._header, metres.ray))
         if isinstance(metres.relative, RelativeState):
             place = metres.relative.position() + sight.settings.mounting.position
             header = make_header(factory, self._stamp, sight.base_frame)
             covariance = metres.relative.position_covariance()
             pose = make_relative_pose(factory, header, place, covariance)
-            self._write(output_topics.RELATIVE_POSE, pose)
+            self._write(node_topics.RELATIVE_POSE, pose)

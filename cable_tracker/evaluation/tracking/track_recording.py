@@ -19,7 +19,7 @@ from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import report_metres
 from cable_tracker.metric.recorded import RecordedMetres
 from cable_tracker.metric.withheld import Withheld
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.convert import write_truth
 from cable_tracker.sequences.encodings import decode_grey
@@ -33,7 +33,7 @@ from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image
-from cable_tracker.sequences.output_topics import OutputTopic
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source
 from cable_tracker.visualisation.overlay import draw_overlay
@@ -210,15 +210,15 @@ class _FrameOutput:
         self._header = make_header(self._factory, frame.stamp, frame.frame_id)
         write_truth(bag, frame)
 
-    def _write(self, topic: OutputTopic, message: Message) -> None:
-        self._bag.write(f"/{topic.name}", topic.type_name, message, self._stamp)
+    def _write(self, topic: NodeTopic, message: Message) -> None:
+        self._bag.write(topic.global_name, topic.type_name, message, self._stamp)
 
     def write_refusal(self, reason: str) -> None:
         """Write that there is no estimate."""
         factory, header = self._factory, self._header
-        self._write(output_topics.STATE, make_state(factory, header, None))
+        self._write(node_topics.STATE, make_state(factory, header, None))
         report = make_report(factory, header, REFUSED, {"event": reason})
-        self._write(output_topics.FRAME_REPORT, report)
+        self._write(node_topics.FRAME_REPORT, report)
 
     def write_estimate(
         self,
@@ -232,16 +232,16 @@ class _FrameOutput:
         factory, header = self._factory, self._header
         claimed = estimate.state if estimate.status is TrackingStatus.TRACKING else None
         sigma = estimate.standard_deviations()[:4]
-        self._write(output_topics.STATE, make_state(factory, header, claimed, sigma))
+        self._write(node_topics.STATE, make_state(factory, header, claimed, sigma))
         values = report_values(estimate, ms) | ({} if known is None else report_metres(known))
         report = make_report(factory, header, estimate.status.value, values)
-        self._write(output_topics.FRAME_REPORT, report)
+        self._write(node_topics.FRAME_REPORT, report)
         if claimed is not None:
             centreline = make_centreline(factory, header, claimed, estimate.covariance)
-            self._write(output_topics.CENTRELINE, centreline)
-        self._write(output_topics.PARTICLES, make_particles(factory, header, cloud))
+            self._write(node_topics.CENTRELINE, centreline)
+        self._write(node_topics.PARTICLES, make_particles(factory, header, cloud))
         markers = make_markers(factory, header, claimed, estimate.image_size)
-        self._write(output_topics.MARKERS, markers)
+        self._write(node_topics.MARKERS, markers)
         overlay = draw_overlay(
             grey,
             state=claimed,
@@ -252,4 +252,4 @@ class _FrameOutput:
             presence=estimate.presence,
         )
         jpeg = make_compressed_image(factory, encode_jpeg(overlay), header)
-        self._write(output_topics.OVERLAY, jpeg)
+        self._write(node_topics.OVERLAY, jpeg)

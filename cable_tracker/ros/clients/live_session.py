@@ -30,9 +30,10 @@ from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.subject import CABLE, TARGET, Subject
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
-from cable_tracker.ros.clients.live_topics import FRAME_REPORT, LiveConnection, find_topics
+from cable_tracker.ros.clients.live_topics import LiveConnection, find_topics
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.environment import check_profile
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.cable import make_centreline
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header
@@ -77,7 +78,7 @@ class LiveSession(SnapshotFeed):
     subject: Subject = CABLE
     frames: type[LiveFrames] = LiveFrames
     start_type: tuple[str, Any] = (
-        "geometry_msgs/msg/PoseWithCovarianceStamped", PoseWithCovarianceStamped,
+        node_topics.INITIAL_STATE.type_name, PoseWithCovarianceStamped,
     )  # fmt: skip
 
     def __init__(self, namespace: str) -> None:
@@ -109,7 +110,10 @@ class LiveSession(SnapshotFeed):
         self._reset = self._node.create_client(Trigger, f"{self.name}/reset")
         self._enable = self._node.create_client(SetBool, f"{self.name}/enable")
         self._node.create_subscription(
-            DiagnosticArray, "/diagnostics", self._on_diagnostics, qos.RESULTS
+            DiagnosticArray,
+            node_topics.DIAGNOSTICS.global_name,
+            self._on_diagnostics,
+            qos.RESULTS,
         )
         self._node.create_timer(LOOK_PERIOD, self._look)
         self._executor = SingleThreadedExecutor(context=self._context)
@@ -272,7 +276,7 @@ class LiveSession(SnapshotFeed):
             if name == self.subject.node
         }
         # The graph may keep the name of a process that is gone; its topics go with it.
-        is_alive = bool(self._node.count_publishers(f"{self.name}/{FRAME_REPORT}"))
+        is_alive = bool(self._node.count_publishers(node_topics.FRAME_REPORT.of_node(self.name)))
         self._is_there = self.name in found and is_alive
         self._others = sorted(found - {self.name})
         if not self._is_there:
@@ -289,7 +293,7 @@ class LiveTargetSession(LiveSession):
 
     subject = TARGET
     frames = LiveTargetFrames
-    start_type = ("geometry_msgs/msg/PolygonStamped", PolygonStamped)
+    start_type = (node_topics.INITIAL_TARGET.type_name, PolygonStamped)
 
     def _start_message(self, header: Message, start: AnyStart) -> Message:
         assert isinstance(start, TargetStart), "a target is marked with a box or an outline"

@@ -16,16 +16,18 @@ from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 
 from cable_tracker.ros import qos
 from cable_tracker.ros.clients.live_frames import LiveFrames
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.images import read_compressed_image, read_image
-
-FRAME_REPORT = "frame_report"
-"""Private topic that every tracker has from its start to its end."""
+from cable_tracker.sequences.node_topics import NodeTopic
 
 WATCHED = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Pictures for people: losing one is no harm, and a slow viewer must not slow the camera."""
 
-IMAGE_TYPES = {"sensor_msgs/msg/Image": Image, "sensor_msgs/msg/CompressedImage": CompressedImage}
+IMAGE_TYPES = {
+    node_topics.IMAGE.type_name: Image,
+    node_topics.COMPRESSED_IMAGE.type_name: CompressedImage,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,16 +64,19 @@ def find_topics(watcher: Node, name: str, start_type: str) -> LiveTopics | None:
         return None  # It has gone since it was seen.
     image, image_type = _of_types(read, IMAGE_TYPES)
     # Ground truth is beside the image or the node, if it is published.
-    beside = (f"{image.rpartition('/')[0]}/ground_truth", f"{namespace}/ground_truth")
+    beside = [
+        f"{place}{node_topics.GROUND_TRUTH.global_name}"
+        for place in (image.rpartition("/")[0], namespace)
+    ]
     return LiveTopics(
         image=image,
         image_type=image_type,
-        state=_of_types(published, ["sensor_msgs/msg/JointState"])[0],
-        particles=_of_types(published, ["sensor_msgs/msg/PointCloud2"])[0],
-        report=f"{name}/{FRAME_REPORT}",
+        state=_of_types(published, [node_topics.STATE.type_name])[0],
+        particles=_of_types(published, [node_topics.PARTICLES.type_name])[0],
+        report=node_topics.FRAME_REPORT.of_node(name),
         truth=next((topic for topic in beside if watcher.count_publishers(topic)), ""),
         start=_of_types(read, [start_type])[0],
-        contour=_named(published, "geometry_msgs/msg/PolygonStamped", "contour"),
+        contour=_named(published, node_topics.CONTOUR),
     )
 
 
@@ -84,9 +89,16 @@ def _of_types(topics: list[tuple[str, list[str]]], types: Container[str]) -> tup
     return "", ""
 
 
-def _named(topics: list[tuple[str, list[str]]], kind: str, word: str) -> str:
-    """Return the first topic of a type whose name ends with a word; empty if there is none."""
-    return next((name for name, kinds in topics if kind in kinds and name.endswith(word)), "")
+def _named(topics: list[tuple[str, list[str]]], wanted: NodeTopic) -> str:
+    """Return the first topic of the type whose name ends alike; empty if there is none."""
+    return next(
+        (
+            name
+            for name, kinds in topics
+            if wanted.type_name in kinds and name.endswith(wanted.name)
+        ),
+        "",
+    )
 
 
 class LiveConnection:

@@ -17,7 +17,7 @@ from cable_tracker.ros.process.child_process import START_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instruments import InstrumentChoice
@@ -154,7 +154,7 @@ def track_in_lockstep(
         replay = group.start(
             "replay",
             {**nodes.replay, **PATIENT, "lockstep": True},
-            {"state": ACKNOWLEDGED},
+            {node_topics.STATE.name: ACKNOWLEDGED},
             may_end=True,
         )
         damage = run.record_all(source, advance)
@@ -175,10 +175,10 @@ def _tracker_parameters(source: Source) -> dict[str, ParameterValue]:
 def write_messages(bag: MessageSink, frame: Frame, recorded: RecordedFrame) -> None:
     """Write what was published about a frame, and the diagnostics that came meanwhile."""
     for topic, data in recorded.messages.items():
-        bag.write_serialised(f"/{topic.name}", topic.type_name, data, frame.stamp)
+        bag.write_serialised(topic.global_name, topic.type_name, data, frame.stamp)
     for data in recorded.diagnostics:
-        topic = output_topics.DIAGNOSTICS
-        bag.write_serialised(f"/{topic.name}", topic.type_name, data, frame.stamp)
+        topic = node_topics.DIAGNOSTICS
+        bag.write_serialised(topic.global_name, topic.type_name, data, frame.stamp)
 
 
 class _Run:

@@ -18,19 +18,19 @@ from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
 from cable_tracker.ros.messages.rclpy_messages import message_class
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.output_topics import OutputTopic
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.tracking.idle_status import WARMING_UP
 
 RECORDED = (
-    output_topics.STATE,
-    output_topics.FRAME_REPORT,
-    output_topics.CENTRELINE,
-    output_topics.PARTICLES,
-    output_topics.MARKERS,
-    output_topics.OVERLAY,
-    output_topics.DIAGNOSTICS,
+    node_topics.STATE,
+    node_topics.FRAME_REPORT,
+    node_topics.CENTRELINE,
+    node_topics.PARTICLES,
+    node_topics.MARKERS,
+    node_topics.OVERLAY,
+    node_topics.DIAGNOSTICS,
 )
 ACKNOWLEDGED = "recorded_state"
 """Topic on which a lockstep replay awaits the tracker's `state`, once it is recorded."""
@@ -55,11 +55,11 @@ class RecordedFrame:
         Those that came since the frame before.
     """
 
-    messages: Mapping[OutputTopic, bytes]
+    messages: Mapping[NodeTopic, bytes]
     status: str
     diagnostics: Sequence[bytes] = ()
 
-    def read(self, topic: OutputTopic) -> Message:
+    def read(self, topic: NodeTopic) -> Message:
         """Deserialise one of the messages."""
         return deserialize_message(self.messages[topic], message_class(topic.type_name))
 
@@ -71,15 +71,15 @@ class Recorder(Node):  # type: ignore[misc]
     follows from its status.
     """
 
-    RECORDED: ClassVar[tuple[OutputTopic, ...]] = RECORDED
+    RECORDED: ClassVar[tuple[NodeTopic, ...]] = RECORDED
     """Topics that are subscribed to."""
 
-    REPORT: ClassVar[OutputTopic] = output_topics.FRAME_REPORT
+    REPORT: ClassVar[NodeTopic] = node_topics.FRAME_REPORT
     """Comes for every frame, and tells its status."""
 
     def __init__(self, context: Context, namespace: str) -> None:
         super().__init__("recorder", context=context, namespace=namespace)
-        self._queues: dict[OutputTopic, deque[bytes]] = {topic: deque() for topic in self.RECORDED}
+        self._queues: dict[NodeTopic, deque[bytes]] = {topic: deque() for topic in self.RECORDED}
         for topic in self.RECORDED:
             self.create_subscription(
                 message_class(topic.type_name),
@@ -90,7 +90,7 @@ class Recorder(Node):  # type: ignore[misc]
             )
         self._acknowledged = self.create_publisher(JointState, ACKNOWLEDGED, qos.LATEST_RESULT)
 
-    def _keep(self, topic: OutputTopic) -> Callable[[bytes], None]:
+    def _keep(self, topic: NodeTopic) -> Callable[[bytes], None]:
         queue = self._queues[topic]
 
         # A plain function: rclpy wants to see a callback's signature, and `append` has none.
@@ -112,11 +112,11 @@ class Recorder(Node):  # type: ignore[misc]
         return True
 
     def _latest_diagnostics(self) -> Message | None:
-        diagnostics = self._queues[output_topics.DIAGNOSTICS]
+        diagnostics = self._queues[node_topics.DIAGNOSTICS]
         if not diagnostics:
             return None
         return deserialize_message(
-            diagnostics[-1], message_class(output_topics.DIAGNOSTICS.type_name)
+            diagnostics[-1], message_class(node_topics.DIAGNOSTICS.type_name)
         )
 
     def is_subscribed(self) -> bool:
@@ -149,19 +149,19 @@ class Recorder(Node):  # type: ignore[misc]
         messages = {topic: self._queues[topic].popleft() for topic in topics}
         return RecordedFrame(messages, status, self.take_diagnostics())
 
-    def _topics_of(self, report: Message) -> list[OutputTopic]:
+    def _topics_of(self, report: Message) -> list[NodeTopic]:
         """Return the topics that speak of a frame, by its report."""
         status = str(report.status[0].message)
-        topics = list(output_topics.EVERY_FRAME)
+        topics = list(node_topics.EVERY_FRAME)
         if status in USABLE_STATUSES:
-            topics += output_topics.USABLE_FRAME
+            topics += node_topics.USABLE_FRAME
         if status == TrackingStatus.TRACKING.value:
-            topics.append(output_topics.CENTRELINE)
+            topics.append(node_topics.CENTRELINE)
         return topics
 
     def take_diagnostics(self) -> list[bytes]:
         """Return the diagnostics that have come since the last call."""
-        queue = self._queues[output_topics.DIAGNOSTICS]
+        queue = self._queues[node_topics.DIAGNOSTICS]
         messages = list(queue)
         queue.clear()
         return messages

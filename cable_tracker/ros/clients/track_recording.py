@@ -21,7 +21,7 @@ from cable_tracker.ros.clients.lockstep import (
     write_messages,
 )
 from cable_tracker.ros.clients.recorder import RecordedFrame
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.convert import write_truth
 from cable_tracker.sequences.estimates import EstimateRow, RowMetres
 from cable_tracker.sequences.frame import Frame
@@ -90,10 +90,10 @@ def track_recording_over_ros(
     def take(frame: Frame, recorded: RecordedFrame) -> Message:
         write_truth(results.bag, frame)
         write_messages(results.bag, frame, recorded)
-        state = recorded.read(output_topics.STATE)
+        state = recorded.read(node_topics.STATE)
         cloud = None
-        if output_topics.PARTICLES in recorded.messages:
-            cloud = read_particles(recorded.read(output_topics.PARTICLES))
+        if node_topics.PARTICLES in recorded.messages:
+            cloud = read_particles(recorded.read(node_topics.PARTICLES))
         results.add(frame, _row(frame, recorded, state), cloud)
         return state
 
@@ -117,7 +117,7 @@ def _vehicle_parameters(vehicle: RecordedVehicle | None) -> dict[str, ParameterV
 
 
 def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
-    values = report_facts(recorded.read(output_topics.FRAME_REPORT))
+    values = report_facts(recorded.read(node_topics.FRAME_REPORT))
     number = partial(fact_number, values)
     claimed = read_state(state)
     return EstimateRow(

@@ -13,13 +13,13 @@ from cable_tracker.evaluation.targets.target_table import TargetRow, metres_row
 from cable_tracker.metric.target_facts import has_bearing, has_place
 from cable_tracker.ros.clients.lockstep import LockstepNodes, track_in_lockstep, write_messages
 from cable_tracker.ros.clients.recorder import RecordedFrame, Recorder
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import fact_number, report_facts
 from cable_tracker.sequences.messages.images import read_compressed_image
-from cable_tracker.sequences.output_topics import OutputTopic
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.source import Source
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterValue
@@ -51,37 +51,37 @@ class TargetRequest:
 class TargetRecorder(Recorder):
     """Subscribes to the outputs of a target tracker, and puts together those of one frame."""
 
-    RECORDED: ClassVar[tuple[OutputTopic, ...]] = (
-        output_topics.STATE,
-        output_topics.TARGET_REPORT,
-        output_topics.TARGET,
-        output_topics.BOX,
-        output_topics.CONTOUR,
-        output_topics.BEARING,
-        output_topics.RELATIVE_POSE,
-        output_topics.PARTICLES,
-        output_topics.MARKERS,
-        output_topics.TARGET_OVERLAY,
-        output_topics.DIAGNOSTICS,
+    RECORDED: ClassVar[tuple[NodeTopic, ...]] = (
+        node_topics.STATE,
+        node_topics.TARGET_REPORT,
+        node_topics.TARGET,
+        node_topics.BOX,
+        node_topics.CONTOUR,
+        node_topics.BEARING,
+        node_topics.RELATIVE_POSE,
+        node_topics.PARTICLES,
+        node_topics.MARKERS,
+        node_topics.TARGET_OVERLAY,
+        node_topics.DIAGNOSTICS,
     )
-    REPORT: ClassVar[OutputTopic] = output_topics.TARGET_REPORT
+    REPORT: ClassVar[NodeTopic] = node_topics.TARGET_REPORT
 
-    def _topics_of(self, report: Message) -> list[OutputTopic]:
-        topics = [output_topics.STATE, output_topics.TARGET_REPORT]
+    def _topics_of(self, report: Message) -> list[NodeTopic]:
+        topics = [node_topics.STATE, node_topics.TARGET_REPORT]
         values = report_facts(report)
         if str(report.status[0].message) not in {status.value for status in TrackingStatus}:
             return topics
-        topics += [output_topics.MARKERS, output_topics.TARGET_OVERLAY]
+        topics += [node_topics.MARKERS, node_topics.TARGET_OVERLAY]
         if values["particles"]:
-            topics.append(output_topics.PARTICLES)
+            topics.append(node_topics.PARTICLES)
         if values["box"]:
-            topics += [output_topics.TARGET, output_topics.BOX]
+            topics += [node_topics.TARGET, node_topics.BOX]
         if values["corners"]:
-            topics.append(output_topics.CONTOUR)
+            topics.append(node_topics.CONTOUR)
         if has_bearing(values):
-            topics.append(output_topics.BEARING)
+            topics.append(node_topics.BEARING)
         if has_place(values):
-            topics.append(output_topics.RELATIVE_POSE)
+            topics.append(node_topics.RELATIVE_POSE)
         return topics
 
 
@@ -120,13 +120,13 @@ def track_target_over_ros(
 
     def take(frame: Frame, recorded: RecordedFrame) -> Message:
         write_messages(results.bag, frame, recorded)
-        state = recorded.read(output_topics.STATE)
+        state = recorded.read(node_topics.STATE)
         picture = None
-        if output_topics.TARGET_OVERLAY in recorded.messages:
-            overlay = read_compressed_image(recorded.read(output_topics.TARGET_OVERLAY))
+        if node_topics.TARGET_OVERLAY in recorded.messages:
+            overlay = read_compressed_image(recorded.read(node_topics.TARGET_OVERLAY))
             picture = decode_bgr(overlay)
             if request.sight:
-                facts = report_facts(recorded.read(output_topics.TARGET_REPORT))
+                facts = report_facts(recorded.read(node_topics.TARGET_REPORT))
                 results.metres.append(metres_row(frame, facts))
         results.add(frame, row_of_messages(frame, recorded, state), picture)
         return state
@@ -142,7 +142,7 @@ def track_target_over_ros(
 
 def row_of_messages(frame: Frame, recorded: RecordedFrame, state: Message) -> TargetRow:
     """Return the row of the table that the node's messages about a frame make."""
-    values = report_facts(recorded.read(output_topics.TARGET_REPORT))
+    values = report_facts(recorded.read(node_topics.TARGET_REPORT))
     number = partial(fact_number, values)
     claim = None
     scale, area = number("scale"), number("area")

@@ -8,6 +8,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
 from cable_tracker.ros import qos
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.tracking.idle_status import WARMING_UP
 
@@ -29,7 +30,9 @@ class WarmingTrackers:
 
     def __init__(self, node: Node) -> None:
         self._heard: dict[str, float] = {}
-        node.create_subscription(DiagnosticArray, "/diagnostics", self.on_diagnostics, qos.RESULTS)
+        node.create_subscription(
+            DiagnosticArray, node_topics.DIAGNOSTICS.global_name, self.on_diagnostics, qos.RESULTS
+        )
 
     def on_diagnostics(self, message: Message) -> None:
         """Take what a node says of its health."""

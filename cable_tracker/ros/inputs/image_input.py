@@ -13,6 +13,7 @@ from sensor_msgs.msg import CompressedImage, Image
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.diagnostics import FrameStatistics
 from cable_tracker.ros.inputs.arrivals import GapCounter, moment_of_arrival
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import CompressedImage as CompressedPicture
 from cable_tracker.sequences.frame import RawImage
 from cable_tracker.sequences.serialised_images import (
@@ -99,12 +100,12 @@ class ImageInput:
             incompatible_qos=on_mismatch,
             use_default_callbacks=False,
         )
-        kind, topic = (
-            (CompressedImage, "image/compressed") if self._is_compressed else (Image, "image")
-        )
+        kind, topic = Image, node_topics.IMAGE
+        if self._is_compressed:
+            kind, topic = CompressedImage, node_topics.COMPRESSED_IMAGE
         # As bytes: a message object would cost two more copies of the pixels.
         self._subscription = self._node.create_subscription(
-            kind, topic, on_image, self._profile, event_callbacks=events, raw=True
+            kind, topic.name, on_image, self._profile, event_callbacks=events, raw=True
         )
 
     def read(self, message: bytes, info: Mapping[str, Any]) -> CameraFrame:

@@ -9,9 +9,10 @@ from sensor_msgs.msg import JointState
 
 from cable_tracker.ros import qos
 from cable_tracker.ros.inputs.callbacks import followed_by
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.node_topics import NodeTopic
 
 RELIABLE = "reliable"
 
@@ -21,12 +22,12 @@ class InstrumentsSent:
 
     Parameters
     ----------
-    names : collection of str
+    topics : collection of NodeTopic
         Instruments that the node listens to; what a replay says of others does not count.
     """
 
-    def __init__(self, names: Collection[str]) -> None:
-        self._names = frozenset(names)
+    def __init__(self, topics: Collection[NodeTopic]) -> None:
+        self._names = frozenset(topic.name for topic in topics)
         self._stamp: int | None = None
         self._counts: dict[str, float] = {}
 
@@ -35,7 +36,7 @@ class InstrumentsSent:
         if reliability == RELIABLE:
             node.create_subscription(
                 JointState,
-                output_topics.INSTRUMENTS_SENT,
+                node_topics.INSTRUMENTS_SENT.name,
                 followed_by(self.take, on_news),
                 qos.instrument_input(reliability),
             )

@@ -17,6 +17,7 @@ from cable_tracker.ros.inputs.image_input import ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
 from cable_tracker.ros.inputs.picture_remarks import remark_on
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.headers import make_header
 
 
@@ -58,7 +59,9 @@ class CameraDiagnostics:
         self._factory = RclpyMessages()
         self.period = 1.0
         self._next = 0.0
-        self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
+        self._publisher = node.create_publisher(
+            DiagnosticArray, node_topics.DIAGNOSTICS.global_name, qos.RESULTS
+        )
 
     def apply(self, values: Mapping[str, object]) -> None:
         """Take the parameter `diagnostics_period` [s], if it is given."""

@@ -21,6 +21,7 @@ from cable_tracker.metric.messages import METRES_KEYS
 from cable_tracker.node_parameter_tables import CONTROLLER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.messages.poses import yaw_of
@@ -42,7 +43,7 @@ class ControllerNode(GuidanceNode):
     """
 
     NOMINAL_MODE = Mode.FOLLOWING
-    REPORT = "tracker/frame_report"
+    REPORT = node_topics.FRAME_REPORT
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("controller", CONTROLLER_PARAMETERS, **node_arguments)
@@ -51,10 +52,16 @@ class ControllerNode(GuidanceNode):
         self._poses: OrderedDict[int, Pose] = OrderedDict()
         reliability = "reliable" if self._values["lockstep"] else "best_effort"
         self.create_subscription(
-            Odometry, "odometry", self.on_odometry, qos.instrument_input(reliability)
+            Odometry,
+            node_topics.ODOMETRY.name,
+            self.on_odometry,
+            qos.instrument_input(reliability),
         )
         self.create_subscription(
-            PoseWithCovarianceStamped, "cross_track", self.on_cross_track, qos.RESULTS
+            PoseWithCovarianceStamped,
+            node_topics.CROSS_TRACK.name,
+            self.on_cross_track,
+            qos.RESULTS,
         )
 
     @property

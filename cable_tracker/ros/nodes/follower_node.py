@@ -19,6 +19,7 @@ from cable_tracker.metric.target_facts import has_place
 from cable_tracker.node_parameter_tables import FOLLOWER_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.stamps import NANOSECONDS
@@ -39,7 +40,7 @@ class FollowerNode(GuidanceNode):
     """
 
     NOMINAL_MODE = FollowMode.FOLLOWING
-    REPORT = "target_tracker/frame_report"
+    REPORT = node_topics.TARGET_REPORT
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("follower", FOLLOWER_PARAMETERS, **node_arguments)
@@ -50,7 +51,10 @@ class FollowerNode(GuidanceNode):
         )
         self._places: OrderedDict[int, TargetPlace] = OrderedDict()
         self.create_subscription(
-            PoseWithCovarianceStamped, "relative_pose", self.on_relative_pose, qos.RESULTS
+            PoseWithCovarianceStamped,
+            node_topics.RELATIVE_POSE.name,
+            self.on_relative_pose,
+            qos.RESULTS,
         )
 
     @property

@@ -14,9 +14,11 @@ from sensor_msgs.msg import JointState
 
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import report_facts
 from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.parameter_table import ParameterSpec
 
@@ -55,7 +57,7 @@ class GuidanceNode(ProcessNode):
     NOMINAL_MODE: ClassVar[Enum]
     """Mode of normal operation, which diagnostics report as OK; any other mode is a warning."""
 
-    REPORT: ClassVar[str]
+    REPORT: ClassVar[NodeTopic]
     """Topic of the tracker's report of each frame."""
 
     def __init__(
@@ -71,13 +73,15 @@ class GuidanceNode(ProcessNode):
         self._states: list[tuple[int, bool, float]] = []
         self._last_state = time.monotonic()
         self._stopped = False
-        self._commands = self.create_publisher(Twist, "cmd_vel", qos.RESULTS)
-        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", qos.RESULTS)
+        self._commands = self.create_publisher(Twist, node_topics.COMMAND.name, qos.RESULTS)
+        self._diagnostics = self.create_publisher(
+            DiagnosticArray, node_topics.DIAGNOSTICS.global_name, qos.RESULTS
+        )
         self._expects_metres: OrderedDict[int, bool] = OrderedDict()
         # Before what a subclass subscribes to: a tracker that knows of that knows of this.
         if self._values["lockstep"]:
-            self.create_subscription(DiagnosticArray, self.REPORT, self.on_report, qos.RESULTS)
-        self.create_subscription(JointState, "state", self.on_state, qos.RESULTS)
+            self.create_subscription(DiagnosticArray, self.REPORT.name, self.on_report, qos.RESULTS)
+        self.create_subscription(JointState, node_topics.STATE.name, self.on_state, qos.RESULTS)
 
     @property
     def mode(self) -> Enum:

@@ -36,10 +36,12 @@ from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
+from cable_tracker.sequences.node_topics import NodeTopic
 
-INSTRUMENTS = ("altitude", "imu", "odometry")
+INSTRUMENTS = (node_topics.ALTITUDE, node_topics.IMU, node_topics.ODOMETRY)
 """Instruments whose measurements have a time."""
 
 
@@ -68,24 +70,26 @@ class MetricInputs:
         self._odometry = Odometry()
         self._aiding = MotionAiding(self._instruments, self._odometry)
         self._why_unaided = ""
-        self._foot = node.create_publisher(PoseWithCovarianceStamped, "cross_track", qos.RESULTS)
-        self._ahead = node.create_publisher(
-            PoseWithCovarianceStamped, "cross_track_ahead", qos.RESULTS
+        self._foot = node.create_publisher(
+            PoseWithCovarianceStamped, node_topics.CROSS_TRACK.name, qos.RESULTS
         )
-        self._newest: dict[str, int] = {}
+        self._ahead = node.create_publisher(
+            PoseWithCovarianceStamped, node_topics.CROSS_TRACK_AHEAD.name, qos.RESULTS
+        )
+        self._newest: dict[NodeTopic, int] = {}
         self._heard: Counter[str] = Counter()
-        self._sent = InstrumentsSent(("camera_info", *INSTRUMENTS))
+        self._sent = InstrumentsSent((node_topics.CAMERA_INFO, *INSTRUMENTS))
 
     def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
         """Listen, `best_effort` or `reliable`; `on_news` is called after each message."""
         profile = qos.instrument_input(reliability)
         for kind, topic, take in (
-            (CameraInfo, "camera_info", self.on_camera_info),
-            (Range, "altitude", self.on_altitude),
-            (Imu, "imu", self.on_imu),
-            (OdometryMessage, "odometry", self.on_odometry),
+            (CameraInfo, node_topics.CAMERA_INFO, self.on_camera_info),
+            (Range, node_topics.ALTITUDE, self.on_altitude),
+            (Imu, node_topics.IMU, self.on_imu),
+            (OdometryMessage, node_topics.ODOMETRY, self.on_odometry),
         ):
-            self._node.create_subscription(kind, topic, followed_by(take, on_news), profile)
+            self._node.create_subscription(kind, topic.name, followed_by(take, on_news), profile)
         self._sent.subscribe(self._node, reliability, on_news)
 
     @property
@@ -107,7 +111,7 @@ class MetricInputs:
         if self._sent.tells_of(stamp):
             return self._sent.has_come(self._heard)
         return self._info is not None and all(
-            self._newest.get(name, -1) >= stamp for name in INSTRUMENTS
+            self._newest.get(topic, -1) >= stamp for topic in INSTRUMENTS
         )
 
     @property
@@ -133,7 +137,7 @@ class MetricInputs:
 
     def on_camera_info(self, message: Message) -> None:
         """Take a calibration."""
-        self._heard["camera_info"] += 1
+        self._heard[node_topics.CAMERA_INFO.name] += 1
         self._use_calibration(message)
 
     def _use_calibration(self, message: Message) -> None:
@@ -144,13 +148,15 @@ class MetricInputs:
     def on_altitude(self, message: Message) -> None:
         """Take an altitude."""
         metres, limits = read_range(message)
-        stamp = self._note("altitude", message)
+        stamp = self._note(node_topics.ALTITUDE, message)
         self._instruments.take_altitude(stamp, metres, limits)
 
     def on_imu(self, message: Message) -> None:
         """Take roll and pitch."""
         least = math.radians(self._number("imu_sigma"))
-        self._instruments.take_attitude(self._note("imu", message), read_attitude(message, least))
+        self._instruments.take_attitude(
+            self._note(node_topics.IMU, message), read_attitude(message, least)
+        )
 
     def on_odometry(self, message: Message) -> None:
         """Take a twist of base_link."""
@@ -158,7 +164,7 @@ class MetricInputs:
             self._number("velocity_sigma"),
             math.radians(self._number("turn_sigma")),
         )
-        self._odometry.add(self._note("odometry", message), *read_twist(message, least))
+        self._odometry.add(self._note(node_topics.ODOMETRY, message), *read_twist(message, least))
 
     def motion(self, stamp: int, image: Image) -> MotionAid | None:
         """Return how the cable has moved since the frame before; `image` (H, W), `stamp` [ns].
@@ -177,11 +183,11 @@ class MetricInputs:
             )
         return motion
 
-    def _note(self, name: str, message: Message) -> int:
+    def _note(self, topic: NodeTopic, message: Message) -> int:
         """Return the stamp of an instrument's message [ns], and remember it."""
         stamp = self._stamp_of(message)
-        self._newest[name] = stamp
-        self._heard[name] += 1
+        self._newest[topic] = stamp
+        self._heard[topic.name] += 1
         return stamp
 
     def _stamp_of(self, message: Message) -> int:

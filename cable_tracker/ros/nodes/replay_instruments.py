@@ -20,7 +20,7 @@ from cable_tracker.metric.altitude import MOST_ALTITUDE
 from cable_tracker.metric.recorded import InstrumentFeed, recorded_vehicle
 from cable_tracker.ros import qos
 from cable_tracker.ros.messages.rclpy_messages import message_class
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instrument_source import InstrumentMessage
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
@@ -97,7 +97,7 @@ class InstrumentReplay:
         self._counts = None
         if sent:
             self._counts = node.create_publisher(
-                JointState, output_topics.INSTRUMENTS_SENT, qos.INSTRUMENTS
+                JointState, node_topics.INSTRUMENTS_SENT.name, qos.INSTRUMENTS
             )
         self._sent = dict.fromkeys(COUNTED, 0)
         self._feed = InstrumentFeed(None)

@@ -22,6 +22,7 @@ from cable_tracker.ros.health.warming_trackers import WarmingTrackers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.nodes.replay_instruments import InstrumentReplay
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.messages.cable import make_state
@@ -127,15 +128,19 @@ class ReplayNode(ProcessNode):
 
     def _create_publishers(self) -> None:
         if self._source.compressed:
-            self._image = self.create_publisher(CompressedImage, "image/compressed", qos.PICTURES)
+            self._image = self.create_publisher(
+                CompressedImage, node_topics.COMPRESSED_IMAGE.name, qos.PICTURES
+            )
         else:
-            self._image = self.create_publisher(Image, "image", qos.PICTURES)
-        self._truth = self.create_publisher(JointState, "ground_truth", qos.RESULTS)
+            self._image = self.create_publisher(Image, node_topics.IMAGE.name, qos.PICTURES)
+        self._truth = self.create_publisher(JointState, node_topics.GROUND_TRUTH.name, qos.RESULTS)
         self._clock_publisher = None
         if self._flag("publish_clock"):
-            self._clock_publisher = self.create_publisher(Clock, "/clock", qos.RESULTS)
+            self._clock_publisher = self.create_publisher(
+                Clock, node_topics.CLOCK.global_name, qos.RESULTS
+            )
         self._state = self.create_subscription(
-            JointState, "state", self.on_state, qos.NEWEST_RESULT
+            JointState, node_topics.STATE.name, self.on_state, qos.NEWEST_RESULT
         )
         self.create_service(SetBool, "~/pause", self.on_pause)
         self.create_service(Trigger, "~/step", self.on_step)

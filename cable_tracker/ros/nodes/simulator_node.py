@@ -21,6 +21,7 @@ from cable_tracker.node_parameter_tables import SIMULATOR_PARAMETERS
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import RawImage
 from cable_tracker.sequences.messages.cable import make_state
@@ -161,15 +162,19 @@ class VehicleNode(ProcessNode):
         raise NotImplementedError
 
     def _create_topics(self) -> None:
-        self._image = self.create_publisher(Image, "image", qos.PICTURES)
-        self._info = self.create_publisher(CameraInfo, "camera_info", qos.RESULTS)
-        self._imu = self.create_publisher(Imu, "imu", qos.RESULTS)
-        self._odometry = self.create_publisher(Odometry, "odometry", qos.RESULTS)
-        self._true_odometry = self.create_publisher(Odometry, "ground_truth/odometry", qos.RESULTS)
+        self._image = self.create_publisher(Image, node_topics.IMAGE.name, qos.PICTURES)
+        self._info = self.create_publisher(CameraInfo, node_topics.CAMERA_INFO.name, qos.RESULTS)
+        self._imu = self.create_publisher(Imu, node_topics.IMU.name, qos.RESULTS)
+        self._odometry = self.create_publisher(Odometry, node_topics.ODOMETRY.name, qos.RESULTS)
+        self._true_odometry = self.create_publisher(
+            Odometry, node_topics.TRUE_ODOMETRY.name, qos.RESULTS
+        )
         self._clock_publisher = None
         if self._values["publish_clock"]:
-            self._clock_publisher = self.create_publisher(Clock, "/clock", qos.RESULTS)
-        self.create_subscription(Twist, "cmd_vel", self.on_command, qos.RESULTS)
+            self._clock_publisher = self.create_publisher(
+                Clock, node_topics.CLOCK.global_name, qos.RESULTS
+            )
+        self.create_subscription(Twist, node_topics.COMMAND.name, self.on_command, qos.RESULTS)
 
     @property
     def frames(self) -> int:
@@ -327,10 +332,12 @@ class SimulatorNode(VehicleNode):
 
     def _create_topics(self) -> None:
         super()._create_topics()
-        self._range = self.create_publisher(Range, "altitude", qos.RESULTS)
-        self._true_state = self.create_publisher(JointState, "ground_truth", qos.RESULTS)
+        self._range = self.create_publisher(Range, node_topics.ALTITUDE.name, qos.RESULTS)
+        self._true_state = self.create_publisher(
+            JointState, node_topics.GROUND_TRUTH.name, qos.RESULTS
+        )
         self._true_cross_track = self.create_publisher(
-            PoseWithCovarianceStamped, "ground_truth/cross_track", qos.RESULTS
+            PoseWithCovarianceStamped, node_topics.TRUE_CROSS_TRACK.name, qos.RESULTS
         )
 
     def _draw(self, motion: Motion) -> RawImage:

@@ -20,10 +20,15 @@ from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.inputs.callbacks import followed_by
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
+
+INSTRUMENTS = (node_topics.IMU, node_topics.ODOMETRY)
+"""Instruments whose measurements have a time."""
 
 
 class TargetInputs:
@@ -44,20 +49,20 @@ class TargetInputs:
         }
         self._sight = TargetSight(target_settings(self._values), count)
         self._info: Message | None = None
-        self._newest: dict[str, int] = {}
+        self._newest: dict[NodeTopic, int] = {}
         self._heard: Counter[str] = Counter()
-        self._sent = InstrumentsSent(("camera_info", "imu", "odometry"))
+        self._sent = InstrumentsSent((node_topics.CAMERA_INFO, *INSTRUMENTS))
         self._results: list[TargetMetres] = []
 
     def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
         """Listen, `best_effort` or `reliable`; `on_news` is called after each message."""
         profile = qos.instrument_input(reliability)
         for kind, topic, take in (
-            (CameraInfo, "camera_info", self.on_camera_info),
-            (Imu, "imu", self.on_imu),
-            (OdometryMessage, "odometry", self.on_odometry),
+            (CameraInfo, node_topics.CAMERA_INFO, self.on_camera_info),
+            (Imu, node_topics.IMU, self.on_imu),
+            (OdometryMessage, node_topics.ODOMETRY, self.on_odometry),
         ):
-            self._node.create_subscription(kind, topic, followed_by(take, on_news), profile)
+            self._node.create_subscription(kind, topic.name, followed_by(take, on_news), profile)
         self._sent.subscribe(self._node, reliability, on_news)
 
     @property
@@ -108,7 +113,7 @@ class TargetInputs:
 
     def on_camera_info(self, message: Message) -> None:
         """Take a calibration."""
-        self._heard["camera_info"] += 1
+        self._heard[node_topics.CAMERA_INFO.name] += 1
         self._use_calibration(message)
 
     def _use_calibration(self, message: Message) -> None:
@@ -118,11 +123,11 @@ class TargetInputs:
 
     def on_imu(self, message: Message) -> None:
         """Take rates of turn."""
-        self._sight.take_imu(self._note("imu", message), message)
+        self._sight.take_imu(self._note(node_topics.IMU, message), message)
 
     def on_odometry(self, message: Message) -> None:
         """Take a twist of base_link."""
-        self._sight.take_odometry(self._note("odometry", message), message)
+        self._sight.take_odometry(self._note(node_topics.ODOMETRY, message), message)
 
     def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
         """Return what turns of the vehicle did to the picture; see `TargetSight`."""
@@ -165,9 +170,9 @@ class TargetInputs:
     def _number(self, name: str) -> float:
         return float(cast(float, self._values[name]))
 
-    def _note(self, name: str, message: Message) -> int:
+    def _note(self, topic: NodeTopic, message: Message) -> int:
         """Return the stamp of an instrument's message [ns], and remember it."""
         stamp = stamp_of(message.header) or int(self._node.get_clock().now().nanoseconds)
-        self._newest[name] = stamp
-        self._heard[name] += 1
+        self._newest[topic] = stamp
+        self._heard[topic.name] += 1
         return stamp

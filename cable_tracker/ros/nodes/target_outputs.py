@@ -10,6 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PolygonStamped, PoseWithCovarianceStamped, Vector3Stamped
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 from visualization_msgs.msg import MarkerArray
 
@@ -23,6 +24,7 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.sequences.messages.factory import Message
@@ -39,6 +41,7 @@ from cable_tracker.sequences.messages.target import (
 )
 from cable_tracker.sequences.messages.target_markers import make_target_markers
 from cable_tracker.sequences.messages.target_particles import make_target_particles
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.target.model.estimate import TargetEstimate, box_corners, is_claimed
 from cable_tracker.visualisation.target_overlay import draw_target
 
@@ -75,16 +78,18 @@ class OneTarget:
 
     def __init__(self, publishers: WatchedPublishers, prefix: str) -> None:
         self._factory = RclpyMessages()
-        self._state = publishers.create(JointState, f"{prefix}state", qos.LATEST_RESULT)
-        self._target = publishers.create(PoseWithCovarianceStamped, f"{prefix}target", qos.RESULTS)
-        self._contour = publishers.create(PolygonStamped, f"{prefix}contour", qos.RESULTS)
-        self._box = publishers.create(PolygonStamped, f"{prefix}box", qos.RESULTS)
-        self._bearing = publishers.create(Vector3Stamped, f"{prefix}bearing", qos.RESULTS)
-        self._relative = publishers.create(
-            PoseWithCovarianceStamped, f"{prefix}relative_pose", qos.RESULTS
-        )
-        self._particles = publishers.create(PointCloud2, f"{prefix}particles", qos.PICTURES)
-        self._markers = publishers.create(MarkerArray, f"{prefix}markers", qos.PICTURES)
+
+        def create(kind: type[Any], topic: NodeTopic, profile: QoSProfile) -> Publisher:
+            return publishers.create(kind, f"{prefix}{topic.name}", profile)
+
+        self._state = create(JointState, node_topics.STATE, qos.LATEST_RESULT)
+        self._target = create(PoseWithCovarianceStamped, node_topics.TARGET, qos.RESULTS)
+        self._contour = create(PolygonStamped, node_topics.CONTOUR, qos.RESULTS)
+        self._box = create(PolygonStamped, node_topics.BOX, qos.RESULTS)
+        self._bearing = create(Vector3Stamped, node_topics.BEARING, qos.RESULTS)
+        self._relative = create(PoseWithCovarianceStamped, node_topics.RELATIVE_POSE, qos.RESULTS)
+        self._particles = create(PointCloud2, node_topics.PARTICLES, qos.PICTURES)
+        self._markers = create(MarkerArray, node_topics.MARKERS, qos.PICTURES)
 
     def publish_results(
         self, header: Message, answer: TargetAnswer, base_frame: str, camera_place: FloatArray
@@ -139,11 +144,15 @@ class TargetOutputs:
         self._factory = RclpyMessages()
         self._publishers = WatchedPublishers(node, on_mismatch)
         self._targets = [OneTarget(self._publishers, prefix) for prefix in prefixes]
-        self._overlay = self._publishers.create(Image, "~/overlay", qos.PICTURES)
-        self._overlay_compressed = self._publishers.create(
-            CompressedImage, "~/overlay/compressed", qos.PICTURES
+        self._overlay = self._publishers.create(
+            Image, node_topics.RAW_OVERLAY.of_node("~"), qos.PICTURES
         )
-        self._report = self._publishers.create(DiagnosticArray, "~/frame_report", qos.RESULTS)
+        self._overlay_compressed = self._publishers.create(
+            CompressedImage, node_topics.TARGET_OVERLAY.of_node("~"), qos.PICTURES
+        )
+        self._report = self._publishers.create(
+            DiagnosticArray, node_topics.TARGET_REPORT.of_node("~"), qos.RESULTS
+        )
 
     @property
     def publishers(self) -> dict[Publisher, Any]:

@@ -12,6 +12,7 @@ from cable_tracker.cable.parameters.parameters import ParameterSpec
 from cable_tracker.node_parameter_tables import TARGET_SIMULATOR_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes.simulator_node import VehicleNode
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import RawImage
 from cable_tracker.sequences.messages.headers import make_header
@@ -63,7 +64,7 @@ class TargetSimulatorNode(VehicleNode):
     def _create_topics(self) -> None:
         super()._create_topics()
         self._true_target = self.create_publisher(
-            PoseWithCovarianceStamped, "ground_truth/target", qos.RESULTS
+            PoseWithCovarianceStamped, node_topics.TRUE_TARGET.name, qos.RESULTS
         )
 
     def _draw(self, motion: Motion) -> RawImage:

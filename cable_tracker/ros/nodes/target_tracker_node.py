@@ -24,6 +24,7 @@ from cable_tracker.ros.inputs.image_input import AnyImage
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameOutcome
 from cable_tracker.ros.nodes.target_inputs import TargetInputs
 from cable_tracker.ros.nodes.target_outputs import TargetAnswer, TargetOutputs
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.target import read_start
@@ -142,7 +143,7 @@ class TargetTrackerNode(CameraNode):
             subscription = create_watched_subscription(
                 self,
                 PolygonStamped,
-                f"{prefix}initial_target",
+                f"{prefix}{node_topics.INITIAL_TARGET.name}",
                 self._marking(number),
                 qos.RESULTS,
                 self._mismatches.on_event,

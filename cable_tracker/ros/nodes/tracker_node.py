@@ -38,6 +38,7 @@ from cable_tracker.ros.nodes.frame_tracker import FrameTracker
 from cable_tracker.ros.nodes.initial_search import InitialSearch
 from cable_tracker.ros.nodes.metric_inputs import MetricInputs
 from cable_tracker.ros.nodes.tracker_outputs import TrackerOutputs
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.cable import read_prior
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.trackers import make_proposer, make_tracker, warm_up
@@ -137,7 +138,7 @@ class TrackerNode(CameraNode):
         subscription = create_watched_subscription(
             self,
             PoseWithCovarianceStamped,
-            "initial_state",
+            node_topics.INITIAL_STATE.name,
             self.on_initial_state,
             qos.RESULTS,
             self._mismatches.on_event,

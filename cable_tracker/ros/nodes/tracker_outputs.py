@@ -20,6 +20,7 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
@@ -51,13 +52,17 @@ class TrackerOutputs:
         self._factory = RclpyMessages()
         self._publishers = WatchedPublishers(node, on_mismatch)
         create = self._publishers.create
-        self._state = create(JointState, "state", qos.LATEST_RESULT)
-        self._centreline = create(PoseWithCovarianceStamped, "centreline", qos.RESULTS)
-        self._particles = create(PointCloud2, "particles", qos.PICTURES)
-        self._markers = create(MarkerArray, "markers", qos.PICTURES)
-        self._overlay = create(Image, "~/overlay", qos.PICTURES)
-        self._overlay_compressed = create(CompressedImage, "~/overlay/compressed", qos.PICTURES)
-        self._report = create(DiagnosticArray, "~/frame_report", qos.RESULTS)
+        self._state = create(JointState, node_topics.STATE.name, qos.LATEST_RESULT)
+        self._centreline = create(
+            PoseWithCovarianceStamped, node_topics.CENTRELINE.name, qos.RESULTS
+        )
+        self._particles = create(PointCloud2, node_topics.PARTICLES.name, qos.PICTURES)
+        self._markers = create(MarkerArray, node_topics.MARKERS.name, qos.PICTURES)
+        self._overlay = create(Image, node_topics.RAW_OVERLAY.of_node("~"), qos.PICTURES)
+        self._overlay_compressed = create(
+            CompressedImage, node_topics.OVERLAY.of_node("~"), qos.PICTURES
+        )
+        self._report = create(DiagnosticArray, node_topics.FRAME_REPORT.of_node("~"), qos.RESULTS)
 
     @property
     def publishers(self) -> dict[Publisher, Any]:

@@ -11,6 +11,7 @@ from typing import Self
 
 from cable_tracker.ros.process.child_process import ENTRY, NodeProcess
 from cable_tracker.ros.process.environment import local_environment
+from cable_tracker.sequences.node_topics import DIAGNOSTICS
 from cable_tracker.tracking.parameter_files import write_node_parameters
 from cable_tracker.tracking.parameter_table import ParameterValue
 
@@ -28,7 +29,7 @@ class NodeGroup:
 
     def __init__(self, namespace: str, remappings: Mapping[str, str] | None = None) -> None:
         self._namespace = namespace
-        self._remappings = {"/diagnostics": "diagnostics", **(remappings or {})}
+        self._remappings = {DIAGNOSTICS.global_name: DIAGNOSTICS.name, **(remappings or {})}
         self._running: list[tuple[NodeProcess, str, bool]] = []
 
     def __enter__(self) -> Self:

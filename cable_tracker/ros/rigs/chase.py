@@ -31,6 +31,7 @@ from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.chase_recorder import ChaseRecorder, record_to_the_end
 from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED
+from cable_tracker.sequences.node_topics import CLOCK
 from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
 from cable_tracker.tracking.parameter_table import ParameterValue
@@ -103,7 +104,7 @@ def run_chase(
             client_node(lambda context: ChaseRecorder(context, namespace))
         )
         video = stack.enter_context(VideoWriter(folder / VIDEO))
-        group = stack.enter_context(NodeGroup(namespace, {"/clock": "clock"}))
+        group = stack.enter_context(NodeGroup(namespace, {CLOCK.global_name: CLOCK.name}))
         parameters = _parameters(request)
         for name in ("target_tracker", "follower"):
             group.start(name, parameters[name])

@@ -20,6 +20,7 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.rigs.released_commands import ReleasedCommands
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
 from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages.frame_report import report_facts
 from cable_tracker.sequences.messages.headers import stamp_of
@@ -53,21 +54,21 @@ class ChaseRecorder(Node):  # type: ignore[misc]
         self._recorded = 0
         pose = PoseWithCovarianceStamped
         for kind, topic, kept in (
-            (pose, "ground_truth/target", self.truths),
-            (JointState, "state", self.states),
-            (pose, "relative_pose", self.places),
-            (DiagnosticArray, "target_tracker/frame_report", self.reports),
+            (pose, node_topics.TRUE_TARGET, self.truths),
+            (JointState, node_topics.STATE, self.states),
+            (pose, node_topics.RELATIVE_POSE, self.places),
+            (DiagnosticArray, node_topics.TARGET_REPORT, self.reports),
         ):
-            self.create_subscription(kind, topic, self._keep(kept), qos.EVERYTHING)
+            self.create_subscription(kind, topic.name, self._keep(kept), qos.EVERYTHING)
 
         def keep_overlay(message: Any) -> None:  # noqa: ANN401
             self.heard += 1
             self.overlays.append(message)
 
-        overlay = "target_tracker/overlay/compressed"
+        overlay = node_topics.TARGET_OVERLAY.name
         self.create_subscription(CompressedImage, overlay, keep_overlay, qos.EVERYTHING)
         self.create_subscription(
-            DiagnosticArray, "diagnostics", self._on_diagnostics, qos.EVERYTHING
+            DiagnosticArray, node_topics.DIAGNOSTICS.name, self._on_diagnostics, qos.EVERYTHING
         )
 
     def _keep(self, kept: dict[int, Any]) -> Callable[[Any], None]:
@@ -86,8 +87,12 @@ class ChaseRecorder(Node):  # type: ignore[misc]
     def is_ready(self) -> bool:
         """Tell whether the tracker is warm, and knows both the follower and us."""
         told = self._told
-        both = told.has_readers(2, "state", "relative_pose")
-        return told.is_warm and both and told.has_readers(1, "frame_report", "compressed")
+        both = told.has_readers(2, node_topics.STATE, node_topics.RELATIVE_POSE)
+        return (
+            told.is_warm
+            and both
+            and told.has_readers(1, node_topics.TARGET_REPORT, node_topics.TARGET_OVERLAY)
+        )
 
     def is_answered(self) -> bool:
         """Tell whether all that is told about the frames that have come has come, too."""

@@ -17,6 +17,7 @@ from cable_tracker.ros import qos
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.process_node import ProcessNode, run_node
 from cable_tracker.ros.process.stop_request import stop_on_signals
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.cable import make_centreline, make_state
 from cable_tracker.sequences.messages.factory import Message
 
@@ -36,11 +37,13 @@ class EchoNode(ProcessNode):
         super().__init__("echo", **node_arguments)
         self._factory = RclpyMessages()
         self._covariance = np.eye(STATE_SIZE)
-        self._state = self.create_publisher(JointState, "state", qos.LATEST_RESULT)
+        self._state = self.create_publisher(JointState, node_topics.STATE.name, qos.LATEST_RESULT)
         self._centreline = self.create_publisher(
-            PoseWithCovarianceStamped, "centreline", qos.RESULTS
+            PoseWithCovarianceStamped, node_topics.CENTRELINE.name, qos.RESULTS
         )
-        self.create_subscription(Image, "image", self.on_image, qos.image_input("best_effort"))
+        self.create_subscription(
+            Image, node_topics.IMAGE.name, self.on_image, qos.image_input("best_effort")
+        )
 
     def on_image(self, message: Message) -> None:
         """Answer."""

@@ -42,6 +42,7 @@ from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.loop_recorder import LoopRecorder, SeenFrame
 from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
+from cable_tracker.sequences.node_topics import CLOCK
 from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.dive import CABLE_RADIUS
 from cable_tracker.simulation.live_world import MOUNTING, LiveSettings, cable_course
@@ -152,7 +153,7 @@ def run_loop(
             )
         )
         video = stack.enter_context(VideoWriter(folder / VIDEO)) if request.with_video else None
-        group = stack.enter_context(NodeGroup(namespace, {"/clock": "clock"}))
+        group = stack.enter_context(NodeGroup(namespace, {CLOCK.global_name: CLOCK.name}))
         run = _Run(request, recorder, executor, group, video, advance=advance)
         group.start(request.tracker_node, _tracker_parameters(request))
         group.start("controller", _controller_parameters(request))

@@ -20,6 +20,7 @@ from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
 from cable_tracker.ros import qos
 from cable_tracker.ros.rigs.released_commands import ReleasedCommands
 from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.factory import Message
@@ -120,16 +121,16 @@ class LoopRecorder(Node):  # type: ignore[misc]
         self.heard = 0
         self._commands = ReleasedCommands(self)
         for kind, topic, name in (
-            *([(Image, "image", "image")] if with_images else []),
-            (JointState, "state", "state"),
-            (DiagnosticArray, "tracker/frame_report", "report"),
-            (Odometry, "ground_truth/odometry", "odometry"),
-            (PoseWithCovarianceStamped, "ground_truth/cross_track", "truth"),
-            (PoseWithCovarianceStamped, "cross_track", "cable"),
+            *([(Image, node_topics.IMAGE, "image")] if with_images else []),
+            (JointState, node_topics.STATE, "state"),
+            (DiagnosticArray, node_topics.FRAME_REPORT, "report"),
+            (Odometry, node_topics.TRUE_ODOMETRY, "odometry"),
+            (PoseWithCovarianceStamped, node_topics.TRUE_CROSS_TRACK, "truth"),
+            (PoseWithCovarianceStamped, node_topics.CROSS_TRACK, "cable"),
         ):
-            self.create_subscription(kind, topic, self._keep(name), qos.EVERYTHING)
+            self.create_subscription(kind, topic.name, self._keep(name), qos.EVERYTHING)
         self.create_subscription(
-            DiagnosticArray, "diagnostics", self._on_diagnostics, qos.EVERYTHING
+            DiagnosticArray, node_topics.DIAGNOSTICS.name, self._on_diagnostics, qos.EVERYTHING
         )
 
     def _keep(self, name: str) -> Callable[[Any], None]:
@@ -152,8 +153,8 @@ class LoopRecorder(Node):  # type: ignore[misc]
 
     def is_connected(self) -> bool:
         """Tell whether the tracker knows both the controller and us; it says so in diagnostics."""
-        both = self._told.has_readers(2, "state", "cross_track")
-        return both and self._told.has_readers(1, "frame_report")
+        both = self._told.has_readers(2, node_topics.STATE, node_topics.CROSS_TRACK)
+        return both and self._told.has_readers(1, node_topics.FRAME_REPORT)
 
     def is_warm(self) -> bool:
         """Tell whether the tracker has said that it is done with compiling."""

@@ -34,6 +34,7 @@ from cable_tracker.ros.process.child_process import ENTRY, START_TIMEOUT, NodePr
 from cable_tracker.ros.process.client_node import client_node
 from cable_tracker.ros.process.environment import use_local_environment
 from cable_tracker.ros.process.node_group import NodeGroup
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
@@ -200,14 +201,16 @@ class _Bench:
         group = stack.enter_context(NodeGroup(namespace))
         self._groups.append(group)
         process = group.start(name, parameters, module=module)
-        publisher = self._node.create_publisher(Image, f"{namespace}/image", CAMERA)
+        publisher = self._node.create_publisher(
+            Image, f"{namespace}{node_topics.IMAGE.global_name}", CAMERA
+        )
         target = _Target(process, publisher)
         for kind, topic, arrivals in (
-            (JointState, "state", target.states),
-            (PoseWithCovarianceStamped, "centreline", target.centrelines),
+            (JointState, node_topics.STATE, target.states),
+            (PoseWithCovarianceStamped, node_topics.CENTRELINE, target.centrelines),
         ):
             self._node.create_subscription(
-                kind, f"{namespace}/{topic}", target.noting(arrivals), qos.RESULTS
+                kind, f"{namespace}{topic.global_name}", target.noting(arrivals), qos.RESULTS
             )
         return target
 

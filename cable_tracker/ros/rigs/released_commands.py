@@ -9,9 +9,10 @@ from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
 from cable_tracker.ros import qos
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 
-COMMAND: Final = "cmd_vel"
+COMMAND: Final = node_topics.COMMAND.name
 RELEASED: Final = "recorded_cmd_vel"
 """Topic on which a simulator in lockstep awaits commands."""
 

@@ -23,6 +23,7 @@ from cable_tracker.ros.rigs.soak_checks import (
 )
 from cable_tracker.ros.rigs.soak_record import SoakRecord
 from cable_tracker.ros.rigs.soaked_node import CABLE_NODE, SoakedNode
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import stamp_of
 
@@ -75,15 +76,21 @@ class SoakCamera(Node):  # type: ignore[misc]
         self.last_stamp: int | None = None
         self.last_claims = False
         self.status = ""
-        self._raw = self.create_publisher(Image, "image", qos.PICTURES)
-        self._compressed = self.create_publisher(CompressedImage, "image/compressed", qos.PICTURES)
+        self._raw = self.create_publisher(Image, node_topics.IMAGE.name, qos.PICTURES)
+        self._compressed = self.create_publisher(
+            CompressedImage, node_topics.COMPRESSED_IMAGE.name, qos.PICTURES
+        )
         self.mark = self.create_publisher(soaked.mark_type, soaked.mark_topic, qos.RESULTS)
         self._viewers: list[Any] = []
-        self.create_subscription(JointState, "state", self._on_state, qos.RESULTS)
+        self.create_subscription(JointState, node_topics.STATE.name, self._on_state, qos.RESULTS)
         for kind, topic, check in soaked.heard:
             self._listen(kind, topic, check)
-        self._listen(DiagnosticArray, f"{soaked.name}/frame_report", report_is_finite)
-        self.create_subscription(DiagnosticArray, "diagnostics", self._on_diagnostics, qos.RESULTS)
+        self._listen(
+            DiagnosticArray, node_topics.FRAME_REPORT.of_node(soaked.name), report_is_finite
+        )
+        self.create_subscription(
+            DiagnosticArray, node_topics.DIAGNOSTICS.name, self._on_diagnostics, qos.RESULTS
+        )
 
     def _listen(self, kind: type, topic: str, check: Callable[[Message], bool]) -> Any:  # noqa: ANN401
         def hear(message: Message) -> None:
@@ -97,23 +104,23 @@ class SoakCamera(Node):  # type: ignore[misc]
             self._record.broken(f"a number on {topic} is not finite, or a picture is empty")
 
     def _on_state(self, message: Message) -> None:
-        self._check("state", state_is_finite(message))
+        self._check(node_topics.STATE.name, state_is_finite(message))
         self.answers += 1
         self._record.answered += 1
         self.last_stamp = stamp_of(message.header)
         self.last_claims = len(message.position) > 0
 
     def _on_diagnostics(self, message: Message) -> None:
-        self._check("diagnostics", report_is_finite(message))
+        self._check(node_topics.DIAGNOSTICS.name, report_is_finite(message))
         self.status = message.status[0].message if message.status else self.status
 
     def watch_pictures(self) -> None:
         """Subscribe to everything that is built for viewers only."""
         node = self._soaked.name
         self._viewers = [
-            self._listen(MarkerArray, "markers", markers_are_finite),
-            self._listen(Image, f"{node}/overlay", picture_is_whole),
-            self._listen(CompressedImage, f"{node}/overlay/compressed", picture_is_whole),
+            self._listen(MarkerArray, node_topics.MARKERS.name, markers_are_finite),
+            self._listen(Image, node_topics.RAW_OVERLAY.of_node(node), picture_is_whole),
+            self._listen(CompressedImage, node_topics.OVERLAY.of_node(node), picture_is_whole),
         ]
 
     def leave_pictures(self) -> None:
@@ -131,8 +138,9 @@ class SoakCamera(Node):  # type: ignore[misc]
     def send_with_other_qos(self, messages: Iterable[Message]) -> None:
         """Publish frames like a camera that is less reliable than the tracker asks for."""
         messages = list(messages)
-        topic = "image" if isinstance(messages[0], Image) else "image/compressed"
-        publisher = self.create_publisher(type(messages[0]), topic, BEST_EFFORT)
+        is_raw = isinstance(messages[0], Image)
+        topic = node_topics.IMAGE if is_raw else node_topics.COMPRESSED_IMAGE
+        publisher = self.create_publisher(type(messages[0]), topic.name, BEST_EFFORT)
         for message in messages:
             publisher.publish(message)
             self.pass_time(TURN)

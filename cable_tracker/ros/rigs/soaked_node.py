@@ -20,6 +20,7 @@ from cable_tracker.ros.rigs.soak_checks import (
     points_are_finite,
     polygon_is_finite,
 )
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.target import make_polygon
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -84,11 +85,11 @@ CABLE_NODE = SoakedNode(
     preset=preset,
     start={},
     mark_type=PoseWithCovarianceStamped,
-    mark_topic="initial_state",
+    mark_topic=node_topics.INITIAL_STATE.name,
     bad_mark=_bad_prior,
     heard=(
-        (PoseWithCovarianceStamped, "centreline", centreline_is_finite),
-        (PointCloud2, "particles", cloud_is_finite),
+        (PoseWithCovarianceStamped, node_topics.CENTRELINE.name, centreline_is_finite),
+        (PointCloud2, node_topics.PARTICLES.name, cloud_is_finite),
     ),
 )
 
@@ -99,13 +100,13 @@ TARGET_NODE = SoakedNode(
     preset=target_preset,
     start={"initial_target": "detect", "detector": "contours"},
     mark_type=PolygonStamped,
-    mark_topic="initial_target",
+    mark_topic=node_topics.INITIAL_TARGET.name,
     bad_mark=_bad_outline,
     heard=(
-        (PoseWithCovarianceStamped, "target", centreline_is_finite),
-        (PolygonStamped, "contour", polygon_is_finite),
-        (PolygonStamped, "box", polygon_is_finite),
-        (PointCloud2, "particles", points_are_finite),
+        (PoseWithCovarianceStamped, node_topics.TARGET.name, centreline_is_finite),
+        (PolygonStamped, node_topics.CONTOUR.name, polygon_is_finite),
+        (PolygonStamped, node_topics.BOX.name, polygon_is_finite),
+        (PointCloud2, node_topics.PARTICLES.name, points_are_finite),
     ),
 )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.tracking.idle_status import WARMING_UP
 
 
@@ -26,9 +27,9 @@ class ToldReadiness:
             if pair.key.startswith(("subscribers of ", "readers of ")):
                 self._readers[pair.key.rpartition("/")[2]] = int(pair.value)
 
-    def has_readers(self, count: int, *topics: str) -> bool:
+    def has_readers(self, count: int, *topics: NodeTopic) -> bool:
         """Tell whether topics, by the last part of their names, have enough readers."""
-        return all(self._readers.get(topic, 0) >= count for topic in topics)
+        return all(self._readers.get(topic.name.rpartition("/")[2], 0) >= count for topic in topics)
 
 
 def is_guidance(status: Message) -> bool:

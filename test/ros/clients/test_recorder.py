@@ -14,7 +14,7 @@ from std_srvs.srv import SetBool
 from cable_tracker.errors import RosError
 from cable_tracker.ros.clients.recorder import ACKNOWLEDGED, RecordedFrame, Recorder, spin_until
 from cable_tracker.ros.nodes.tracker_node import TrackerNode
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.cable_particles import read_particles
 from cable_tracker.sequences.messages.headers import stamp_of
 
@@ -87,14 +87,14 @@ def test_all_messages_about_a_frame_are_put_together(
         frame = take()
         assert frame.status == "TRACKING"
         assert set(frame.messages) == {
-            output_topics.CENTRELINE,
-            *output_topics.EVERY_FRAME,
-            *output_topics.USABLE_FRAME,
+            node_topics.CENTRELINE,
+            *node_topics.EVERY_FRAME,
+            *node_topics.USABLE_FRAME,
         }
         stamp = stamp_of(image_message(index=index).header)
-        stamped = set(frame.messages) - {output_topics.MARKERS}
+        stamped = set(frame.messages) - {node_topics.MARKERS}
         assert {stamp_of(frame.read(topic).header) for topic in stamped} == {stamp}
-        assert read_particles(frame.read(output_topics.PARTICLES)).shape == (500, 9)
+        assert read_particles(frame.read(node_topics.PARTICLES)).shape == (500, 9)
     assert recorder.take() is None
 
 
@@ -117,9 +117,9 @@ def test_frames_of_every_status_are_told_apart(
     assert frames[15].status == "LOST"
     assert frames[16].status == "DISABLED"
     for frame in frames:
-        has_line = output_topics.CENTRELINE in frame.messages
+        has_line = node_topics.CENTRELINE in frame.messages
         assert has_line == (frame.status == "TRACKING")
-        has_pictures = output_topics.OVERLAY in frame.messages
+        has_pictures = node_topics.OVERLAY in frame.messages
         assert has_pictures == (frame.status in ("TRACKING", "LOST"))
 
 

@@ -10,7 +10,7 @@ from cable_tracker.evaluation.tracking.track_recording import row_of
 from cable_tracker.ros.clients.recorder import RecordedFrame
 from cable_tracker.ros.clients.track_recording import _row
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
-from cable_tracker.sequences import output_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.estimates import REFUSED, EstimateRow
 from cable_tracker.sequences.frame import CompressedImage, Frame
 from cable_tracker.sequences.messages.cable import make_state, report_values
@@ -50,7 +50,7 @@ def row_over_ros(estimate: CableEstimate | None) -> EstimateRow:
         claimed = estimate.state if estimate.status is TrackingStatus.TRACKING else None
         state = make_state(factory, header, claimed, estimate.standard_deviations()[:4])
         report = make_report(factory, header, status, report_values(estimate, MILLISECONDS))
-    messages = {output_topics.FRAME_REPORT: serialize_message(report)}
+    messages = {node_topics.FRAME_REPORT: serialize_message(report)}
     return _row(FRAME, RecordedFrame(messages, status), state)
 
 

@@ -4,6 +4,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
 from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
+from cable_tracker.sequences import node_topics
 
 
 def told(sec: int, **counts: float) -> JointState:
@@ -13,11 +14,11 @@ def told(sec: int, **counts: float) -> JointState:
 
 
 def test_nothing_is_told_at_first() -> None:
-    assert not InstrumentsSent(("imu",)).tells_of(0)
+    assert not InstrumentsSent((node_topics.IMU,)).tells_of(0)
 
 
 def test_all_has_come_when_as_much_was_heard_as_was_sent() -> None:
-    sent = InstrumentsSent(("imu", "odometry"))
+    sent = InstrumentsSent((node_topics.IMU, node_topics.ODOMETRY))
     sent.take(told(2, imu=2.0, odometry=1.0))
     assert sent.tells_of(2_000_000_000)
     assert not sent.tells_of(1_000_000_000)
@@ -27,6 +28,6 @@ def test_all_has_come_when_as_much_was_heard_as_was_sent() -> None:
 
 
 def test_what_the_node_does_not_listen_to_does_not_count() -> None:
-    sent = InstrumentsSent(("imu",))
+    sent = InstrumentsSent((node_topics.IMU,))
     sent.take(told(2, imu=1.0, altitude=5.0))
     assert sent.has_come({"imu": 1})

@@ -3,6 +3,7 @@ from types import SimpleNamespace
 import pytest
 
 from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
+from cable_tracker.sequences import node_topics
 from cable_tracker.tracking.idle_status import WARMING_UP
 
 
@@ -23,9 +24,9 @@ def test_a_tracker_is_warm_when_it_says_so():
 def test_readers_are_counted_by_the_last_part_of_a_topic():
     told = ToldReadiness()
     told.hear(status("", **{"subscribers of /x/state": "2", "readers of /x/cross_track": "1"}))
-    assert told.has_readers(1, "state", "cross_track")
-    assert not told.has_readers(2, "state", "cross_track")
-    assert not told.has_readers(1, "centreline")
+    assert told.has_readers(1, node_topics.STATE, node_topics.CROSS_TRACK)
+    assert not told.has_readers(2, node_topics.STATE, node_topics.CROSS_TRACK)
+    assert not told.has_readers(1, node_topics.CENTRELINE)
 
 
 @pytest.mark.parametrize(

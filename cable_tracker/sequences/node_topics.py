@@ -1,0 +1,93 @@
+"""Names and types of the topics of our nodes, as they stand in a recorded bag.
+
+The one source of these names: nodes publish and subscribe by them, recorders and pages listen by
+them, and bags are written and read by them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class NodeTopic:
+    """One topic.
+
+    Attributes
+    ----------
+    name : str
+        Relative to the namespace of the node; the private ones under the node's name.
+    type_name : str
+        Message type.
+    """
+
+    name: str
+    type_name: str
+
+    @property
+    def global_name(self) -> str:
+        """Name in no namespace, as in a bag."""
+        return f"/{self.name}"
+
+    def of_node(self, node: str) -> str:
+        """Return the name of a private topic of another node; `~` is the node that asks."""
+        return f"{node}/{self.name.partition('/')[2]}"
+
+
+STATE = NodeTopic("state", "sensor_msgs/msg/JointState")
+CENTRELINE = NodeTopic("centreline", "geometry_msgs/msg/PoseWithCovarianceStamped")
+CROSS_TRACK = NodeTopic("cross_track", "geometry_msgs/msg/PoseWithCovarianceStamped")
+CROSS_TRACK_AHEAD = NodeTopic("cross_track_ahead", "geometry_msgs/msg/PoseWithCovarianceStamped")
+PARTICLES = NodeTopic("particles", "sensor_msgs/msg/PointCloud2")
+MARKERS = NodeTopic("markers", "visualization_msgs/msg/MarkerArray")
+RAW_OVERLAY = NodeTopic("tracker/overlay", "sensor_msgs/msg/Image")
+OVERLAY = NodeTopic("tracker/overlay/compressed", "sensor_msgs/msg/CompressedImage")
+FRAME_REPORT = NodeTopic("tracker/frame_report", "diagnostic_msgs/msg/DiagnosticArray")
+DIAGNOSTICS = NodeTopic("diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
+
+EVERY_FRAME = (STATE, FRAME_REPORT)
+"""Topics that are published for every frame, whatever becomes of it."""
+
+USABLE_FRAME = (PARTICLES, MARKERS, OVERLAY)
+"""Published (while there is a subscriber) for every frame that was not refused."""
+
+TARGET = NodeTopic("target", "geometry_msgs/msg/PoseWithCovarianceStamped")
+CONTOUR = NodeTopic("contour", "geometry_msgs/msg/PolygonStamped")
+BOX = NodeTopic("box", "geometry_msgs/msg/PolygonStamped")
+BEARING = NodeTopic("bearing", "geometry_msgs/msg/Vector3Stamped")
+RELATIVE_POSE = NodeTopic("relative_pose", "geometry_msgs/msg/PoseWithCovarianceStamped")
+TARGET_OVERLAY = NodeTopic("target_tracker/overlay/compressed", "sensor_msgs/msg/CompressedImage")
+TARGET_REPORT = NodeTopic("target_tracker/frame_report", "diagnostic_msgs/msg/DiagnosticArray")
+
+IMAGE = NodeTopic("image", "sensor_msgs/msg/Image")
+COMPRESSED_IMAGE = NodeTopic("image/compressed", "sensor_msgs/msg/CompressedImage")
+
+CAMERA_INFO = NodeTopic("camera_info", "sensor_msgs/msg/CameraInfo")
+ALTITUDE = NodeTopic("altitude", "sensor_msgs/msg/Range")
+IMU = NodeTopic("imu", "sensor_msgs/msg/Imu")
+ODOMETRY = NodeTopic("odometry", "nav_msgs/msg/Odometry")
+FIX = NodeTopic("fix", "sensor_msgs/msg/NavSatFix")
+
+INSTRUMENTS_SENT = NodeTopic("instruments_sent", "sensor_msgs/msg/JointState")
+"""On it a replay says how many messages of each instrument it has sent before a frame."""
+
+INITIAL_STATE = NodeTopic("initial_state", "geometry_msgs/msg/PoseWithCovarianceStamped")
+"""Says where the cable is."""
+
+INITIAL_TARGET = NodeTopic("initial_target", "geometry_msgs/msg/PolygonStamped")
+"""Says where a target is."""
+
+COMMAND = NodeTopic("cmd_vel", "geometry_msgs/msg/Twist")
+"""Velocity through the water that a controller or a follower wants."""
+
+CLOCK = NodeTopic("clock", "rosgraph_msgs/msg/Clock")
+"""Time of a replay or of a simulation."""
+
+GROUND_TRUTH = NodeTopic("ground_truth", "sensor_msgs/msg/JointState")
+TRUE_ODOMETRY = NodeTopic("ground_truth/odometry", "nav_msgs/msg/Odometry")
+TRUE_CROSS_TRACK = NodeTopic(
+    "ground_truth/cross_track", "geometry_msgs/msg/PoseWithCovarianceStamped"
+)
+TRUE_TARGET = NodeTopic("ground_truth/target", "geometry_msgs/msg/PoseWithCovarianceStamped")
+TRUE_BOX = NodeTopic("ground_truth/box", "geometry_msgs/msg/PolygonStamped")
+"""Around what can be seen of a simulated target; without corners where it is out of view."""
