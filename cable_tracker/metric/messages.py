@@ -6,6 +6,7 @@ Those of rclpy or of rosbags, of ROS 2 or ROS 1.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -127,6 +128,11 @@ def report_metres(known: CrossTrack | Withheld) -> dict[str, str]:
     sigma = known.standard_deviations()
     values = (known.offset, known.heading, float(sigma[0]), float(sigma[2]))
     return dict(zip(METRES_KEYS, map(repr, values), strict=True))
+
+
+def has_metres(facts: Mapping[str, str]) -> bool:
+    """Tell whether the facts of a frame's report say where the cable is in metres."""
+    return METRES_KEYS[0] in facts
 
 
 def make_cross_track(

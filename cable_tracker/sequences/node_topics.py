@@ -45,12 +45,6 @@ OVERLAY = NodeTopic("tracker/overlay/compressed", "sensor_msgs/msg/CompressedIma
 FRAME_REPORT = NodeTopic("tracker/frame_report", "diagnostic_msgs/msg/DiagnosticArray")
 DIAGNOSTICS = NodeTopic("diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
 
-EVERY_FRAME = (STATE, FRAME_REPORT)
-"""Topics that are published for every frame, whatever becomes of it."""
-
-USABLE_FRAME = (PARTICLES, MARKERS, OVERLAY)
-"""Published (while there is a subscriber) for every frame that was not refused."""
-
 TARGET = NodeTopic("target", "geometry_msgs/msg/PoseWithCovarianceStamped")
 CONTOUR = NodeTopic("contour", "geometry_msgs/msg/PolygonStamped")
 BOX = NodeTopic("box", "geometry_msgs/msg/PolygonStamped")

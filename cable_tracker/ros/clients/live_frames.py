@@ -11,28 +11,27 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, eight_bits
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
 from cable_tracker.gui.session import AnySnapshot, Snapshot, TargetSnapshot
+from cable_tracker.ros.messages.announced_topics import cable_topics, target_topics
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 from cable_tracker.sequences.messages.cable import read_sigma, read_state
 from cable_tracker.sequences.messages.cable_particles import read_particles
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.frame_report import fact_number, report_facts
+from cable_tracker.sequences.messages.frame_report import fact_number, report_facts, report_status
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.messages.target import TARGET_STATE_NAMES
 from cable_tracker.sequences.messages.target_particles import read_target_particles
+from cable_tracker.sequences.node_topics import NodeTopic
 
 KEPT_FRAMES = 16
 """Frames whose messages are waited for; older ones are given up."""
 
 PATIENCE = 0.25
 """Longest wait of a picture for messages for display only: particles, report, truth [s]."""
-
-WITH_PARTICLES = frozenset(status.value for status in TrackingStatus)
-"""Statuses of frames that have particles."""
 
 
 @dataclass(slots=True, eq=False)
@@ -53,7 +52,7 @@ class _Parts:
 
     def status(self) -> str | None:
         """Return what the report says."""
-        return None if self.report is None else str(self.report.status[0].message)
+        return None if self.report is None else report_status(self.report)
 
 
 class LiveFrames:
@@ -132,15 +131,23 @@ class LiveFrames:
         """Tell whether a picture can be shown, and has waited long enough for the rest."""
         if parts.image is None or parts.state is None:
             return False
-        is_complete = parts.report is not None and self._has_all(parts)
-        return is_complete or now - parts.since > PATIENCE
+        return self._has_all(parts) or now - parts.since > PATIENCE
 
     def _has_all(self, parts: _Parts) -> bool:
-        """Tell whether, beside the report, nothing more will come.
+        """Tell whether the report has come, and all that it announces.
 
         Ground truth comes with the image, if at all.
         """
-        return parts.cloud is not None or parts.status() not in WITH_PARTICLES
+        if parts.report is None:
+            return False
+        announced = self._topics_of(parts.report)
+        return (parts.cloud is not None or node_topics.PARTICLES not in announced) and (
+            parts.contour is not None or node_topics.CONTOUR not in announced
+        )
+
+    def _topics_of(self, report: Message) -> list[NodeTopic]:
+        """Return the topics that speak of a frame, by its report."""
+        return cable_topics(report)
 
     def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
         return _snapshot(number, stamp, parts)
@@ -149,11 +156,8 @@ class LiveFrames:
 class LiveTargetFrames(LiveFrames):
     """Frames of a target tracker put together; of several targets the first."""
 
-    def _has_all(self, parts: _Parts) -> bool:
-        facts = parts.facts()
-        return (parts.cloud is not None or not facts.get("particles")) and (
-            parts.contour is not None or not facts.get("corners")
-        )
+    def _topics_of(self, report: Message) -> list[NodeTopic]:
+        return target_topics(report)
 
     def _snapshot(self, number: int, stamp: int, parts: _Parts) -> AnySnapshot:
         assert parts.image is not None

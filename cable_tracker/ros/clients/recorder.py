@@ -14,12 +14,13 @@ from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
-from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.errors import RosError
 from cable_tracker.ros import qos
+from cable_tracker.ros.messages.announced_topics import cable_topics
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.frame_report import report_status
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.tracking.idle_status import WARMING_UP
 
@@ -37,8 +38,6 @@ ACKNOWLEDGED = "recorded_state"
 
 LATE_TURNS = 20
 """Number of turns of the executor after a time-out; each takes one message."""
-
-USABLE_STATUSES = {status.value for status in TrackingStatus}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +67,7 @@ class Recorder(Node):  # type: ignore[misc]
     """Subscribes to a tracker's outputs and puts together those of the same frame.
 
     Every topic keeps its order, but topics overtake each other. Which of them speak of a frame
-    follows from its status.
+    follows from its report.
     """
 
     RECORDED: ClassVar[tuple[NodeTopic, ...]] = RECORDED
@@ -142,22 +141,15 @@ class Recorder(Node):  # type: ignore[misc]
         if not reports:
             return None
         report = deserialize_message(reports[0], message_class(self.REPORT.type_name))
-        topics = self._topics_of(report)
+        topics = [topic for topic in self._topics_of(report) if topic in self._queues]
         if not all(self._queues[topic] for topic in topics):
             return None
-        status = str(report.status[0].message)
         messages = {topic: self._queues[topic].popleft() for topic in topics}
-        return RecordedFrame(messages, status, self.take_diagnostics())
+        return RecordedFrame(messages, report_status(report), self.take_diagnostics())
 
     def _topics_of(self, report: Message) -> list[NodeTopic]:
         """Return the topics that speak of a frame, by its report."""
-        status = str(report.status[0].message)
-        topics = list(node_topics.EVERY_FRAME)
-        if status in USABLE_STATUSES:
-            topics += node_topics.USABLE_FRAME
-        if status == TrackingStatus.TRACKING.value:
-            topics.append(node_topics.CENTRELINE)
-        return topics
+        return cable_topics(report)
 
     def take_diagnostics(self) -> list[bytes]:
         """Return the diagnostics that have come since the last call."""

@@ -12,7 +12,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.tracking.result_folder import ResultFolder
-from cable_tracker.metric.messages import METRES_KEYS, NO_METRES_KEY
+from cable_tracker.metric.messages import METRES_KEYS, NO_METRES_KEY, has_metres
 from cable_tracker.metric.recorded import RecordedVehicle
 from cable_tracker.ros.clients.lockstep import (
     EVERY_MEASUREMENT,
@@ -137,6 +137,6 @@ def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
 
 
 def _row_metres(values: Mapping[str, str]) -> RowMetres | None:
-    if METRES_KEYS[0] not in values:
+    if not has_metres(values):
         return None
     return RowMetres(*(float(values[key]) for key in METRES_KEYS))

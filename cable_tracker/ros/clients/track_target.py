@@ -10,9 +10,9 @@ from typing import ClassVar
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.targets.target_folder import TargetFolder
 from cable_tracker.evaluation.targets.target_table import TargetRow, metres_row
-from cable_tracker.metric.target_facts import has_bearing, has_place
 from cable_tracker.ros.clients.lockstep import LockstepNodes, track_in_lockstep, write_messages
 from cable_tracker.ros.clients.recorder import RecordedFrame, Recorder
+from cable_tracker.ros.messages.announced_topics import target_topics
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
@@ -23,7 +23,6 @@ from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.source import Source
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_table import ParameterValue
-from cable_tracker.tracking.status import TrackingStatus
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,22 +66,7 @@ class TargetRecorder(Recorder):
     REPORT: ClassVar[NodeTopic] = node_topics.TARGET_REPORT
 
     def _topics_of(self, report: Message) -> list[NodeTopic]:
-        topics = [node_topics.STATE, node_topics.TARGET_REPORT]
-        values = report_facts(report)
-        if str(report.status[0].message) not in {status.value for status in TrackingStatus}:
-            return topics
-        topics += [node_topics.MARKERS, node_topics.TARGET_OVERLAY]
-        if values["particles"]:
-            topics.append(node_topics.PARTICLES)
-        if values["box"]:
-            topics += [node_topics.TARGET, node_topics.BOX]
-        if values["corners"]:
-            topics.append(node_topics.CONTOUR)
-        if has_bearing(values):
-            topics.append(node_topics.BEARING)
-        if has_place(values):
-            topics.append(node_topics.RELATIVE_POSE)
-        return topics
+        return target_topics(report)
 
 
 def track_target_over_ros(

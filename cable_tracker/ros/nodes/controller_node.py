@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Mapping
 from typing import Any
 
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
@@ -17,9 +16,9 @@ from cable_tracker.example_controller.controller import (
     SearchSettings,
 )
 from cable_tracker.example_controller.line_of_sight import Cable, GuidanceSettings
-from cable_tracker.metric.messages import METRES_KEYS
 from cable_tracker.node_parameter_tables import CONTROLLER_PARAMETERS
 from cable_tracker.ros import qos
+from cable_tracker.ros.messages.announced_topics import cable_topics
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
@@ -97,8 +96,8 @@ class ControllerNode(GuidanceNode):
     def _is_complete(self, stamp: int, is_placed: bool) -> bool:
         return stamp in self._poses and (stamp in self._cables or not is_placed)
 
-    def _has_place(self, facts: Mapping[str, str]) -> bool:
-        return METRES_KEYS[0] in facts
+    def _announces_place(self, report: Message) -> bool:
+        return node_topics.CROSS_TRACK in cable_topics(report)
 
     def _command(self, stamp: int, is_claimed: bool) -> Twist:
         cable = self._cables.get(stamp) if is_claimed else None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -15,9 +14,9 @@ from cable_tracker.example_controller.target_follower import (
     TargetFollower,
     TargetPlace,
 )
-from cable_tracker.metric.target_facts import has_place
 from cable_tracker.node_parameter_tables import FOLLOWER_PARAMETERS
 from cable_tracker.ros import qos
+from cable_tracker.ros.messages.announced_topics import target_topics
 from cable_tracker.ros.nodes.guidance_node import GuidanceNode, keep
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
@@ -71,8 +70,8 @@ class FollowerNode(GuidanceNode):
     def _is_complete(self, stamp: int, is_placed: bool) -> bool:
         return stamp in self._places or not is_placed
 
-    def _has_place(self, facts: Mapping[str, str]) -> bool:
-        return has_place(facts)
+    def _announces_place(self, report: Message) -> bool:
+        return node_topics.RELATIVE_POSE in target_topics(report)
 
     def _command(self, stamp: int, is_claimed: bool) -> Twist:
         place = self._places.get(stamp) if is_claimed else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from enum import Enum
 from typing import Any, ClassVar, TypeVar, cast
 
@@ -16,7 +16,6 @@ from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message
-from cable_tracker.sequences.messages.frame_report import report_facts
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.stamps import NANOSECONDS
@@ -100,8 +99,8 @@ class GuidanceNode(ProcessNode):
         """
         raise NotImplementedError
 
-    def _has_place(self, facts: Mapping[str, str]) -> bool:
-        """Tell whether the tracker says, by its report of a frame, where things are in metres."""
+    def _announces_place(self, report: Message) -> bool:
+        """Tell whether a place in metres comes with a frame, by the tracker's report of it."""
         raise NotImplementedError
 
     def _command(self, stamp: int, is_claimed: bool) -> Twist:
@@ -119,7 +118,7 @@ class GuidanceNode(ProcessNode):
 
     def on_report(self, message: Message) -> None:
         """Take note of whether a place in metres comes with the `state` of a frame."""
-        has_place = bool(message.status) and self._has_place(report_facts(message))
+        has_place = bool(message.status) and self._announces_place(message)
         keep(self._expects_metres, stamp_of(message.header), has_place)
 
     def seconds_until_due(self) -> float:

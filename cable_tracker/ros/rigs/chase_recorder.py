@@ -15,14 +15,13 @@ from sensor_msgs.msg import CompressedImage, JointState
 
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.targets.chase_table import ChaseRow
-from cable_tracker.metric.target_facts import has_place
 from cable_tracker.ros import qos
+from cable_tracker.ros.messages.announced_topics import target_topics
 from cable_tracker.ros.rigs.released_commands import ReleasedCommands
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
 from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
-from cable_tracker.sequences.messages.frame_report import report_facts
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.messages.images import read_compressed_image
 from cable_tracker.stamps import NANOSECONDS
@@ -110,9 +109,8 @@ class ChaseRecorder(Node):  # type: ignore[misc]
     def _is_answered(self, stamp: int) -> bool:
         if stamp not in self.states or stamp not in self.reports:
             return False
-        facts = report_facts(self.reports[stamp])
-        is_placed = bool(self.states[stamp].position) and has_place(facts)
-        return stamp in self.places or not is_placed
+        announced = target_topics(self.reports[stamp])
+        return stamp in self.places or node_topics.RELATIVE_POSE not in announced
 
     def rows(self) -> list[ChaseRow]:
         """Return the table of the run."""

@@ -24,6 +24,7 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.frame_report import report_status
 from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.messages.images import read_image
 from cable_tracker.sequences.messages.poses import Y, yaw_of
@@ -210,7 +211,7 @@ class LoopRecorder(Node):  # type: ignore[misc]
             altitude=float(pose.position.z),
             yaw=yaw_of(pose.orientation),
             speed=math.hypot(twist.x, twist.y),
-            status=str(frame.report.status[0].message) if frame.report else "",
+            status=report_status(frame.report) if frame.report else "",
             mode=self._modes.at(stamp),
             error=float(true.position.y) * math.cos(heading),
             heading=heading,
@@ -228,7 +229,7 @@ def _seen(stamp: int, frame: _Frame) -> SeenFrame:
         stamp=stamp,
         image=decode_grey(read_image(frame.image)) if frame.image is not None else None,
         state=read_state(frame.state),
-        status=str(frame.report.status[0].message),
+        status=report_status(frame.report),
         place=(float(pose.position.x), float(pose.position.y)),
         yaw=yaw_of(pose.orientation),
         error=float(true.position.y) * math.cos(yaw_of(true.orientation)),

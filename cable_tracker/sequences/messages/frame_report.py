@@ -26,6 +26,11 @@ def make_report(
     return factory.make("diagnostic_msgs/msg/DiagnosticArray", header=header, status=[entry])
 
 
+def report_status(report: Message) -> str:
+    """Return the status in a message that `make_report` made."""
+    return str(report.status[0].message)
+
+
 def report_facts(report: Message) -> dict[str, str]:
     """Return the facts of a message that `make_report` made, by name."""
     return {str(pair.key): str(pair.value) for pair in report.status[0].values}

@@ -87,9 +87,12 @@ def test_all_messages_about_a_frame_are_put_together(
         frame = take()
         assert frame.status == "TRACKING"
         assert set(frame.messages) == {
+            node_topics.STATE,
+            node_topics.FRAME_REPORT,
             node_topics.CENTRELINE,
-            *node_topics.EVERY_FRAME,
-            *node_topics.USABLE_FRAME,
+            node_topics.PARTICLES,
+            node_topics.MARKERS,
+            node_topics.OVERLAY,
         }
         stamp = stamp_of(image_message(index=index).header)
         stamped = set(frame.messages) - {node_topics.MARKERS}
