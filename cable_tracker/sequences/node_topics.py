@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class NodeTopic:
-    """One topic.
+    """A topic that a node publishes or listens to.
 
     Attributes
     ----------
@@ -26,11 +26,11 @@ class NodeTopic:
 
     @property
     def global_name(self) -> str:
-        """Name in no namespace, as in a bag."""
+        """Name outside any namespace, as in a bag."""
         return f"/{self.name}"
 
     def of_node(self, node: str) -> str:
-        """Return the name of a private topic of another node; `~` is the node that asks."""
+        """Return the name that this private topic has at a node; `~` is the node itself."""
         return f"{node}/{self.name.partition('/')[2]}"
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.poses import unit_quaternion
 
 TF_STATIC = "/tf_static"
 
@@ -37,12 +38,11 @@ class StaticTransform:
 def read_transform(message: Message) -> StaticTransform | None:
     """Read a TransformStamped; None if it is no rotation, or not finite."""
     q, t = message.transform.rotation, message.transform.translation
-    x, y, z, w = (float(value) for value in (q.x, q.y, q.z, q.w))
-    norm = float(np.linalg.norm((x, y, z, w)))
+    quaternion = unit_quaternion(q)
     place = np.array([float(t.x), float(t.y), float(t.z)])
-    if not abs(norm - 1.0) <= 0.1 or not np.isfinite(place).all():
+    if quaternion is None or not np.isfinite(place).all():
         return None
-    x, y, z, w = x / norm, y / norm, z / norm, w / norm
+    x, y, z, w = quaternion
     rotation = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
