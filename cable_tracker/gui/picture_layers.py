@@ -9,7 +9,12 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import Hypothesis
-from cable_tracker.cable.model.geometry import project_borders, segment_inside
+from cable_tracker.cable.model.segments import (
+    Segment,
+    band_about,
+    border_segments,
+    centreline_segments,
+)
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.gui.session import Snapshot, TargetSnapshot
 from cable_tracker.target.model.estimate import box_corners
@@ -55,10 +60,10 @@ def layers_of(snapshot: Snapshot) -> list[Layer]:
     others = snapshot.hypotheses[1:] if is_drawn else snapshot.hypotheses
     layers.append(_lines("hypotheses", _hypotheses(others, size), css(HYPOTHESES), 1.5, size))
     if state is not None and is_drawn:
-        layers.append(_lines("estimate", _borders(state, size), colour, 2.5, size))
-        layers.append(_lines("centreline", _centreline(state, size), colour, 1.5, size))
+        layers.append(_lines("estimate", border_segments(state, size), colour, 2.5, size))
+        layers.append(_lines("centreline", centreline_segments(state, size), colour, 1.5, size))
     if snapshot.truth is not None and snapshot.truth.is_finite():
-        dashed = _lines("truth", _borders(snapshot.truth, size), css(TRUTH), 2.0, size)
+        dashed = _lines("truth", border_segments(snapshot.truth, size), css(TRUTH), 2.0, size)
         layers.append(dashed | {"dash": [8, 6]})
     return layers
 
@@ -98,12 +103,12 @@ def particle_lines(cloud: FloatArray, size: tuple[int, int]) -> FloatArray:
 
 def _lines(
     name: str,
-    segments: Iterable[FloatArray],
+    segments: Iterable[Segment],
     colour: str,
     width: float,
     size: tuple[int, int],
 ) -> Layer:
-    points = [number for segment in segments for number in _to_page(segment, size)]
+    points = [number for segment in segments for number in _to_page(np.array(segment), size)]
     return {"kind": "lines", "name": name, "colour": colour, "width": width, "points": points}
 
 
@@ -116,38 +121,16 @@ def _to_page(points: FloatArray, size: tuple[int, int]) -> list[float]:
     return [round(number, 2) for number in page.ravel().tolist()]
 
 
-def _borders(state: CableState, size: tuple[int, int]) -> Iterable[FloatArray]:
-    borders = project_borders(state.to_array()[None, :])
-    for angle, offset in zip(borders.angles[0], borders.offsets[0], strict=True):
-        yield from _segment(float(angle), float(offset), size)
-
-
-def _centreline(state: CableState, size: tuple[int, int]) -> Iterable[FloatArray]:
-    return _segment(state.angle, state.distance, size)
-
-
-def _segment(angle: float, offset: float, size: tuple[int, int]) -> Iterable[FloatArray]:
-    segment = segment_inside(angle, offset, size)
-    if segment is not None:
-        yield np.array(segment)
-
-
-def _hypotheses(hypotheses: Sequence[Hypothesis], size: tuple[int, int]) -> Iterable[FloatArray]:
+def _hypotheses(hypotheses: Sequence[Hypothesis], size: tuple[int, int]) -> Iterable[Segment]:
     for hypothesis in hypotheses:
         if hypothesis.probability >= LEAST_PROBABILITY and hypothesis.state.is_finite():
-            yield from _centreline(hypothesis.state, size)
+            yield from centreline_segments(hypothesis.state, size)
 
 
 def _band(state: CableState, sigma: FloatArray, colour: str, size: tuple[int, int]) -> Layer:
     """Return where the centreline lies within two standard deviations of distance and angle."""
     spread = np.minimum(np.nan_to_num(sigma[:2], nan=LARGEST_SIGMA), LARGEST_SIGMA)
-    reach = float(np.hypot(*size)) / 2
-    along = np.linspace(-reach, reach, BAND_POINTS)
-    half = np.minimum(2 * np.hypot(spread[0], along * spread[1]), 2 * reach)
-    normal = np.array([np.cos(state.angle), np.sin(state.angle)])
-    upward = np.array([-np.sin(state.angle), np.cos(state.angle)])
-    centre = state.distance * normal + along[:, None] * upward
-    rim = np.concatenate((centre - half[:, None] * normal, (centre + half[:, None] * normal)[::-1]))
+    rim = band_about(state, (float(spread[0]), float(spread[1])), size, BAND_POINTS)
     points = _to_page(rim, size)
     return {"kind": "area", "name": "band", "colour": colour, "opacity": 0.22, "points": points}
 

@@ -14,7 +14,12 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.cable.model.geometry import project_borders, segment_inside, wrap_angle
+from cable_tracker.cable.model.geometry import (
+    points_on_lines,
+    project_borders,
+    segment_inside,
+    wrap_angle,
+)
 from cable_tracker.cable.model.state import POSE_SIZE, StateColumn
 from cable_tracker.compilation import compiled
 from cable_tracker.errors import MetricError
@@ -251,7 +256,7 @@ class CrossTrackMeter:
         borders = project_borders(points[:, :POSE_SIZE])
         angles = np.column_stack((points[:, StateColumn.ANGLE], borders.angles))
         offsets = np.column_stack((points[:, StateColumn.DISTANCE], borders.offsets))
-        rays = camera.rays(_points_on(angles, offsets, along))
+        rays = camera.rays(points_on_lines(angles, offsets, along))
         moments, usable = _moments(rays, sights.rotations, math.sin(LEAST_DEPRESSION))
         # Rays of a straight cable lie in a plane, whose normal is that of their least moment; the
         # distortion of the lens bends only the line that the filter has fitted.
@@ -281,13 +286,6 @@ def _places_along(angle: float, segment: tuple[tuple[float, float], ...]) -> Flo
     """Return where points stand along a line inside the image, from its foot point, (K,) [px]."""
     low, high = (-x * math.sin(angle) + y * math.cos(angle) for x, y in segment)
     return np.linspace(low, high, POINTS_PER_LINE)
-
-
-def _points_on(angles: FloatArray, offsets: FloatArray, along: FloatArray) -> FloatArray:
-    """Return points of lines (N, L) at places along them (K,), shape (N, L, K, 2) [px]."""
-    cos, sin = np.cos(angles)[..., None], np.sin(angles)[..., None]
-    rho = offsets[..., None]
-    return np.stack((rho * cos - along * sin, rho * sin + along * cos), axis=-1)
 
 
 @compiled

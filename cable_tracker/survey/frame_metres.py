@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.geometry import points_on_lines
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.homography import Overflight
@@ -46,10 +45,7 @@ def put_profile(row: FrameRow, flight: Overflight, grey: Image, state: CableStat
     if profile is None:
         return False
     along, scores = profile
-    sine, cosine = math.sin(state.angle), math.cos(state.angle)
-    points = np.column_stack(
-        (state.distance * cosine - along * sine, state.distance * sine + along * cosine)
-    )
+    points = points_on_lines(np.array(state.angle), np.array(state.distance), along)
     row["profile_ahead"] = on_ground(flight, points)[:, 0]
     row["profile_score"] = scores
     return True

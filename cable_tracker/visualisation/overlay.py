@@ -10,7 +10,13 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.estimate import Hypothesis
-from cable_tracker.cable.model.geometry import image_to_pixel, project_borders, segment_inside
+from cable_tracker.cable.model.geometry import image_to_pixel, points_on_lines
+from cable_tracker.cable.model.segments import (
+    Segment,
+    band_about,
+    border_segments,
+    centreline_segments,
+)
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.errors import FrameError
 from cable_tracker.visualisation.palette import (
@@ -33,12 +39,12 @@ LEAST_PROBABILITY = 0.05
 LARGEST_SIGMA = 1e6
 """Standard deviation that stands for unknown; wider bands fill the image anyway [px, rad]."""
 
+BAND_POINTS = 41
+
 SHIFT = 4
 """Binary digits after the point in the coordinates that OpenCV draws."""
 
 FONT = cv2.FONT_HERSHEY_SIMPLEX
-
-Segment = tuple[tuple[float, float], tuple[float, float]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,20 +201,6 @@ def _draw_segments(
         cv2.polylines(canvas, list(fixed), False, to_bgr(colour), thickness, cv2.LINE_AA, SHIFT)
 
 
-def _border_segments(state: CableState, image_size: tuple[int, int]) -> list[Segment]:
-    borders = project_borders(state.to_array()[None, :])
-    clipped = (
-        segment_inside(float(angle), float(offset), image_size)
-        for angle, offset in zip(borders.angles[0], borders.offsets[0], strict=True)
-    )
-    return [segment for segment in clipped if segment is not None]
-
-
-def _centre_segments(state: CableState, image_size: tuple[int, int]) -> list[Segment]:
-    segment = segment_inside(state.angle, state.distance, image_size)
-    return [] if segment is None else [segment]
-
-
 def _draw_cloud(canvas: Image, cloud: FloatArray, scale: float, pen: _Pen) -> None:
     """Draw centrelines faintly, those of high weight more clearly."""
     reach = float(np.hypot(*pen.image_size)) / 2
@@ -220,9 +212,8 @@ def _draw_cloud(canvas: Image, cloud: FloatArray, scale: float, pen: _Pen) -> No
     chosen = chosen[np.argsort(cloud[chosen, -1], kind="stable")][-LARGEST_CLOUD:]
     if chosen.size == 0:
         return
-    fixed = _to_fixed(
-        _line_ends(distances[chosen], cloud[chosen, StateColumn.ANGLE], reach), pen.image_size
-    )
+    angles, ends = cloud[chosen, StateColumn.ANGLE], np.array([-reach, reach])
+    fixed = _to_fixed(points_on_lines(angles, distances[chosen], ends), pen.image_size)
     weights = cloud[chosen, -1]
     opacity = 20 + 85 * np.sqrt(weights / weights[-1])
     levels = np.rint(opacity / 12).astype(np.int64) * 12
@@ -231,14 +222,6 @@ def _draw_cloud(canvas: Image, cloud: FloatArray, scale: float, pen: _Pen) -> No
         lines = list(fixed[levels == level])
         cv2.polylines(layer, lines, False, int(level), pen.thin, cv2.LINE_AA, SHIFT)
     _blend(canvas, layer, PARTICLES)
-
-
-def _line_ends(distances: FloatArray, angles: FloatArray, reach: float) -> FloatArray:
-    """Return both ends of long pieces of lines about their foot points, shape (N, 2, 2)."""
-    cos, sin = np.cos(angles), np.sin(angles)
-    feet = np.stack((distances * cos, distances * sin), axis=1)
-    upward = np.stack((-sin, cos), axis=1) * reach
-    return np.stack((feet - upward, feet + upward), axis=1)
 
 
 def _blend(canvas: Image, opacity: Image, colour: Colour) -> None:
@@ -259,7 +242,7 @@ def _draw_hypotheses(
         segment
         for hypothesis in hypotheses
         if hypothesis.probability >= LEAST_PROBABILITY and hypothesis.state.is_finite()
-        for segment in _centre_segments(_scaled(hypothesis.state, scale), pen.image_size)
+        for segment in centreline_segments(_scaled(hypothesis.state, scale), pen.image_size)
     ]
     _draw_segments(canvas, segments, HYPOTHESES, pen.thin, pen)
 
@@ -270,21 +253,15 @@ def _draw_estimate(
     colour = ESTIMATE if status == "TRACKING" else status_colour(status)
     if sigma is not None:
         _draw_band(canvas, state, sigma, colour, pen)
-    _draw_segments(canvas, _centre_segments(state, pen.image_size), colour, pen.thin, pen)
-    _draw_segments(canvas, _border_segments(state, pen.image_size), colour, pen.line, pen)
+    _draw_segments(canvas, centreline_segments(state, pen.image_size), colour, pen.thin, pen)
+    _draw_segments(canvas, border_segments(state, pen.image_size), colour, pen.line, pen)
 
 
 def _draw_band(
     canvas: Image, state: CableState, sigma: tuple[float, float], colour: Colour, pen: _Pen
 ) -> None:
     """Fill where the centreline lies within two standard deviations of distance and angle."""
-    reach = float(np.hypot(*pen.image_size)) / 2
-    along = np.linspace(-reach, reach, 41)
-    half = np.minimum(2 * np.hypot(sigma[0], along * sigma[1]), 2 * reach)
-    normal = np.array([np.cos(state.angle), np.sin(state.angle)])
-    upward = np.array([-np.sin(state.angle), np.cos(state.angle)])
-    centre = state.distance * normal + along[:, None] * upward
-    rim = np.concatenate((centre - half[:, None] * normal, (centre + half[:, None] * normal)[::-1]))
+    rim = band_about(state, sigma, pen.image_size, BAND_POINTS)
     layer = np.zeros(canvas.shape[:2], dtype=np.uint8)
     cv2.fillPoly(layer, [_to_fixed(rim, pen.image_size)], 55, cv2.LINE_AA, SHIFT)
     _blend(canvas, layer, colour)
@@ -293,7 +270,7 @@ def _draw_band(
 def _draw_truth(canvas: Image, truth: CableState, pen: _Pen) -> None:
     dashes = [
         dash
-        for segment in _border_segments(truth, pen.image_size)
+        for segment in border_segments(truth, pen.image_size)
         for dash in _dashes(segment, pen.dash)
     ]
     _draw_segments(canvas, dashes, TRUTH, pen.line, pen)

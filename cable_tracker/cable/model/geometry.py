@@ -245,6 +245,27 @@ def foot_point(distance: float, angle: float) -> tuple[float, float]:
     return float(distance * np.cos(angle)), float(distance * np.sin(angle))
 
 
+def points_on_lines(angles: FloatArray, offsets: FloatArray, along: FloatArray) -> FloatArray:
+    """Return points of lines at places along them.
+
+    Parameters
+    ----------
+    angles, offsets : FloatArray
+        Of the lines [rad, px], of one shape (...).
+    along : FloatArray
+        Places, counted from a line's foot point in its upward direction (-sin, cos) [px], shape
+        (K,).
+
+    Returns
+    -------
+    FloatArray
+        x, y in the image frame [px], shape (..., K, 2).
+    """
+    cos, sin = np.cos(angles)[..., None], np.sin(angles)[..., None]
+    rho = offsets[..., None]
+    return np.stack((rho * cos - along * sin, rho * sin + along * cos), axis=-1)
+
+
 def sample_points(
     borders: Borders, spacing: float, image_size: tuple[int, int]
 ) -> tuple[FloatArray, BoolArray]:
@@ -268,10 +289,8 @@ def sample_points(
     """
     width, height = image_size
     reach = int(np.hypot(width, height) / 2 / spacing)
-    along = np.arange(-reach, reach + 1) * spacing
-    cos, sin = np.cos(borders.angles)[..., None], np.sin(borders.angles)[..., None]
-    offsets = borders.offsets[..., None]
-    points = np.stack((offsets * cos - along * sin, offsets * sin + along * cos), axis=-1)
+    along = np.arange(-reach, reach + 1, dtype=np.float64) * spacing
+    points = points_on_lines(borders.angles, borders.offsets, along)
     inside = (np.abs(points[..., 0]) <= (width - 1) / 2) & (
         np.abs(points[..., 1]) <= (height - 1) / 2
     )

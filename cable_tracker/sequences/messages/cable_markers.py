@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import project_borders, segment_inside
+from cable_tracker.cable.model.segments import Segment, border_segments, centreline_segments
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.line_markers import (
@@ -30,21 +30,16 @@ def make_markers(
     """
     drawn = [Lines("image", sides_of_polygon(_pixel_corners(image_size)), GREY)]
     if state is not None:
-        borders = project_borders(state.to_array()[None, :])
-        both = zip(borders.angles[0], borders.offsets[0], strict=True)
         drawn += [
-            Lines("borders", _lines_inside(list(both), image_size), GREEN),
-            Lines("centreline", _lines_inside([(state.angle, state.distance)], image_size), AMBER),
+            Lines("borders", _ends(border_segments(state, image_size)), GREEN),
+            Lines("centreline", _ends(centreline_segments(state, image_size)), AMBER),
         ]
     return make_line_markers(factory, header, drawn)
 
 
-def _lines_inside(lines: list[tuple[float, float]], image_size: tuple[int, int]) -> FloatArray:
-    """Return the ends of lines (angle [rad], offset [px]) in the image; (0, 2) if none is there."""
-    ends = [
-        end for angle, offset in lines for end in segment_inside(angle, offset, image_size) or ()
-    ]
-    return np.array(ends, dtype=np.float64).reshape(-1, 2)
+def _ends(segments: list[Segment]) -> FloatArray:
+    """Return the ends of K segments, one after the other, shape (2K, 2) [px]."""
+    return np.array(segments, dtype=np.float64).reshape(-1, 2)
 
 
 def _pixel_corners(image_size: tuple[int, int]) -> FloatArray:

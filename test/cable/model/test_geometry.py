@@ -12,6 +12,7 @@ from cable_tracker.cable.model.geometry import (
     foot_point,
     image_to_pixel,
     lengths_inside,
+    points_on_lines,
     project_borders,
     relative_direction,
     sample_points,
@@ -155,6 +156,14 @@ def test_the_states_given_are_not_changed():
     wrap_states(states)
     unwrap_states(states, 1.0)
     np.testing.assert_array_equal(states, before)
+
+
+def test_points_on_lines_are_counted_upwards_from_the_foot_points():
+    angles, offsets = np.array([[0.0, np.pi / 2]]), np.array([[20.0, -10.0]])
+    points = points_on_lines(angles, offsets, np.array([0.0, 5.0, -7.0]))
+    assert points.shape == (1, 2, 3, 2)
+    np.testing.assert_allclose(points[0, 0], [[20, 0], [20, 5], [20, -7]], atol=1e-12)
+    np.testing.assert_allclose(points[0, 1], [[0, -10], [-5, -10], [7, -10]], atol=1e-12)
 
 
 @given(cables(), st.floats(3.0, 40.0))
