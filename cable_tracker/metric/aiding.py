@@ -62,8 +62,29 @@ UNKNOWN_PER_PIXEL = np.array([1.0, 1.0 / 60.0, 1.0, 1.0 / 60.0])
 """Standard deviations of d, alpha, w, beta for each pixel of the corners' median error: 60 px from
 the middle of a turn, 1 px is nearly 1 deg [px, rad per px of the reference width]."""
 
-DISAGREEMENT = "odometry disagrees with how the sea bed moves in the image"
-"""Reason for the missing aid while odometry disagrees with the pictures."""
+
+@dataclass(frozen=True, slots=True)
+class Unaided:
+    """Stands for a motion that the filter is not told of.
+
+    Attributes
+    ----------
+    why : str
+        In words.
+    disagrees : bool
+        Whether odometry has come and contradicts what the camera sees.
+    """
+
+    why: str
+    disagrees: bool = False
+
+
+NO_FRAME = Unaided("no frame has come")
+NOT_PROVED = Unaided("odometry has not yet been seen to agree with what the camera sees")
+CABLE_DISAGREES = Unaided("odometry disagrees with what the camera sees", disagrees=True)
+TEXTURE_DISAGREES = Unaided(
+    "odometry disagrees with how the sea bed moves in the image", disagrees=True
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,13 +126,11 @@ class AgreementGate:
         return self._open
 
     @property
-    def why_closed(self) -> str:
-        """Why they may not, in words; empty if they may."""
+    def doubt(self) -> Unaided | None:
+        """Why they may not; None if they may."""
         if self._open:
-            return ""
-        if self._proved_wrong:
-            return "odometry disagrees with what the camera sees"
-        return "odometry has not yet been seen to agree with what the camera sees"
+            return None
+        return CABLE_DISAGREES if self._proved_wrong else NOT_PROVED
 
     def interrupt(self) -> None:
         """Note that a frame could not be compared: drift does not add up across it."""
@@ -209,7 +228,7 @@ class MotionAiding:
         self._seen: TextureMotion | None = None
         self._before: CableEstimate | None = None
         self._predicted: PlaneMotion | None = None
-        self._why = "no frame has come"
+        self._unaided: Unaided | None = NO_FRAME
 
     def copy(self, instruments: Instruments, odometry: Odometry) -> MotionAiding:
         """Return another one that goes on as this one would, with other instruments."""
@@ -225,9 +244,9 @@ class MotionAiding:
         return self._seen
 
     @property
-    def why_not(self) -> str:
-        """Why the last frame was not aided; empty if it was."""
-        return self._why
+    def unaided(self) -> Unaided | None:
+        """Why the last frame was not aided; None if it was."""
+        return self._unaided
 
     def motion(self, stamp: int, image: Image) -> PlaneMotion | None:
         """Return the motion from the frame before to a frame; None: do not use any.
@@ -246,7 +265,7 @@ class MotionAiding:
                 return self._motion(stamp, image)
         except MetricError as error:
             self._seen = self._predicted = None
-            self._why = str(error)
+            self._unaided = Unaided(str(error))
             return None
 
     def _motion(self, stamp: int, image: Image) -> PlaneMotion | None:
@@ -258,8 +277,10 @@ class MotionAiding:
         if predicted is not None and seen is not None and seen.agrees:
             predicted = _widened(predicted, seen.excess, image.shape[1])
         self._predicted = predicted
-        self._why = prediction.why if isinstance(prediction, NoMotion) else self._why_closed()
-        return None if self._why else predicted
+        self._unaided = (
+            Unaided(prediction.why) if isinstance(prediction, NoMotion) else self._doubt()
+        )
+        return predicted if self._unaided is None else None
 
     def _look(
         self, stamp: int, image: Image, predicted: PlaneMotion | None, rests: bool
@@ -274,11 +295,11 @@ class MotionAiding:
         self._texture_gate.take(seen)
         return seen
 
-    def _why_closed(self) -> str:
+    def _doubt(self) -> Unaided | None:
         verdict = self._texture_gate.verdict
         if verdict is None:
-            return self._gate.why_closed
-        return "" if verdict else DISAGREEMENT
+            return self._gate.doubt
+        return None if verdict else TEXTURE_DISAGREES
 
     def _predict(self, stamp: int, rests: bool) -> PlaneMotion | NoMotion:
         """Predict; while the look at the texture rests, what is unknown is as it was."""

@@ -7,31 +7,19 @@ measurements are interpolated instead of held.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Generator, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-import numpy as np
-
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.metric.aiding import MotionAiding
-from cable_tracker.metric.altitude import MOST_ALTITUDE
+from cable_tracker.metric.cable_sight import CableSight
 from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.instrument_feed import InstrumentFeed
 from cable_tracker.metric.instruments import Instruments
-from cable_tracker.metric.messages import (
-    read_attitude,
-    read_camera_info,
-    read_range,
-    read_twist,
-)
-from cable_tracker.metric.motion import Odometry
-from cable_tracker.metric.settings import instrument_settings, number
 from cable_tracker.metric.vehicle import (
     Vehicle,
     VehicleFile,
@@ -44,14 +32,6 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instrument_source import InstrumentMessage, InstrumentSource
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.source import Source
-
-LOOK_AHEAD = 250_000_000
-"""Time after a frame up to which messages are known when it is tracked [ns]. The fastest
-instruments are kept for twice this time."""
-
-LOOK_BACK = 2_000_000_000
-"""Time before a frame from which messages are read after a jump in the recording [ns]: nothing
-older counts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,76 +58,6 @@ class Pauses:
         return {**dict.fromkeys(fast, self.readings), Instrument.CAMERA_INFO: self.calibration}
 
 
-class InstrumentFeed:
-    """Hands out the messages of a bag's instruments in step with its frames.
-
-    Parameters
-    ----------
-    source : InstrumentSource or None
-        Where they come from; None: there are none.
-    pauses : mapping of Instrument to int
-        What comes sooner after a message of the same instrument is passed over [ns].
-    """
-
-    def __init__(
-        self, source: InstrumentSource | None, pauses: Mapping[Instrument, int] | None = None
-    ) -> None:
-        self._source = source
-        self._pauses = pauses
-        self._messages: Generator[InstrumentMessage] | None = None
-        self._next: InstrumentMessage | None = None
-        self._begin = 0
-        self._jumps = False
-
-    def copy(self) -> InstrumentFeed:
-        """Return another one that goes on from here; it reads on when it is first asked.
-
-        With pauses it may pass over other messages than this one.
-        """
-        other = InstrumentFeed(self._source, self._pauses)
-        other._begin, other._jumps = self._begin, self._jumps
-        return other
-
-    def jump(self, *, to_start: bool = False) -> None:
-        """Go on at whatever frame comes next, with what was received shortly before it.
-
-        With `to_start`, with all that was received before it.
-        """
-        self.close()
-        self._messages, self._begin, self._jumps = None, 0, not to_start
-
-    def up_to(self, frame: Frame) -> Iterator[InstrumentMessage]:
-        """Yield what was received up to a frame and shortly after, and was not handed out before.
-
-        Nothing for a frame of which it is not known when it was received.
-        """
-        if frame.received is None:
-            return
-        if self._jumps:
-            self._begin, self._jumps = max(0, frame.received - LOOK_BACK), False
-        if self._messages is None:
-            source = self._source
-            messages = source.messages(self._pauses, self._begin) if source else _no_messages()
-            self._messages, self._next = messages, next(messages, None)
-        last = frame.received + LOOK_AHEAD
-        self._begin = max(self._begin, last + 1)
-        while self._next is not None and self._next.received <= last:
-            message = self._next
-            self._next = next(self._messages, None)
-            yield message
-
-    def close(self) -> None:
-        """Read no more."""
-        self._next = None
-        if self._messages is None:
-            self._messages = _no_messages()
-        self._messages.close()
-
-
-def _no_messages() -> Generator[InstrumentMessage]:
-    yield from ()
-
-
 class RecordedMetres:
     """Turns the estimates of a recording into metres, and its odometry into aid for the filter.
 
@@ -168,22 +78,17 @@ class RecordedMetres:
         pauses: Pauses = Pauses(),
     ) -> None:
         self._vehicle = vehicle
-        self._values = vehicle.values
         self._pauses = pauses
         self._feed = InstrumentFeed(source, pauses.of_instruments())
-        self._instruments = self._first_instruments()
-        self._odometry = Odometry()
-        self._aiding = MotionAiding(self._instruments, self._odometry, pauses.texture)
+        self._sight = self._first_sight()
         self._aids = bool(vehicle.values["motion_aid"]) and (
             source is not None and Instrument.ODOMETRY in source.found.topics
         )
 
-    def _first_instruments(self) -> Instruments:
-        """Return instruments that know what is known before the recording begins."""
-        instruments = Instruments(instrument_settings(self._values))
-        if self._vehicle.calibration is not None:
-            instruments.take_calibration(self._vehicle.calibration)
-        return instruments
+    def _first_sight(self) -> CableSight:
+        """Return one that knows what is known before the recording begins."""
+        vehicle = self._vehicle
+        return CableSight(vehicle.values, vehicle.calibration, self._pauses.texture)
 
     def __enter__(self) -> Self:
         return self
@@ -204,9 +109,7 @@ class RecordedMetres:
         """Return another one that goes on as this one would."""
         other = copy(self)
         other._feed = self._feed.copy()
-        other._instruments = self._instruments.copy()
-        other._odometry = self._odometry.copy()
-        other._aiding = self._aiding.copy(other._instruments, other._odometry)
+        other._sight = self._sight.copy()
         return other
 
     def jump(self, *, to_start: bool = False) -> None:
@@ -216,16 +119,14 @@ class RecordedMetres:
         """
         self._feed.jump(to_start=to_start)
         if to_start:
-            self._instruments = self._first_instruments()
+            self._sight = self._first_sight()
         else:
-            self._instruments.forget()
-        self._odometry = Odometry()
-        self._aiding = MotionAiding(self._instruments, self._odometry, self._pauses.texture)
+            self._sight.forget()
 
     @property
     def instruments(self) -> Instruments:
         """Calibration, altitude, attitude as they are known so far."""
-        return self._instruments
+        return self._sight.instruments
 
     @property
     def is_aided(self) -> bool:
@@ -236,49 +137,23 @@ class RecordedMetres:
         """Take what the instruments said up to a frame and shortly after it, and return it."""
         taken = list(self._feed.up_to(frame))
         for message in taken:
-            self._take(message)
+            self._sight.take_message(message.instrument, message.stamp, message.message)
         return taken
-
-    def _take(self, given: InstrumentMessage) -> None:
-        message, stamp = given.message, given.stamp
-        if given.instrument is Instrument.CAMERA_INFO:
-            if self._vehicle.calibration is None:
-                is_rectified = bool(self._values["image_is_rectified"])
-                self._instruments.take_calibration(
-                    read_camera_info(message, is_rectified=is_rectified)
-                )
-        elif given.instrument is Instrument.ALTITUDE:
-            if hasattr(message, "range"):
-                metres, limits = read_range(message)
-            else:
-                # As a Range, which the node hears, would hold it.
-                metres, limits = float(np.float32(message.data)), (0.0, MOST_ALTITUDE)
-            self._instruments.take_altitude(stamp, metres, limits)
-        elif given.instrument is Instrument.IMU:
-            least = math.radians(number(self._values, "imu_sigma"))
-            self._instruments.take_attitude(stamp, read_attitude(message, least))
-        elif given.instrument is Instrument.ODOMETRY:
-            least_sigmas = (
-                number(self._values, "velocity_sigma"),
-                math.radians(number(self._values, "turn_sigma")),
-            )
-            self._odometry.add(stamp, *read_twist(message, least_sigmas))
 
     def motion(self, stamp: int, image: Image) -> MotionAid | None:
         """Return how the cable has moved since the frame before; `image` (H, W), `stamp` [ns].
 
         None without odometry, or while it disagrees with what the camera sees.
         """
-        return self._aiding.motion(stamp, image) if self._aids else None
+        return self._sight.motion(stamp, image) if self._aids else None
 
     def observe(self, estimate: CableEstimate) -> None:
         """Learn from an estimate how far odometry may be believed; once for each frame."""
-        if self._aids:
-            self._aiding.observe(estimate)
+        self._sight.observe(estimate)
 
     def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
         """Return the cable of an estimate in metres, or why not."""
-        return self._instruments.cross_track(estimate)
+        return self._sight.measure(estimate)
 
 
 VEHICLE_FILE = "vehicle.yaml"

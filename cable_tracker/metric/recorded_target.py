@@ -5,19 +5,17 @@ The same as the target tracker's node does with what it hears.
 
 from __future__ import annotations
 
-import math
 from types import TracebackType
 from typing import Self
 
-from cable_tracker.metric.frames import Mounting
-from cable_tracker.metric.recorded import InstrumentFeed, RecordedVehicle
-from cable_tracker.metric.settings import number
+from cable_tracker.metric.instrument_feed import InstrumentFeed
+from cable_tracker.metric.recorded import RecordedVehicle
+from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.target_metres import TargetMetres, TargetSettings
 from cable_tracker.metric.target_sight import TargetSight
 from cable_tracker.metric.vehicle import Vehicle
 from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.instrument_source import InstrumentMessage
 from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
@@ -39,7 +37,7 @@ def target_values(vehicle: Vehicle, target_size: float = 0.0) -> dict[str, objec
     target_size : float
         Root of the area that the target shows [m]; 0: not known.
     """
-    values: dict[str, object] = {spec.name: spec.default for spec in TARGET_METRIC_PARAMETERS}
+    values = default_values(TARGET_METRIC_PARAMETERS)
     values |= {name: vehicle.values[name] for name in vehicle.said if name in values}
     return values | {"target_size": target_size}
 
@@ -56,17 +54,6 @@ def node_values(described: RecordedVehicle, target_size: float) -> dict[str, Par
         "instrument_reliability": "reliable",
         "instrument_wait": LONGEST_WAIT if waits else 0.0,
     }
-
-
-def target_settings(values: dict[str, object]) -> TargetSettings:
-    """Return the settings that parameters of `TARGET_METRIC_PARAMETERS` stand for."""
-    places = (number(values, name) for name in ("camera_x", "camera_y", "camera_z"))
-    angles = (
-        math.radians(number(values, name)) for name in ("camera_roll", "camera_pitch", "camera_yaw")
-    )
-    return TargetSettings(
-        Mounting(*places, *angles), number(values, "target_size"), bool(values["motion_aid"])
-    )
 
 
 class RecordedSight:
@@ -87,12 +74,8 @@ class RecordedSight:
 
     def __init__(self, described: RecordedVehicle, target_size: float = 0.0) -> None:
         values = target_values(described.vehicle, target_size)
-        self._is_rectified = bool(values["image_is_rectified"])
         self.base_frame = str(values["base_frame"])
-        self._sight = TargetSight(target_settings(values))
-        self._calibration = described.vehicle.calibration
-        if self._calibration is not None:
-            self._sight.motion.take_calibration(self._calibration)
+        self._sight = TargetSight(values, described.vehicle.calibration)
         self._feed = InstrumentFeed(described.source)
 
     def __enter__(self) -> Self:
@@ -119,15 +102,7 @@ class RecordedSight:
     def advance(self, frame: Frame) -> None:
         """Take what the instruments said up to a frame and shortly after it."""
         for message in self._feed.up_to(frame):
-            self._take(message)
-
-    def _take(self, given: InstrumentMessage) -> None:
-        if given.instrument is Instrument.CAMERA_INFO and self._calibration is None:
-            self._sight.take_camera_info(given.message, is_rectified=self._is_rectified)
-        elif given.instrument is Instrument.IMU:
-            self._sight.take_imu(given.stamp, given.message)
-        elif given.instrument is Instrument.ODOMETRY:
-            self._sight.take_odometry(given.stamp, given.message)
+            self._sight.take_message(message.instrument, message.stamp, message.message)
 
     def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
         """Return what turns of the vehicle did to the picture; see `TargetSight`."""

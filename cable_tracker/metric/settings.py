@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import cast
 
 import numpy as np
@@ -13,12 +13,14 @@ from cable_tracker.metric.altitude import Altimeter
 from cable_tracker.metric.cross_track import MetricSettings
 from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
 from cable_tracker.metric.instruments import InstrumentSettings
+from cable_tracker.metric.target_metres import TargetSettings
 from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
+from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
-def default_values() -> dict[str, object]:
-    """Return the parameters as they are without anything else being said."""
-    return {spec.name: spec.default for spec in METRIC_PARAMETERS}
+def default_values(specs: Iterable[ParameterSpec] = METRIC_PARAMETERS) -> dict[str, object]:
+    """Return the values of parameters, by name, as they are without anything else being said."""
+    return {spec.name: spec.default for spec in specs}
 
 
 def number(values: Mapping[str, object], name: str) -> float:
@@ -26,9 +28,9 @@ def number(values: Mapping[str, object], name: str) -> float:
     return float(cast(float, values[name]))
 
 
-def instrument_settings(values: Mapping[str, object]) -> InstrumentSettings:
-    """Return how instruments are to be read, of all of `METRIC_PARAMETERS` by name."""
-    mounting = Mounting(
+def mounting_of(values: Mapping[str, object]) -> Mounting:
+    """Return the mounting that the parameters `camera_*` describe."""
+    return Mounting(
         number(values, "camera_x"),
         number(values, "camera_y"),
         number(values, "camera_z"),
@@ -36,9 +38,13 @@ def instrument_settings(values: Mapping[str, object]) -> InstrumentSettings:
         math.radians(number(values, "camera_pitch")),
         math.radians(number(values, "camera_yaw")),
     )
+
+
+def instrument_settings(values: Mapping[str, object]) -> InstrumentSettings:
+    """Return how instruments are to be read, of all of `METRIC_PARAMETERS` by name."""
     return InstrumentSettings(
         metric=MetricSettings(
-            mounting, number(values, "look_ahead"), number(values, "cable_height")
+            mounting_of(values), number(values, "look_ahead"), number(values, "cable_height")
         ),
         altimeter=Altimeter(
             number(values, "altimeter_z"),
@@ -48,6 +54,13 @@ def instrument_settings(values: Mapping[str, object]) -> InstrumentSettings:
         fixed_altitude=number(values, "fixed_altitude"),
         timeout=number(values, "instrument_timeout"),
         level_sigma=math.radians(number(values, "level_sigma")),
+    )
+
+
+def target_settings(values: Mapping[str, object]) -> TargetSettings:
+    """Return how targets are to be measured, of all of `TARGET_METRIC_PARAMETERS` by name."""
+    return TargetSettings(
+        mounting_of(values), number(values, "target_size"), bool(values["motion_aid"])
     )
 
 

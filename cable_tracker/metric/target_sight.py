@@ -6,11 +6,13 @@ The same for a node that hears instruments and for a recording that holds them.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from cable_tracker.metric.calibration import CameraModel
-from cable_tracker.metric.messages import read_camera_info, read_rates_of_turn, read_twist
+from cable_tracker.metric.calibration import Calibration, CameraModel
+from cable_tracker.metric.known_calibration import KnownCalibration
+from cable_tracker.metric.messages import read_rates_of_turn, read_twist
 from cable_tracker.metric.motion import NoMotion, PoseChange
+from cable_tracker.metric.settings import target_settings
 from cable_tracker.metric.target_metres import (
     TargetMetres,
     TargetRange,
@@ -18,9 +20,13 @@ from cable_tracker.metric.target_metres import (
     VehicleMotion,
     turn_of_picture,
 )
+from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
+
+TARGET_INSTRUMENTS = (Instrument.CAMERA_INFO, Instrument.IMU, Instrument.ODOMETRY)
+"""Instruments whose messages count."""
 
 LEAST_SIGMAS = (0.02, math.radians(0.3))
 """Doubt about velocities and turns that odometry does not state [m/s, rad/s]."""
@@ -33,16 +39,27 @@ class TargetSight:
 
     Parameters
     ----------
-    settings : TargetSettings
-        See there.
+    values : mapping of str to object
+        All of `TARGET_METRIC_PARAMETERS`, by name.
+    calibration : Calibration or None
+        That of the user, which wins over every message; None: messages tell it.
     count : int
         How many targets are followed.
     """
 
-    def __init__(self, settings: TargetSettings, count: int = 1) -> None:
-        self._settings = settings
+    def __init__(
+        self,
+        values: Mapping[str, object],
+        calibration: Calibration | None = None,
+        count: int = 1,
+    ) -> None:
+        self._settings = target_settings(values)
         self._motion = VehicleMotion()
-        self._ranges = [TargetRange(settings) for _ in range(count)]
+        self._calibration = KnownCalibration(
+            calibration, is_rectified=bool(values["image_is_rectified"])
+        )
+        self._use_calibration()
+        self._ranges = [TargetRange(self._settings) for _ in range(count)]
         self._before: int | None = None
         self._moved: tuple[PoseChange, bool] | NoMotion = FIRST_FRAME
         self._why_unaided = ""
@@ -57,35 +74,35 @@ class TargetSight:
         """Why turns were not taken out of the last frame; empty if they were."""
         return self._why_unaided
 
-    def configure(self, settings: TargetSettings) -> None:
-        """Take other settings."""
-        self._settings = settings
+    def configure(self, values: Mapping[str, object]) -> None:
+        """Take other values of `TARGET_METRIC_PARAMETERS`, and keep the measurements."""
+        self._settings = target_settings(values)
         for each in self._ranges:
-            each.configure(settings)
+            each.configure(self._settings)
+        self._calibration.configure(is_rectified=bool(values["image_is_rectified"]))
+        self._use_calibration()
 
     def forget(self, number: int | None = None) -> None:
         """Begin anew with the range of one target, or of all."""
         for each in self._ranges if number is None else [self._ranges[number]]:
             each.forget()
 
-    def take_camera_info(self, message: Message, *, is_rectified: bool) -> None:
-        """Take a calibration."""
-        self._motion.take_calibration(read_camera_info(message, is_rectified=is_rectified))
+    def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
+        """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
+        if instrument is Instrument.CAMERA_INFO:
+            self._calibration.take_camera_info(message)
+            self._use_calibration()
+        elif instrument is Instrument.IMU:
+            rates = read_rates_of_turn(message)
+            if rates is not None:
+                self._motion.take_turn(stamp, rates)
+        elif instrument is Instrument.ODOMETRY:
+            self._motion.take_twist(stamp, *read_twist(message, LEAST_SIGMAS))
 
-    def take_imu(self, stamp: int, message: Message) -> None:
-        """Take rates of turn of a time [ns], if the message has some."""
-        rates = read_rates_of_turn(message)
-        if rates is not None:
-            self._motion.take_turn(stamp, rates)
-
-    def take_odometry(self, stamp: int, message: Message) -> None:
-        """Take a twist of base_link of a time [ns]."""
-        self._motion.take_twist(stamp, *read_twist(message, LEAST_SIGMAS))
-
-    @property
-    def motion(self) -> VehicleMotion:
-        """Calibration and motion, as far as they are known."""
-        return self._motion
+    def _use_calibration(self) -> None:
+        calibration = self._calibration.read()
+        if calibration is not None:
+            self._motion.take_calibration(calibration)
 
     def camera_motion(self, stamp: int, image_size: tuple[int, int]) -> CameraMotion | None:
         """Return what turns of the vehicle did to the picture since the frame before.

@@ -45,3 +45,25 @@ class Withheld:
 
     def __str__(self) -> str:
         return f"{self.reason.value}: {self.detail}"
+
+
+UNCLAIMED = (Reason.NOT_TRACKING, Reason.NO_TARGET)
+"""Reasons that the status says already."""
+
+
+def newly_withheld(before: object, now: object) -> Withheld | None:
+    """Return why there is no result, where that is news for a person.
+
+    None where there is a result, where nothing is claimed, and where the frame before had the same
+    reason.
+
+    Parameters
+    ----------
+    before, now : object
+        Results of the frame before and of this one; one that is withheld is a `Withheld`.
+    """
+    if not isinstance(now, Withheld) or now.reason in UNCLAIMED:
+        return None
+    if isinstance(before, Withheld) and before.reason is now.reason:
+        return None
+    return now

@@ -14,6 +14,7 @@ from typing import Protocol
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_storage import Topic
+from cable_tracker.sequences.node_topics import NodeTopic
 
 NO_TOPIC = "none"
 """A choice that leaves an instrument out."""
@@ -32,14 +33,18 @@ class Instrument(str, Enum):
     FIX = node_topics.FIX.name
 
 
-FOUND_TYPES: Mapping[Instrument, tuple[str, ...]] = {
-    Instrument.CAMERA_INFO: (node_topics.CAMERA_INFO.type_name,),
-    Instrument.ALTITUDE: (node_topics.ALTITUDE.type_name,),
-    Instrument.IMU: (node_topics.IMU.type_name,),
-    Instrument.ODOMETRY: (node_topics.ODOMETRY.type_name,),
-    Instrument.FIX: (node_topics.FIX.type_name,),
+TOPICS: Mapping[Instrument, NodeTopic] = {
+    Instrument(topic.name): topic
+    for topic in (
+        node_topics.CAMERA_INFO,
+        node_topics.ALTITUDE,
+        node_topics.IMU,
+        node_topics.ODOMETRY,
+        node_topics.FIX,
+    )
 }
-"""Types that are taken without being asked for."""
+"""Topic of each instrument at our nodes; one of its type is taken from a bag without being asked
+for."""
 
 NUMBER_TYPES = ("std_msgs/msg/Float32", "std_msgs/msg/Float64")
 """An altitude may be one of these as well, where its topic is named: a number says not of what."""
@@ -117,7 +122,7 @@ def _candidates(storage: _Listed, instrument: Instrument) -> list[str]:
     return sorted(
         name
         for name, topic in storage.topics.items()
-        if topic.msgtype in FOUND_TYPES[instrument]
+        if topic.msgtype == TOPICS[instrument].type_name
         and topic.count
         and TRUTH_NAMESPACE not in name.split("/")
     )
@@ -143,7 +148,7 @@ def _named(storage: _Listed, instrument: Instrument, wanted: str) -> str:
             f"there is no topic {wanted} for {instrument.value}; choose one of {known}"
         )
     name = matching[0]
-    types = FOUND_TYPES[instrument]
+    types: tuple[str, ...] = (TOPICS[instrument].type_name,)
     if instrument is Instrument.ALTITUDE:
         types = (*types, *NUMBER_TYPES)
     if storage.topics[name].msgtype not in types:

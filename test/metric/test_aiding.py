@@ -9,11 +9,13 @@ import pytest
 from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.metric.aiding import (
+    CABLE_DISAGREES,
     CALM_FRAMES,
     CALM_PICTURES,
-    DISAGREEMENT,
     FEWEST,
+    NOT_PROVED,
     REMEMBERED_PICTURES,
+    TEXTURE_DISAGREES,
     AgreementGate,
     MotionAiding,
     TextureGate,
@@ -50,11 +52,11 @@ class TestGate:
         gate = AgreementGate()
         assert not gate.is_open
         assert gate.disagreement() is None
-        assert "not yet" in gate.why_closed
+        assert gate.doubt == NOT_PROVED
         shown(gate, [0.1, -0.1] * ((CALM_FRAMES + FEWEST - 2) // 2))
         assert not gate.is_open
         assert shown(gate, [0.1, -0.1]).is_open
-        assert gate.why_closed == ""
+        assert gate.doubt is None
 
     def test_noise_does_not_close_it(self, proved):
         rng = np.random.default_rng(1)
@@ -63,7 +65,7 @@ class TestGate:
 
     def test_a_drift_closes_it(self, proved):
         assert not shown(proved, [1.1] * 12).is_open
-        assert "disagrees" in proved.why_closed
+        assert proved.doubt == CABLE_DISAGREES
 
     def test_a_motion_to_and_fro_that_is_missed_closes_it(self, proved):
         assert not shown(proved, [2.0, -2.0] * 6).is_open
@@ -166,7 +168,7 @@ def test_a_sway_to_the_left_moves_the_cable_to_the_right(drive):
         motion = drive.sees()
     moved = motion.moved(np.array([[10.0, 0.0, 40.0, 0.0, 0.0, 0.0, 0.0, 0.0]]))[0]
     assert moved[0] - 10.0 == pytest.approx(Drive.PIXELS_A_FRAME, rel=0.02)
-    assert drive.aiding.why_not == ""
+    assert drive.aiding.unaided is None
 
 
 def test_sound_odometry_is_used_once_it_has_proved_itself(drive):
@@ -183,7 +185,7 @@ def test_wrong_odometry_is_told_from_sound_one(drive, said):
         drive.hears(said)
         motion = drive.sees()
     assert motion is None
-    assert "disagrees" in drive.aiding.why_not
+    assert drive.aiding.unaided == CABLE_DISAGREES
 
 
 def test_odometry_that_is_sound_again_is_used_again(drive):
@@ -202,14 +204,14 @@ def test_silent_odometry_is_told(drive):
     for _ in range(12):
         motion = drive.sees()
     assert motion is None
-    assert "older than the image" in drive.aiding.why_not
+    assert "older than the image" in drive.aiding.unaided.why
 
 
 def test_without_a_claim_nothing_is_judged(drive):
     for _ in range(30):
         drive.hears(-Drive.SWAY)
         drive.sees(TrackingStatus.LOST)
-    assert "not yet" in drive.aiding.why_not
+    assert drive.aiding.unaided == NOT_PROVED
 
 
 def test_without_altitude_there_is_no_aid(make_estimate, calibrations):
@@ -220,7 +222,7 @@ def test_without_altitude_there_is_no_aid(make_estimate, calibrations):
     for _ in range(3):
         drive.hears(0.1)
         drive.sees()
-    assert "no altitude" in drive.aiding.why_not
+    assert "no altitude" in drive.aiding.unaided.why
 
 
 def test_longer_steps_leave_more_unknown(drive):
@@ -250,7 +252,7 @@ def test_without_a_comparison_there_is_no_aid_and_the_reason_is_told(drive, monk
     monkeypatch.setattr(SeaBedTexture, "compare", refuse)
     drive.hears(Drive.SWAY)
     assert drive.sees() is None
-    assert str(refusal) in drive.aiding.why_not
+    assert str(refusal) in drive.aiding.unaided.why
     monkeypatch.undo()
     drive.hears(Drive.SWAY)
     assert drive.sees() is not None
@@ -286,7 +288,7 @@ class TestWithTexture:
     @pytest.mark.parametrize("said", [-Drive.SWAY, 1.0])
     def test_wrong_odometry_is_never_used_and_told(self, drive, bottom, said):
         assert self.driven(drive, bottom, said, 12) == [None] * 12
-        assert drive.aiding.why_not == DISAGREEMENT
+        assert drive.aiding.unaided == TEXTURE_DISAGREES
 
     def test_odometry_that_goes_wrong_is_dropped_at_once(self, drive, bottom):
         self.driven(drive, bottom, Drive.SWAY, 10)

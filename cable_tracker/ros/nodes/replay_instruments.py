@@ -1,8 +1,8 @@
 """The part of the replay node that sends what else a bag holds: the vehicle's instruments.
 
 Everything is sent as it was recorded, in step with the frames: before a frame, what was received up
-to it and shortly after it, as `metric.recorded` takes it. So the tracker node gives the same metres
-as `cable-tracker track`.
+to it and shortly after it, as `metric.instrument_feed` hands it out. So the tracker node gives the
+same metres as `cable-tracker track`.
 """
 
 from __future__ import annotations
@@ -11,19 +11,20 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from sensor_msgs.msg import CameraInfo, Imu, JointState, NavSatFix, Range
+from sensor_msgs.msg import CameraInfo, JointState
 
 from cable_tracker.metric.altitude import MOST_ALTITUDE
-from cable_tracker.metric.recorded import InstrumentFeed, recorded_vehicle
+from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS
+from cable_tracker.metric.instrument_feed import InstrumentFeed
+from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.ros import qos
 from cable_tracker.ros.messages.rclpy_messages import message_class
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instrument_source import InstrumentMessage
-from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
+from cable_tracker.sequences.instruments import TOPICS, Instrument, InstrumentChoice
 from cable_tracker.sequences.messages.factory import MessageFactory
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.source import Source
@@ -31,24 +32,8 @@ from cable_tracker.sequences.static_transforms import TF_STATIC, TF_TYPE
 from cable_tracker.sequences.typestores import typestore
 from cable_tracker.stamps import NANOSECONDS
 
-KINDS: dict[Instrument, type[Any]] = {
-    Instrument.CAMERA_INFO: CameraInfo,
-    Instrument.ALTITUDE: Range,
-    Instrument.IMU: Imu,
-    Instrument.ODOMETRY: Odometry,
-    Instrument.FIX: NavSatFix,
-}
-"""Message type of each instrument, sent on a topic of its own name."""
-
-TYPES = {
-    each: f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}" for each, kind in KINDS.items()
-}
-
 BEGINNING = 5_000_000_000
 """Time before the first frame from which messages are sent, but for the calibration [ns]."""
-
-COUNTED = (Instrument.CAMERA_INFO, Instrument.ALTITUDE, Instrument.IMU, Instrument.ODOMETRY)
-"""Instruments that a tracker listens to."""
 
 
 class InstrumentReplay:
@@ -90,7 +75,9 @@ class InstrumentReplay:
         found = {} if self._source is None else self._source.found.topics
         sent = {*found, *([Instrument.CAMERA_INFO] if self._calibration is not None else [])}
         self._publishers: dict[Instrument, Publisher] = {
-            each: node.create_publisher(KINDS[each], each.value, qos.INSTRUMENTS)
+            each: node.create_publisher(
+                message_class(TOPICS[each].type_name), TOPICS[each].name, qos.INSTRUMENTS
+            )
             for each in Instrument
             if each in sent
         }
@@ -99,7 +86,7 @@ class InstrumentReplay:
             self._counts = node.create_publisher(
                 JointState, node_topics.INSTRUMENTS_SENT.name, qos.INSTRUMENTS
             )
-        self._sent = dict.fromkeys(COUNTED, 0)
+        self._sent = dict.fromkeys(CABLE_INSTRUMENTS, 0)
         self._feed = InstrumentFeed(None)
         self._is_first = True
         for note in vehicle.notes:
@@ -127,7 +114,7 @@ class InstrumentReplay:
         return all(
             publisher.get_subscription_count() > 0
             for each, publisher in self._publishers.items()
-            if each in COUNTED
+            if each in CABLE_INSTRUMENTS
         )
 
     @property
@@ -156,14 +143,15 @@ class InstrumentReplay:
                 self._send(message)
         if self._counts is not None:
             header = make_header(self._factory, frame.stamp, "")
-            counts = self._factory.doubles([float(self._sent[each]) for each in COUNTED])
-            names = [each.value for each in COUNTED]
+            counts = self._factory.doubles([float(self._sent[each]) for each in CABLE_INSTRUMENTS])
+            names = [each.value for each in CABLE_INSTRUMENTS]
             self._counts.publish(JointState(header=header, name=names, position=counts))
 
     def _send(self, given: InstrumentMessage) -> None:
         publisher = self._publishers[given.instrument]
         message = _as_sent(given)
-        publisher.publish(bytes(typestore().serialize_cdr(message, TYPES[given.instrument])))
+        type_name = TOPICS[given.instrument].type_name
+        publisher.publish(bytes(typestore().serialize_cdr(message, type_name)))
         if given.instrument in self._sent:
             self._sent[given.instrument] += 1
 

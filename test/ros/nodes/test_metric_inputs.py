@@ -11,6 +11,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import CameraInfo, Imu, JointState, Range
 
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.sequences.instruments import Instrument
 
 ALTITUDE, FOCAL = 1.4, 280.0
 K = [FOCAL, 0.0, 159.5, 0.0, FOCAL, 119.5, 0.0, 0.0, 1.0]
@@ -38,7 +39,7 @@ class Vehicle:
 
     def sends(self, topic: str, message: Any) -> None:
         message.header = self._image(index=self._index).header
-        heard = self._node._metric._heard
+        heard = self._node._metric.heard
         before = heard[topic]
         self._publishers[topic].publish(message)
         self._world.spin(lambda: heard[topic] > before)
@@ -234,12 +235,14 @@ class Instruments:
 
     def speak(self, index: int) -> None:
         header = self._image(index=index).header
-        self._node._metric.on_camera_info(
-            CameraInfo(header=header, width=320, height=240, distortion_model="plumb_bob", k=K)
+        take = self._node._metric.take_message
+        take(
+            Instrument.CAMERA_INFO,
+            CameraInfo(header=header, width=320, height=240, distortion_model="plumb_bob", k=K),
         )
-        self._node._metric.on_imu(Imu(header=header, orientation=Quaternion(w=1.0)))
-        self._node._metric.on_odometry(Odometry(header=header))
-        self._node._metric.on_altitude(Range(header=header, range=1.4, max_range=30.0))
+        take(Instrument.IMU, Imu(header=header, orientation=Quaternion(w=1.0)))
+        take(Instrument.ODOMETRY, Odometry(header=header))
+        take(Instrument.ALTITUDE, Range(header=header, range=1.4, max_range=30.0))
 
     def has_answers(self, count: int) -> None:
         self._world.spin(lambda: len(self.states) >= count)

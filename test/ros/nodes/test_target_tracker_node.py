@@ -21,6 +21,7 @@ from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
 from cable_tracker.errors import ParameterError
+from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -339,7 +340,7 @@ class TestMetres:
         node = world.target_tracker(initial_target=BOX, target_size=0.5, camera_x=1.0)
         bearings = world.listen(Vector3Stamped, "bearing")
         poses = world.listen(PoseWithCovarianceStamped, "relative_pose")
-        node._metric.on_camera_info(camera_info())
+        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
         for index in range(6):
             show(node, index, scene(160, 120, seed=index))
         world.spin(lambda: len(bearings) == len(poses) == 6)
@@ -373,14 +374,13 @@ class TestMetres:
         turn = 0.6
         shift = FOCAL * math.tan(turn * 0.04)
         node = world.target_tracker(initial_target="78,106,123,135", jump_share=0.0)
-        node._metric.on_camera_info(camera_info())
+        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
         for index in range(12):
             message = Odometry() if instrument == "odometry" else Imu()
             message.header = header(index)
             twist = message.twist.twist.angular if instrument == "odometry" else None
             (twist or message.angular_velocity).z = turn + 1e-6 * index
-            take = node._metric.on_odometry if instrument == "odometry" else node._metric.on_imu
-            take(message)
+            node._metric.take_message(Instrument(instrument), message)
             show(node, index, scene(round(100 + shift * index), seed=index))
         assert node.status == "TRACKING"
         assert node._metric.why_unaided == ""
@@ -394,16 +394,16 @@ class TestMetres:
         """Which of the two comes first must not decide whose motion is taken."""
         node = world.target_tracker(initial_target=BOX, instrument_wait=60.0)
         states = world.listen(JointState, "state")
-        node._metric.on_camera_info(camera_info())
-        for take, kind in ((node._metric.on_imu, Imu), (node._metric.on_odometry, Odometry)):
-            take(kind(header=header(0)))
+        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
+        for instrument, kind in ((Instrument.IMU, Imu), (Instrument.ODOMETRY, Odometry)):
+            node._metric.take_message(instrument, kind(header=header(0)))
         show(node, 0)
         world.spin(lambda: len(states) == 1)
-        node._metric.on_imu(Imu(header=header(1)))
+        node._metric.take_message(Instrument.IMU, Imu(header=header(1)))
         show(node, 1)
         world.pass_time(0.2)
         assert len(states) == 1
-        node._metric.on_odometry(Odometry(header=header(1)))
+        node._metric.take_message(Instrument.ODOMETRY, Odometry(header=header(1)))
         world.spin(lambda: len(states) == 2)
 
     def test_an_instrument_that_never_speaks_is_not_waited_for(
@@ -411,9 +411,9 @@ class TestMetres:
     ) -> None:
         node = world.target_tracker(initial_target=BOX, instrument_wait=60.0)
         states = world.listen(JointState, "state")
-        node._metric.on_camera_info(camera_info())
+        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
         for index in range(2):
-            node._metric.on_imu(Imu(header=header(index)))
+            node._metric.take_message(Instrument.IMU, Imu(header=header(index)))
             show(node, index)
         # Long before the wait is over.
         world.spin(lambda: len(states) == 2, 30.0)
@@ -430,12 +430,12 @@ class TestMetres:
         names = ["camera_info", "altitude", "imu"]
         counts.publish(JointState(header=header(0), name=names, position=[1.0, 7.0, 2.0]))
         world.empty_queues()
-        node._metric.on_camera_info(camera_info())
-        node._metric.on_imu(Imu(header=header(0)))
+        node._metric.take_message(Instrument.CAMERA_INFO, camera_info())
+        node._metric.take_message(Instrument.IMU, Imu(header=header(0)))
         show(node, 0)
         world.pass_time(0.2)
         assert not states
-        node._metric.on_imu(Imu(header=header(1)))
+        node._metric.take_message(Instrument.IMU, Imu(header=header(1)))
         world.spin(lambda: states)
 
 

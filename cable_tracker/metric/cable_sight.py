@@ -1,0 +1,163 @@
+"""From frame to frame: the vehicle's motion for the filter, and metres of the cable it has found.
+
+The same for a node that hears instruments and for a recording that holds them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from copy import copy
+
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.model.estimate import CableEstimate
+from cable_tracker.cable.model.motion_aid import MotionAid
+from cable_tracker.metric.aiding import MotionAiding, Unaided
+from cable_tracker.metric.altitude import MOST_ALTITUDE
+from cable_tracker.metric.calibration import Calibration
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.instruments import Instruments
+from cable_tracker.metric.known_calibration import KnownCalibration
+from cable_tracker.metric.messages import read_attitude, read_range, read_twist
+from cable_tracker.metric.motion import Odometry
+from cable_tracker.metric.sea_bed_texture import TextureMotion
+from cable_tracker.metric.settings import instrument_settings, number
+from cable_tracker.metric.withheld import Withheld
+from cable_tracker.sequences.instruments import Instrument
+from cable_tracker.sequences.messages.factory import Message
+
+CABLE_INSTRUMENTS = (
+    Instrument.CAMERA_INFO, Instrument.ALTITUDE, Instrument.IMU, Instrument.ODOMETRY,
+)  # fmt: skip
+"""Instruments whose messages count."""
+
+SWITCHED_OFF = Unaided("the parameter motion_aid is false")
+
+
+class CableSight:
+    """Keeps what is known of camera, vehicle and sea bed.
+
+    Parameters
+    ----------
+    values : mapping of str to object
+        All of `METRIC_PARAMETERS`, by name.
+    calibration : Calibration or None
+        That of the user, which wins over every message; None: messages tell it.
+    texture_pause : float
+        Between two looks at the sea bed's texture, see `MotionAiding` [s].
+    """
+
+    def __init__(
+        self,
+        values: Mapping[str, object],
+        calibration: Calibration | None = None,
+        texture_pause: float = 0.0,
+    ) -> None:
+        self._values = dict(values)
+        self._texture_pause = texture_pause
+        self._calibration = KnownCalibration(
+            calibration, is_rectified=bool(values["image_is_rectified"])
+        )
+        self._instruments = Instruments(instrument_settings(values))
+        self._use_calibration()
+        self._forget_motion()
+
+    def copy(self) -> CableSight:
+        """Return another one that goes on as this one would."""
+        other = copy(self)
+        other._calibration = self._calibration.copy()
+        other._instruments, other._odometry = self._instruments.copy(), self._odometry.copy()
+        other._aiding = self._aiding.copy(other._instruments, other._odometry)
+        return other
+
+    def configure(self, values: Mapping[str, object]) -> None:
+        """Take other values of `METRIC_PARAMETERS`, and keep the measurements."""
+        self._values = dict(values)
+        self._instruments.configure(instrument_settings(values))
+        self._calibration.configure(is_rectified=bool(values["image_is_rectified"]))
+        self._use_calibration()
+
+    def forget(self) -> None:
+        """Forget all measurements; the calibration stays."""
+        self._instruments.forget()
+        self._forget_motion()
+
+    def _forget_motion(self) -> None:
+        self._odometry = Odometry()
+        self._aiding = MotionAiding(self._instruments, self._odometry, self._texture_pause)
+        self._unaided: Unaided | None = None
+
+    def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
+        """Take a message of a time [ns]; one of an instrument that does not count is ignored."""
+        if instrument is Instrument.CAMERA_INFO:
+            self._calibration.take_camera_info(message)
+            self._use_calibration()
+        elif instrument is Instrument.ALTITUDE:
+            self._instruments.take_altitude(stamp, *_read_altitude(message))
+        elif instrument is Instrument.IMU:
+            least = math.radians(number(self._values, "imu_sigma"))
+            self._instruments.take_attitude(stamp, read_attitude(message, least))
+        elif instrument is Instrument.ODOMETRY:
+            least_sigmas = (
+                number(self._values, "velocity_sigma"),
+                math.radians(number(self._values, "turn_sigma")),
+            )
+            self._odometry.add(stamp, *read_twist(message, least_sigmas))
+
+    def _use_calibration(self) -> None:
+        calibration = self._calibration.read()
+        if calibration is not None:
+            self._instruments.take_calibration(calibration)
+
+    @property
+    def instruments(self) -> Instruments:
+        """Calibration, altitude, attitude as they are known so far."""
+        return self._instruments
+
+    @property
+    def unaided(self) -> Unaided | None:
+        """Why the filter was not told of the motion to the last frame; None if it was."""
+        return self._unaided
+
+    @property
+    def texture_motion(self) -> TextureMotion | None:
+        """How the sea bed moved up to the last frame, beside the prediction; None: not known."""
+        return self._aiding.seen
+
+    def motion(self, stamp: int, image: Image) -> MotionAid | None:
+        """Return how the cable has moved since the frame before.
+
+        None without odometry, or while it disagrees with what the camera sees. Call it for each
+        frame, before the filter looks at it.
+
+        Parameters
+        ----------
+        stamp : int
+            Time of the frame [ns].
+        image : Image
+            The frame: grey levels, uint8 or float32 (0..255), shape (H, W).
+        """
+        if not self._values["motion_aid"]:
+            self._unaided = SWITCHED_OFF
+            return None
+        motion = self._aiding.motion(stamp, image)
+        self._unaided = self._aiding.unaided
+        return motion
+
+    def observe(self, estimate: CableEstimate) -> None:
+        """Learn from an estimate how far odometry may be believed; once for each frame."""
+        self._aiding.observe(estimate)
+
+    def measure(self, estimate: CableEstimate) -> CrossTrack | Withheld:
+        """Return the cable of an estimate in metres, or why not."""
+        return self._instruments.cross_track(estimate)
+
+
+def _read_altitude(message: Message) -> tuple[float, tuple[float, float]]:
+    """Read a sensor_msgs/Range or a plain number: the distance and its limits [m]."""
+    if hasattr(message, "range"):
+        return read_range(message)
+    # In single precision, as a Range would hold it: a replay sends numbers as such.
+    return float(np.float32(message.data)), (0.0, MOST_ALTITUDE)

@@ -1,0 +1,87 @@
+"""The messages of a recording's instruments, in step with its frames."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator, Mapping
+
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.instrument_source import InstrumentMessage, InstrumentSource
+from cable_tracker.sequences.instruments import Instrument
+
+LOOK_AHEAD = 250_000_000
+"""Time after a frame up to which messages are known when it is tracked [ns]. The fastest
+instruments are kept for twice this time."""
+
+LOOK_BACK = 2_000_000_000
+"""Time before a frame from which messages are read after a jump in the recording [ns]: nothing
+older counts."""
+
+
+class InstrumentFeed:
+    """Hands out the messages of a bag's instruments in step with its frames.
+
+    Parameters
+    ----------
+    source : InstrumentSource or None
+        Where they come from; None: there are none.
+    pauses : mapping of Instrument to int
+        What comes sooner after a message of the same instrument is passed over [ns].
+    """
+
+    def __init__(
+        self, source: InstrumentSource | None, pauses: Mapping[Instrument, int] | None = None
+    ) -> None:
+        self._source = source
+        self._pauses = pauses
+        self._messages: Generator[InstrumentMessage] | None = None
+        self._next: InstrumentMessage | None = None
+        self._begin = 0
+        self._jumps = False
+
+    def copy(self) -> InstrumentFeed:
+        """Return another one that goes on from here; it reads on when it is first asked.
+
+        With pauses it may pass over other messages than this one.
+        """
+        other = InstrumentFeed(self._source, self._pauses)
+        other._begin, other._jumps = self._begin, self._jumps
+        return other
+
+    def jump(self, *, to_start: bool = False) -> None:
+        """Go on at whatever frame comes next, with what was received shortly before it.
+
+        With `to_start`, with all that was received before it.
+        """
+        self.close()
+        self._messages, self._begin, self._jumps = None, 0, not to_start
+
+    def up_to(self, frame: Frame) -> Iterator[InstrumentMessage]:
+        """Yield what was received up to a frame and shortly after, and was not handed out before.
+
+        Nothing for a frame of which it is not known when it was received.
+        """
+        if frame.received is None:
+            return
+        if self._jumps:
+            self._begin, self._jumps = max(0, frame.received - LOOK_BACK), False
+        if self._messages is None:
+            source = self._source
+            messages = source.messages(self._pauses, self._begin) if source else _no_messages()
+            self._messages, self._next = messages, next(messages, None)
+        last = frame.received + LOOK_AHEAD
+        self._begin = max(self._begin, last + 1)
+        while self._next is not None and self._next.received <= last:
+            message = self._next
+            self._next = next(self._messages, None)
+            yield message
+
+    def close(self) -> None:
+        """Read no more."""
+        self._next = None
+        if self._messages is None:
+            self._messages = _no_messages()
+        self._messages.close()
+
+
+def _no_messages() -> Generator[InstrumentMessage]:
+    yield from ()

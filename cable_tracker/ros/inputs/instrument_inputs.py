@@ -1,0 +1,128 @@
+"""What trackers' nodes have in common that listen to the vehicle's instruments."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Generic, Protocol, TypeVar
+
+from rclpy.node import Node
+
+from cable_tracker.metric.settings import default_values, number
+from cable_tracker.ros import qos
+from cable_tracker.ros.inputs.callbacks import followed_by
+from cable_tracker.ros.inputs.instruments_sent import InstrumentsSent
+from cable_tracker.ros.messages.rclpy_messages import message_class
+from cable_tracker.sequences.instruments import TOPICS, Instrument
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import stamp_of
+from cable_tracker.tracking.parameter_table import ParameterSpec
+
+
+class Sight(Protocol):
+    """What takes the messages: `CableSight` or `TargetSight`."""
+
+    def configure(self, values: Mapping[str, object]) -> None:
+        """Take other values of all its parameters, by name."""
+
+    def take_message(self, instrument: Instrument, stamp: int, message: Message) -> None:
+        """Take a message of a time [ns]."""
+
+
+AnySight = TypeVar("AnySight", bound=Sight)
+
+
+class InstrumentInputs(Generic[AnySight]):
+    """Listens to the instruments, and knows whether they have told of the time of a frame.
+
+    Parameters
+    ----------
+    node : Node
+        The tracker's node.
+    specs : sequence of ParameterSpec
+        Parameters of the sight, with `instrument_wait` and `base_frame`.
+    make_sight : callable
+        Makes the sight, given the default values of its parameters.
+    instruments : collection of Instrument
+        What is listened to: the calibration, and instruments whose measurements have a time.
+    required : collection of Instrument
+        Those of the latter for which a frame waits also before they have spoken.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        specs: Sequence[ParameterSpec],
+        make_sight: Callable[[Mapping[str, object]], AnySight],
+        instruments: Collection[Instrument],
+        required: Collection[Instrument] = (),
+    ) -> None:
+        self._node = node
+        self._values = default_values(specs)
+        self._sight = make_sight(self._values)
+        self._instruments = tuple(instruments)
+        self._required = frozenset(required)
+        self._newest: dict[Instrument, int] = {}
+        self._heard: Counter[str] = Counter()
+        self._sent = InstrumentsSent([TOPICS[each] for each in self._instruments])
+
+    def subscribe(self, reliability: str, on_news: Callable[[], None]) -> None:
+        """Listen, `best_effort` or `reliable`; `on_news` is called after each message."""
+        profile = qos.instrument_input(reliability)
+        for instrument in self._instruments:
+            self._node.create_subscription(
+                message_class(TOPICS[instrument].type_name),
+                TOPICS[instrument].name,
+                followed_by(self._taking(instrument), on_news),
+                profile,
+            )
+        self._sent.subscribe(self._node, reliability, on_news)
+
+    def _taking(self, instrument: Instrument) -> Callable[[Message], None]:
+        return lambda message: self.take_message(instrument, message)
+
+    def take_message(self, instrument: Instrument, message: Message) -> None:
+        """Take a message of an instrument."""
+        stamp = stamp_of(message.header) or int(self._node.get_clock().now().nanoseconds)
+        self._heard[instrument.value] += 1
+        if instrument is not Instrument.CAMERA_INFO:
+            self._newest[instrument] = stamp
+        self._sight.take_message(instrument, stamp, message)
+
+    @property
+    def heard(self) -> Mapping[str, int]:
+        """How many messages of each topic have come."""
+        return self._heard
+
+    @property
+    def wait(self) -> float:
+        """How long a frame may be held back for the instruments [s]."""
+        return number(self._values, "instrument_wait")
+
+    @property
+    def base_frame(self) -> str:
+        """Frame of what is in metres."""
+        return str(self._values["base_frame"])
+
+    def has_all_of(self, stamp: int) -> bool:
+        """Tell whether the calibration is known, and the measurements of a time [ns].
+
+        Each of those required, and of those that have spoken before, must have spoken of that time
+        or later: who comes first must not decide whose measurement is taken. Where a replay says
+        how much it has sent before the frame of that time, all of it must have come.
+        """
+        if self._sent.tells_of(stamp):
+            return self._sent.has_come(self._heard)
+        awaited = self._required | self._newest.keys()
+        return (
+            self._heard[Instrument.CAMERA_INFO.value] > 0
+            and bool(awaited)
+            and all(self._newest.get(each, -1) >= stamp for each in awaited)
+        )
+
+    def apply(self, values: Mapping[str, object]) -> None:
+        """Take those of the sight's parameters that are given, by name."""
+        own = {name: values[name] for name in values.keys() & self._values.keys()}
+        if own:
+            self._values.update(own)
+            self._sight.configure(self._values)

@@ -1,0 +1,139 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from instrument_messages import camera_info, imu, odometry, range_message
+
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.metric.altitude import Altitude
+from cable_tracker.metric.cable_sight import SWITCHED_OFF, CableSight
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.frames import Attitude
+from cable_tracker.metric.settings import default_values
+from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.sequences.instruments import Instrument
+
+SECOND = 1_000_000_000
+FRAME = SECOND // 25
+BARE = np.full((240, 320), 90, np.uint8)
+
+
+@pytest.fixture
+def estimate(make_estimate):
+    return make_estimate(CableState(-50.0, 0.0, 40.0), (1.0, 0.01, 1.0, 0.01), stamp=SECOND)
+
+
+def calibrated(**values):
+    sight = CableSight(default_values() | values)
+    sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
+    return sight
+
+
+def reason(result) -> Reason:
+    assert isinstance(result, Withheld)
+    return result.reason
+
+
+def test_calibration_altitude_and_attitude_make_metres(estimate):
+    sight = CableSight(default_values())
+    assert reason(sight.measure(estimate)) is Reason.NO_ALTITUDE
+    sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
+    assert reason(sight.measure(estimate)) is Reason.NO_CALIBRATION
+    sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
+    sight.take_message(Instrument.IMU, SECOND, imu())
+    result = sight.measure(estimate)
+    assert isinstance(result, CrossTrack)
+    assert result.offset == pytest.approx(50.0 * 1.4 / 280.0, rel=0.01)
+
+
+def test_a_calibration_that_is_given_wins_over_messages(calibrations, estimate):
+    sight = CableSight(default_values() | {"fixed_altitude": 1.4}, calibrations["pinhole"])
+    expected = sight.measure(estimate)
+    sight.take_message(Instrument.CAMERA_INFO, SECOND, camera_info())
+    assert sight.measure(estimate).offset == expected.offset
+
+
+def test_an_altitude_that_is_a_plain_number_counts_as_a_range_would_hold_it():
+    sight = calibrated()
+    sight.take_message(Instrument.ALTITUDE, SECOND, SimpleNamespace(data=1.4))
+    altitude = sight.instruments.altitude_at(SECOND, Attitude())
+    assert isinstance(altitude, Altitude)
+    assert altitude.metres == float(np.float32(1.4))
+
+
+def test_an_instrument_that_does_not_count_is_ignored(estimate):
+    sight = calibrated(fixed_altitude=1.4)
+    expected = sight.measure(estimate)
+    sight.take_message(Instrument.FIX, SECOND, object())
+    assert sight.measure(estimate).offset == expected.offset
+
+
+def test_other_values_keep_the_measurements_and_read_the_calibration_anew(estimate):
+    sight = calibrated()
+    sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
+    sight.configure(default_values() | {"image_is_rectified": True, "camera_y": 0.5})
+    assert sight.measure(estimate).offset == pytest.approx(0.5 + 50.0 * 1.4 / 250.0, rel=0.01)
+
+
+def test_only_the_calibration_outlasts_a_jump(estimate):
+    sight = calibrated()
+    sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
+    sight.forget()
+    assert reason(sight.measure(estimate)) is Reason.NO_ALTITUDE
+    sight.take_message(Instrument.ALTITUDE, SECOND, range_message(1.4))
+    assert isinstance(sight.measure(estimate), CrossTrack)
+
+
+class TestMotion:
+    @staticmethod
+    def driven(sight, make_estimate, sway, frames):
+        """Let a cable stand still in the image, whatever odometry says."""
+        for index in range(frames):
+            stamp = SECOND + index * FRAME
+            sight.take_message(
+                Instrument.ODOMETRY, stamp, odometry(sway=sway + 1e-4 * (-1) ** index)
+            )
+            motion = sight.motion(stamp, BARE)
+            sight.observe(make_estimate(CableState(0.0, 0.0, 40.0), (1.0, 0.01), stamp=stamp))
+        return motion
+
+    @pytest.fixture
+    def seen(self, make_estimate):
+        def make(state, sigmas, *, stamp):
+            return make_estimate(state, (*sigmas, 1.0, 0.01), stamp=stamp)
+
+        return make
+
+    def test_odometry_that_agrees_aids(self, seen):
+        sight = calibrated(fixed_altitude=1.4)
+        assert sight.unaided is None
+        assert self.driven(sight, seen, 0.0, 30) is not None
+        assert sight.unaided is None
+
+    def test_odometry_that_disagrees_does_not(self, seen):
+        sight = calibrated(fixed_altitude=1.4)
+        assert self.driven(sight, seen, 1.5, 30) is None
+        assert sight.unaided.disagrees
+
+    def test_missing_odometry_is_no_disagreement(self, seen):
+        sight = calibrated(fixed_altitude=1.4)
+        for index in range(2):
+            assert sight.motion(SECOND + index * FRAME, BARE) is None
+            sight.observe(seen(CableState(0.0, 0.0, 40.0), (1.0, 0.01), stamp=SECOND))
+        assert sight.unaided.why == "no odometry has come"
+        assert not sight.unaided.disagrees
+
+    def test_it_can_be_switched_off(self, seen):
+        sight = calibrated(fixed_altitude=1.4, motion_aid=False)
+        assert self.driven(sight, seen, 0.0, 30) is None
+        assert sight.unaided == SWITCHED_OFF
+
+    def test_a_copy_goes_on_by_itself(self, seen):
+        sight = calibrated(fixed_altitude=1.4)
+        self.driven(sight, seen, 0.0, 30)
+        copy = sight.copy()
+        copy.forget()
+        stamp = SECOND + 30 * FRAME
+        sight.take_message(Instrument.ODOMETRY, stamp, odometry())
+        assert copy.motion(stamp, BARE) is None
+        assert sight.motion(stamp, BARE) is not None

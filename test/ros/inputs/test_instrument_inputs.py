@@ -1,0 +1,120 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import CameraInfo, Imu, JointState
+from std_msgs.msg import Header
+
+from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
+from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
+from cable_tracker.sequences.instruments import Instrument
+
+SECOND = 1_000_000_000
+INSTRUMENTS = (Instrument.CAMERA_INFO, Instrument.IMU, Instrument.ODOMETRY)
+
+
+class NotedSight:
+    """Notes what it is given."""
+
+    def __init__(self, values: Any) -> None:
+        self.values = dict(values)
+        self.taken: list[tuple[Instrument, int]] = []
+
+    def configure(self, values: Any) -> None:
+        self.values = dict(values)
+
+    def take_message(self, instrument: Instrument, stamp: int, _message: Any) -> None:
+        self.taken.append((instrument, stamp))
+
+
+def header(sec: int) -> Header:
+    made = Header()
+    made.stamp.sec = sec
+    return made
+
+
+@pytest.fixture
+def make(world: Any) -> Any:
+    def made(required: Any = ()) -> tuple[InstrumentInputs[NotedSight], NotedSight]:
+        inputs = InstrumentInputs(
+            world.me, TARGET_METRIC_PARAMETERS, NotedSight, INSTRUMENTS, required
+        )
+        return inputs, inputs._sight
+
+    return made
+
+
+def test_messages_are_handed_on_with_their_stamps(make: Any) -> None:
+    inputs, sight = make()
+    inputs.take_message(Instrument.IMU, Imu(header=header(2)))
+    assert sight.taken == [(Instrument.IMU, 2 * SECOND)]
+    assert inputs.heard == {"imu": 1}
+
+
+def test_a_message_without_a_stamp_counts_as_of_now(make: Any, world: Any) -> None:
+    inputs, sight = make()
+    before = world.me.get_clock().now().nanoseconds
+    inputs.take_message(Instrument.IMU, Imu())
+    assert before <= sight.taken[0][1] <= world.me.get_clock().now().nanoseconds
+
+
+def test_each_instrument_has_a_topic_of_its_name(make: Any, world: Any) -> None:
+    inputs, sight = make()
+    news: list[int] = []
+    inputs.subscribe("reliable", lambda: news.append(len(sight.taken)))
+    for index, (topic, kind) in enumerate(
+        (("camera_info", CameraInfo), ("imu", Imu), ("odometry", Odometry))
+    ):
+        publisher = world.me.create_publisher(kind, topic, 10)
+        world.spin(publisher.get_subscription_count)
+        publisher.publish(kind(header=header(1)))
+        world.spin(lambda count=index + 1: len(news) == count)
+    assert sight.taken == [(each, SECOND) for each in INSTRUMENTS]
+    assert news == [1, 2, 3]
+
+
+def test_what_has_spoken_once_must_speak_of_the_time_of_the_frame(make: Any) -> None:
+    inputs, _ = make()
+    inputs.take_message(Instrument.IMU, Imu(header=header(2)))
+    assert not inputs.has_all_of(2 * SECOND)
+    inputs.take_message(Instrument.CAMERA_INFO, CameraInfo(header=header(1)))
+    assert inputs.has_all_of(2 * SECOND)
+    inputs.take_message(Instrument.ODOMETRY, Odometry(header=header(1)))
+    assert not inputs.has_all_of(2 * SECOND)
+
+
+def test_a_calibration_alone_is_not_all(make: Any) -> None:
+    inputs, _ = make()
+    inputs.take_message(Instrument.CAMERA_INFO, CameraInfo(header=header(1)))
+    assert not inputs.has_all_of(0)
+
+
+def test_what_is_required_is_awaited_before_it_has_spoken(make: Any) -> None:
+    inputs, _ = make({Instrument.ODOMETRY})
+    inputs.take_message(Instrument.CAMERA_INFO, CameraInfo(header=header(1)))
+    inputs.take_message(Instrument.IMU, Imu(header=header(2)))
+    assert not inputs.has_all_of(2 * SECOND)
+    inputs.take_message(Instrument.ODOMETRY, Odometry(header=header(2)))
+    assert inputs.has_all_of(2 * SECOND)
+
+
+def test_what_a_replay_says_it_has_sent_is_awaited(make: Any) -> None:
+    inputs, _ = make()
+    inputs._sent.take(JointState(header=header(2), name=["imu"], position=[1.0]))
+    assert not inputs.has_all_of(2 * SECOND)
+    inputs.take_message(Instrument.IMU, Imu(header=header(1)))
+    assert inputs.has_all_of(2 * SECOND)
+
+
+def test_parameters_of_the_sight_reach_it_and_others_do_not(make: Any) -> None:
+    inputs, sight = make()
+    before = sight.values
+    inputs.apply({"particle_count": 3})
+    assert sight.values == before
+    inputs.apply({"camera_x": 0.5, "instrument_wait": 2.0, "base_frame": "rov", "other": 1})
+    assert sight.values == before | {
+        "camera_x": 0.5, "instrument_wait": 2.0, "base_frame": "rov",
+    }  # fmt: skip
+    assert (inputs.wait, inputs.base_frame) == (2.0, "rov")
