@@ -14,6 +14,7 @@ from cable_tracker.evaluation.figures import as_svg, calibration_figure, loss_fi
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, MetricSpec, metric_spread
 from cable_tracker.evaluation.metrics.returns import CLEARLY_BACK, RETURN_SECONDS
 from cable_tracker.evaluation.metrics.starts import START_FRAMES
+from cable_tracker.evaluation.off_cable import LOST_DISTANCE
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.spread import Spread
 from cable_tracker.evaluation.tables import (
@@ -23,7 +24,6 @@ from cable_tracker.evaluation.tables import (
     runs_csv,
     sequences_of,
 )
-from cable_tracker.evaluation.trace import LOST_DISTANCE
 from cable_tracker.visualisation.files import write_bytes
 
 REPORT = "report.html"

@@ -12,16 +12,10 @@ from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, unwrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.evaluation.off_cable import is_off_cable
 
 COMPONENTS = 4
 """d, alpha, w, beta: what there is truth for."""
-
-LOST_DISTANCE = 10.0
-"""An error of d that is forgiven however narrow the cable, in an image 320 px wide [px]."""
-
-LOST_ANGLE = float(np.deg2rad(8.0))
-"""An estimate that is turned by more has lost the cable [rad]."""
 
 UNKNOWN_VISIBILITY = float("nan")
 """Visibility of a frame that has no label; it is not judged."""
@@ -137,17 +131,12 @@ class Trace:
 
     @property
     def off(self) -> BoolArray:
-        """Whether a visible cable is missed by more than max(10 px, w/2) or 8 deg, shape (T,).
+        """Whether a visible cable is missed, as `is_off_cable` has it, shape (T,).
 
-        The mean counts whether or not it is claimed. The 10 px are those of an image 320 px wide.
-        A mean that is no number is off.
+        The mean counts whether or not it is claimed.
         """
-        errors, widths = self.errors, self.truths[:, StateColumn.WIDTH]
-        allowance = np.maximum(LOST_DISTANCE * self.image_width / REFERENCE_WIDTH, widths / 2)
-        held = (np.abs(errors[:, StateColumn.DISTANCE]) <= allowance) & (
-            np.abs(errors[:, StateColumn.ANGLE]) <= LOST_ANGLE
-        )
-        return self.visible & ~held
+        widths = self.truths[:, StateColumn.WIDTH]
+        return self.visible & is_off_cable(self.errors, widths, self.image_width)
 
     def part(self, start: int, stop: int) -> Trace:
         """Return the frames from `start` to before `stop`, counted from the run's first."""

@@ -8,7 +8,8 @@ from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.methods import METHODS
-from cable_tracker.evaluation.metrics.errors import is_off, state_errors
+from cable_tracker.evaluation.metrics.errors import state_errors
+from cable_tracker.evaluation.off_cable import is_outside_borders
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
@@ -33,15 +34,12 @@ def track(name: str, dive, *, seed=0, from_truth=True):
 
 
 def share_lost(estimates, dive) -> float:
-    return float(
-        np.mean(
-            [
-                estimate.status is not TrackingStatus.TRACKING
-                or is_off(state_errors(estimate.state, truth), truth)
-                for estimate, (_, _, truth) in zip(estimates, dive, strict=True)
-            ]
-        )
-    )
+    truths = [truth for _, _, truth in dive]
+    pairs = list(zip(estimates, truths, strict=True))
+    silent = np.array([each.status is not TrackingStatus.TRACKING for each in estimates])
+    errors = np.array([state_errors(each.state, truth) for each, truth in pairs])
+    off = is_outside_borders(errors, np.array([truth.width for truth in truths]))
+    return float(np.mean(silent | off))
 
 
 def test_the_methods_are_those_that_are_compared():

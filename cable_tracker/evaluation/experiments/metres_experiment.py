@@ -10,8 +10,6 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.geometry import wrap_angle
-from cable_tracker.cable.model.state import CableState
-from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.crew import Workers, run_all
 from cable_tracker.evaluation.experiments.aided import AidedFilter
@@ -25,9 +23,9 @@ from cable_tracker.evaluation.experiments.flights import (
 from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metrics.errors import state_errors
+from cable_tracker.evaluation.off_cable import is_off_cable
 from cable_tracker.evaluation.report import median_and_range
 from cable_tracker.evaluation.spread import spread_of
-from cable_tracker.evaluation.trace import LOST_ANGLE, LOST_DISTANCE
 from cable_tracker.metric.cross_track import CrossTrack
 
 METRES_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
@@ -87,7 +85,9 @@ class _Dive:
                 sigmas = result.standard_deviations()
                 row[OFFSET_IN_SIGMAS] = row[OFFSET] * vehicle.altitudes[frame.index] / sigmas[0]
                 row[HEADING_IN_SIGMAS] = row[HEADING] / sigmas[2]
-                row[ON_CABLE] = is_on_cable(estimate.state, frame.truth, estimate.image_size[0])
+                errors = state_errors(estimate.state, frame.truth)[None, :]
+                widths, image_width = np.array([frame.truth.width]), estimate.image_size[0]
+                row[ON_CABLE] = not is_off_cable(errors, widths, image_width)[0]
             rows.append(row)
         return np.array(rows).reshape(-1, ON_CABLE + 1)
 
@@ -104,13 +104,6 @@ class _Dive:
         error[HEADING] = wrap_angle(error[HEADING])
         altitude = vehicle.altitudes[index]
         return np.asarray(error / [altitude, altitude, 1.0])
-
-
-def is_on_cable(state: CableState, truth: CableState, image_width: int) -> bool:
-    """Tell whether an estimate is on the cable, as `Trace.off` has it."""
-    allowance = max(LOST_DISTANCE * image_width / REFERENCE_WIDTH, truth.width / 2)
-    distance, angle = np.abs(state_errors(state, truth)[:2])
-    return bool(distance <= allowance and angle <= LOST_ANGLE)
 
 
 @dataclass(frozen=True, slots=True)

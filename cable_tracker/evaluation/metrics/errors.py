@@ -11,7 +11,8 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.trace import COMPONENTS, LOST_ANGLE
+from cable_tracker.evaluation.off_cable import is_outside_borders
+from cable_tracker.evaluation.trace import COMPONENTS
 from cable_tracker.sequences.estimates import EstimateRow
 
 
@@ -46,8 +47,8 @@ class ErrorSummary:
     errors : ErrorStatistics
         Over the latter.
     share_off : float
-        Share of the claimed frames in which |d error| > w/2 or |alpha error| > 8 deg; NaN if none
-        was claimed.
+        Share of the claimed frames in which the estimate `is_outside_borders`; NaN if none was
+        claimed.
     """
 
     labelled: int
@@ -61,11 +62,6 @@ def state_errors(estimate: CableState, truth: CableState) -> FloatArray:
     chart = unwrap_states(estimate.to_array()[None, :], truth.angle)[0]
     errors: FloatArray = chart[:4] - truth.to_array()[:4]
     return errors
-
-
-def is_off(errors: FloatArray, truth: CableState) -> bool:
-    """Tell whether errors (4,) [px, rad] miss the cable: off by half its width, or by 8 deg."""
-    return bool(abs(errors[0]) > truth.width / 2 or abs(errors[1]) > LOST_ANGLE)
 
 
 def error_statistics(errors: FloatArray) -> ErrorStatistics:
@@ -89,11 +85,12 @@ def summarise_errors(rows: Sequence[EstimateRow], truths: Mapping[int, CableStat
         for row in rows
         if row.state is not None and row.frame in truths
     ]
-    errors = [state_errors(estimate, truth) for estimate, truth in pairs]
-    off = [is_off(error, truth) for error, (_, truth) in zip(errors, pairs, strict=True)]
+    errors = np.array([state_errors(estimate, truth) for estimate, truth in pairs])
+    errors = errors.reshape(-1, COMPONENTS)
+    off = is_outside_borders(errors, np.array([truth.width for _, truth in pairs]))
     return ErrorSummary(
         labelled=len(truths),
         claimed=len(pairs),
-        errors=error_statistics(np.array(errors).reshape(-1, COMPONENTS)),
-        share_off=float(np.mean(off)) if off else math.nan,
+        errors=error_statistics(errors),
+        share_off=float(np.mean(off)) if len(off) else math.nan,
     )

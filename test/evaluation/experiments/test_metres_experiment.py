@@ -1,10 +1,8 @@
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
-from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment, is_on_cable
+from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment
 from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 
 pytestmark = pytest.mark.slow
@@ -39,13 +37,3 @@ def test_a_flight_without_a_cable_has_no_metres():
     experiment = MetresExperiment((0,), (ScenarioSequence("no_cable", 3),))
     for table in run(experiment):
         assert set(table.rows[0][2:]) == {"–"}
-
-
-@pytest.mark.parametrize(
-    ("distance", "degrees", "expected"),
-    [(0.0, 0.0, True), (14.9, 0.0, True), (15.1, 0.0, False), (0.0, 7.9, True), (0.0, 8.1, False)],
-)
-def test_a_claim_beside_the_cable_is_not_on_it(distance, degrees, expected):
-    truth = CableState(20.0, 0.1, 30.0)
-    claimed = CableState(20.0 + distance, 0.1 + np.deg2rad(degrees), 30.0)
-    assert is_on_cable(claimed, truth, 320) is expected

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.metrics.errors import (
     error_statistics,
-    is_off,
     state_errors,
     summarise_errors,
 )
@@ -61,20 +60,6 @@ def test_errors_are_taken_across_the_wrap():
 def test_state_errors_see_one_line_written_in_two_ways():
     truth, same = CableState(5.0, 1.55, 20.0, 0.1), CableState(-5.0, 1.55 - math.pi, 20.0, -0.1)
     assert state_errors(same, truth) == pytest.approx([0, 0, 0, 0], abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("errors", "off"),
-    [
-        ([15.0, 0.0, 0.0, 0.0], False),
-        ([-15.1, 0.0, 0.0, 0.0], True),
-        ([0.0, 8 * DEGREE, 0.0, 0.0], False),
-        ([0.0, -8.1 * DEGREE, 0.0, 0.0], True),
-        ([0.0, 0.0, 99.0, 1.0], False),
-    ],
-)
-def test_an_estimate_is_off_by_half_the_width_or_eight_degrees(errors, off):
-    assert is_off(np.array(errors), CableState(0.0, 0.0, 30.0)) is off
 
 
 def test_a_summary_worked_by_hand():
