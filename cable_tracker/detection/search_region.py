@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.cable.model.geometry import image_to_pixel, unwrap_states
+from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
 
 
@@ -79,13 +79,3 @@ def scaled_state(state: CableState, factor: float) -> CableState:
         distance_rate=state.distance_rate * factor,
         width_rate=state.width_rate * factor,
     )
-
-
-def pixel_to_image(pixels: FloatArray, image_size: tuple[int, int]) -> FloatArray:
-    """Turn pixel coordinates (..., 2) = (column, row from the top) into points of the image frame.
-
-    The inverse of `geometry.image_to_pixel`.
-    """
-    origin = image_to_pixel(np.zeros(2), image_size)
-    points: FloatArray = (pixels - origin) * np.array([1.0, -1.0])
-    return points

@@ -18,6 +18,7 @@ from cable_tracker.cable.model.segments import (
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.gui.session import Snapshot, TargetSnapshot
 from cable_tracker.target.model.estimate import box_corners
+from cable_tracker.tracking.image_frame import to_page
 from cable_tracker.visualisation.palette import AMBER, HYPOTHESES, TRUTH, Colour, status_colour
 
 Layer: TypeAlias = dict[str, object]
@@ -93,7 +94,7 @@ def particle_lines(cloud: FloatArray, size: tuple[int, int]) -> FloatArray:
     cloud = cloud[np.abs(cloud[:, StateColumn.DISTANCE]) < reach]
     distances, angles = cloud[:, StateColumn.DISTANCE], cloud[:, StateColumn.ANGLE]
     cos, sin = np.cos(angles), np.sin(angles)
-    x, y = width / 2 + distances * cos, height / 2 - distances * sin
+    x, y = to_page(distances * cos, distances * sin, size)
     # The browser draws all lines of about one opacity as one stroke, which does not add up.
     opacity = MOST_OPAQUE * np.sqrt(cloud[:, -1])
     return np.column_stack(
@@ -114,10 +115,9 @@ def _lines(
 
 def _to_page(points: FloatArray, size: tuple[int, int]) -> list[float]:
     """Turn points (N, 2) of the image frame into x, y, x, y ... from the upper left corner."""
-    x = size[0] / 2 + points[:, 0]
-    y = size[1] / 2 - points[:, 1]
     limit = 20.0 * max(size)
-    page = np.clip(np.column_stack((x, y)), -limit, limit)
+    places = to_page(points[:, 0], points[:, 1], size)
+    page = np.clip(np.column_stack(places), -limit, limit)
     return [round(number, 2) for number in page.ravel().tolist()]
 
 
@@ -164,7 +164,7 @@ def target_particles(cloud: FloatArray, size: tuple[int, int]) -> FloatArray:
     """
     width, height = size
     arm = CROSS_SHARE * width
-    x, y = width / 2 + cloud[:, 0], height / 2 - cloud[:, 1]
+    x, y = to_page(cloud[:, 0], cloud[:, 1], size)
     inside = (x > -arm) & (x < width + arm) & (y > -arm) & (y < height + arm)
     x, y, opacity = x[inside], y[inside], MOST_OPAQUE * np.sqrt(cloud[inside, -1])
     across = np.column_stack((x - arm, y, x + arm, y, opacity))

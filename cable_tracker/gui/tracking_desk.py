@@ -21,6 +21,7 @@ from cable_tracker.gui.subject import CABLE, TARGET
 from cable_tracker.target.model.estimate import Box
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.image_frame import from_page
 from cable_tracker.tracking.parameter_table import ParameterSet, ParameterValue
 
 Point = tuple[float, float]
@@ -135,7 +136,7 @@ def drawn_state(start: Point, end: Point, width: float, size: tuple[int, int]) -
     size : (int, int)
         Width and height of the picture [px].
     """
-    x, y = start[0] - size[0] / 2, size[1] / 2 - start[1]
+    x, y = from_page(*start, size)
     along_x, along_y = end[0] - start[0], start[1] - end[1]
     angle = np.arctan2(-along_x, along_y)
     values = np.zeros(STATE_SIZE)

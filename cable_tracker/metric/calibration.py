@@ -15,10 +15,10 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.model.geometry import image_to_pixel
 from cable_tracker.errors import MetricError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.tracking.image_frame import image_to_pixel, pixel_to_image, to_image
 
 UNDISTORTION_STEPS = 100
 UNDISTORTION_PRECISION = 1e-12
@@ -133,14 +133,9 @@ class CameraModel:
 
     @property
     def image_matrix(self) -> FloatArray:
-        """The camera matrix of a pinhole for the image frame, shape (3, 3) [px].
-
-        It takes the optical frame to the frame of the filters: origin at the image centre, y up.
-        """
-        (width, height), (fx, fy), (cx, cy) = self.image_size, self.focal, self.centre
-        return np.array(
-            [[fx, 0.0, cx - (width - 1) / 2], [0.0, -fy, (height - 1) / 2 - cy], [0.0, 0.0, 1.0]]
-        )
+        """What takes the optical frame to the image frame, without the lens, shape (3, 3) [px]."""
+        (fx, fy), (x, y) = self.focal, to_image(*self.centre, self.image_size)
+        return np.array([[fx, 0.0, x], [0.0, -fy, y], [0.0, 0.0, 1.0]])
 
     def rays(self, points: FloatArray) -> FloatArray:
         """Return the lines of sight of points of the image frame.
@@ -181,9 +176,7 @@ class CameraModel:
 
         In the image frame. NaN behind the camera.
         """
-        width, height = self.image_size
-        pixels = self._pixels(directions.reshape(-1, 3))
-        points = np.column_stack((pixels[:, 0] - (width - 1) / 2, (height - 1) / 2 - pixels[:, 1]))
+        points = pixel_to_image(self._pixels(directions.reshape(-1, 3)), self.image_size)
         return np.asarray(points.reshape(*directions.shape[:-1], 2))
 
     def _straightened(self, pixels: FloatArray) -> FloatArray:

@@ -19,8 +19,8 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image
-from cable_tracker.cable.model.geometry import image_to_pixel
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+from cable_tracker.tracking.image_frame import image_to_pixel, pixel_to_image
 
 MOST_CORNERS, FEWEST_CORNERS = 60, 12
 """Corners looked for, and how many it takes for a judgement."""
@@ -139,8 +139,7 @@ def _corners(picture: Image, mapping: FloatArray) -> tuple[FloatArray, FloatArra
         return np.empty((0, 2)), np.empty((0, 2))
     starts = found.reshape(-1, 2).astype(np.float64)
     size = (picture.shape[1], picture.shape[0])
-    middle = image_to_pixel(np.zeros((1, 2)), size)
-    points = np.column_stack((starts - middle, np.ones(len(starts)))) * [1.0, -1.0, 1.0]
+    points = np.column_stack((pixel_to_image(starts, size), np.ones(len(starts))))
     mapped = points @ mapping.T
     with np.errstate(divide="ignore", invalid="ignore"):
         predicted = image_to_pixel(mapped[:, :2] / mapped[:, 2:], size)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.tracking.image_frame import to_image
 
 NEAREST = 0.02
 """Nothing closer to the camera's plane than this is projected [m]."""
@@ -140,11 +141,12 @@ class Camera:
             Float32, shape (3, H, W), with z = -1.
         """
         width, height = self.image_size
-        columns, rows = np.meshgrid(
-            np.arange(width, dtype=np.float64) - (width - 1) / 2,
-            (height - 1) / 2 - np.arange(height, dtype=np.float64),
+        x, y = to_image(
+            np.arange(width, dtype=np.float64),
+            np.arange(height, dtype=np.float64),
+            self.image_size,
         )
-        plane = np.stack((columns, rows), axis=-1) / self.focal
+        plane = np.stack(np.meshgrid(x, y), axis=-1) / self.focal
         if self.is_distorted:
             plane = self._undistort(plane)
         directions = (plane[..., 0], plane[..., 1], -np.ones((height, width)))

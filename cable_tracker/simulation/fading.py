@@ -9,6 +9,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.simulation.texture import smooth_step
 from cable_tracker.simulation.worlds.strip import pixel_grid, view_strip
+from cable_tracker.tracking.image_frame import image_centre
 
 FAINTEST = 0.1
 """Smallest share of its contrast that a faded cable keeps."""
@@ -70,11 +71,11 @@ def faded(picture: Image, cable: CableState, share: float) -> Image:
 
 def _looked_up(values: Image, cable: CableState, across: Image, along: Image) -> Image:
     """Return the picture at places across and along a cable, from its foot point [px]."""
-    height, width = values.shape
+    column, row = image_centre((values.shape[1], values.shape[0]))
     cos, sin = np.float32(np.cos(cable.angle)), np.float32(np.sin(cable.angle))
     across = across + np.float32(cable.distance)
-    columns = across * cos - along * sin + np.float32((width - 1) / 2)
-    rows = np.float32((height - 1) / 2) - across * sin - along * cos
+    columns = across * cos - along * sin + np.float32(column)
+    rows = np.float32(row) - across * sin - along * cos
     found = [
         cv2.remap(
             values,

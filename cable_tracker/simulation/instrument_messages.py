@@ -20,6 +20,7 @@ from cable_tracker.simulation.instruments import (
     OdometryReading,
 )
 from cable_tracker.simulation.vehicle import Motion
+from cable_tracker.tracking.image_frame import image_centre
 
 ODOM, BASE, CAMERA, ALTIMETER = "odom", "base_link", "camera", "altimeter"
 """Frames; "camera" is an optical frame."""
@@ -34,7 +35,7 @@ STATUS_FIX, SERVICE_GPS, COVARIANCE_KNOWN = 0, 1, 3
 def make_camera_info(factory: MessageFactory, header: Message, camera: Camera) -> Message:
     """Pack the calibration of a simulated camera as CameraInfo."""
     width, height = camera.image_size
-    focal, column, row = camera.focal, (width - 1) / 2, (height - 1) / 2
+    focal, (column, row) = camera.focal, image_centre(camera.image_size)
     return factory.make(
         "sensor_msgs/msg/CameraInfo",
         header=header,

@@ -9,6 +9,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.look import Lamp, Water
+from cable_tracker.tracking.image_frame import to_pixel
 
 REFERENCE_RANGE = 1.2
 """A lamp of strength 1 lights the bottom with 1 at this distance [m]."""
@@ -182,7 +183,7 @@ class Snow:
         radii = sharp + scale * 0.35 * np.maximum(1 / depth - 1.5, 0.0)
         tones = np.minimum(self.tones[near] / (0.35 + depth**2), 0.9) * (sharp / radii) ** 1.2
         layer = np.zeros((height, width), dtype=np.float32)
-        columns, rows = points[:, 0] + (width - 1) / 2, (height - 1) / 2 - points[:, 1]
+        columns, rows = to_pixel(points[:, 0], points[:, 1], camera.image_size)
         for column, row, radius, tone in zip(columns, rows, radii, tones, strict=True):
             if -20 < column < width + 20 and -20 < row < height + 20:
                 _draw_flake(layer, float(column), float(row), float(radius), float(tone))

@@ -16,6 +16,7 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.geometry import segment_inside
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.survey.frame_table import PROFILE_BINS
+from cable_tracker.tracking.image_frame import image_to_pixel
 
 COLUMNS, ROWS_PER_BIN = 48, 4
 """Size of the straightened cable [px]; its borders lie at a quarter and three quarters."""
@@ -148,7 +149,7 @@ def _straightened(
         half = max(state.width / 2 - place * math.tan(state.skew), 1.0)
         foot = state.distance * normal + place * along
         corners += [foot - half * normal, foot + half * normal]
-    points = np.array(corners) * [1.0, -1.0] + [(width - 1) / 2, (height - 1) / 2]
+    points = image_to_pixel(np.array(corners), (width, height))
     rows = PROFILE_BINS * ROWS_PER_BIN
     left, right = LEFT + margin, RIGHT + margin
     ends = np.array([[left, 0], [right, 0], [left, rows - 1], [right, rows - 1]])

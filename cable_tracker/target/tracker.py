@@ -25,6 +25,7 @@ from cable_tracker.target.model.state import STATE_SIZE, in_frame_pixels
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.poses.pose_filter import PoseFilter
 from cable_tracker.target.thesis.blob_filter import BlobFilter
+from cable_tracker.tracking.image_frame import to_pixel
 from cable_tracker.tracking.status import StatusMachine, TrackingStatus
 from cable_tracker.tracking.succession import FrameMark, succession
 
@@ -274,8 +275,8 @@ class TargetTracker:
 def _covers_any(mask: BoolArray, others: FloatArray) -> bool:
     """Tell whether a mask (H, W) holds the centre of one of the poses (K, 6)."""
     height, width = mask.shape
-    columns = np.rint((width - 1) / 2 + others[:, 0]).astype(int)
-    rows = np.rint((height - 1) / 2 - others[:, 1]).astype(int)
+    places = to_pixel(others[:, 0], others[:, 1], (width, height))
+    columns, rows = (np.rint(each).astype(int) for each in places)
     inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
     return bool(mask[rows[inside], columns[inside]].any())
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.estimate import Hypothesis
-from cable_tracker.cable.model.geometry import image_to_pixel, points_on_lines
+from cable_tracker.cable.model.geometry import points_on_lines
 from cable_tracker.cable.model.segments import (
     Segment,
     band_about,
@@ -19,6 +19,7 @@ from cable_tracker.cable.model.segments import (
 )
 from cable_tracker.cable.model.state import STATE_SIZE, CableState, StateColumn
 from cable_tracker.errors import FrameError
+from cable_tracker.tracking.image_frame import image_to_pixel
 from cable_tracker.visualisation.palette import (
     ESTIMATE,
     HYPOTHESES,

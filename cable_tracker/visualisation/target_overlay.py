@@ -7,6 +7,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.target.model.estimate import TargetEstimate
+from cable_tracker.tracking.image_frame import to_pixel
 from cable_tracker.tracking.status import TrackingStatus
 from cable_tracker.visualisation.palette import status_colour, to_bgr
 
@@ -44,8 +45,8 @@ def draw_target(
     colour = to_bgr(status_colour(estimate.status.value))
     if particles is not None:
         for x, y in particles[:, :2]:
-            place = (round((width - 1) / 2 + float(x)), round((height - 1) / 2 - float(y)))
-            cv2.circle(canvas, place, thick, to_bgr(PARTICLE), -1)
+            column, row = to_pixel(float(x), float(y), (width, height))
+            cv2.circle(canvas, (round(column), round(row)), thick, to_bgr(PARTICLE), -1)
     claimed = estimate.status is TrackingStatus.TRACKING
     if claimed and len(estimate.outline):
         # The outline counts from the corner of the picture, OpenCV from the centre of a pixel.

@@ -1,13 +1,11 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.model.geometry import image_to_pixel
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.detection.search_region import SearchRegion, pixel_to_image, scaled_state
+from cable_tracker.detection.search_region import SearchRegion, scaled_state
 
 UPRIGHT = SearchRegion(CableState(10.0, 0.0, 30.0), distance=5.0, angle=0.1, width=6.0)
 
@@ -59,16 +57,3 @@ def test_scaling_leaves_the_angle_alone():
     assert scaled == SearchRegion(CableState(2.5, 0.0, 7.5), 1.25, 0.1, 1.5)
     moving = scaled_state(CableState(8.0, 0.2, 16.0, 0.1, 4.0, 0.3, -12.0, 0.4), 0.25)
     assert moving == CableState(2.0, 0.2, 4.0, 0.1, 1.0, 0.3, -3.0, 0.4)
-
-
-def test_pixels_and_points_are_inverse_to_each_other(rng):
-    points = rng.uniform(-150, 150, (7, 2))
-    size = (321, 240)
-    np.testing.assert_allclose(pixel_to_image(image_to_pixel(points, size), size), points)
-
-
-@pytest.mark.parametrize(
-    ("pixel", "point"), [((0, 0), (-159.5, 119.5)), ((319, 239), (159.5, -119.5))]
-)
-def test_the_corners_of_the_picture(pixel, point):
-    np.testing.assert_allclose(pixel_to_image(np.array(pixel, float), (320, 240)), point)

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.model.geometry import image_to_pixel
 from cable_tracker.metric.calibration import Calibration, CameraModel, camera_for
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.tracking.image_frame import image_to_pixel
 
 SIZE = (320, 240)
 GRID = np.stack(np.meshgrid(np.linspace(-159.5, 159.5, 9), np.linspace(-119.5, 119.5, 7)), -1)

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.cable.model.geometry import image_to_pixel, project_borders, sample_points
+from cable_tracker.cable.model.geometry import project_borders, sample_points
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.simulation.borders import project_tube
 from cable_tracker.simulation.camera import Camera, VehiclePoses
@@ -14,6 +14,7 @@ from cable_tracker.simulation.renderer import Scene, SceneRenderer
 from cable_tracker.simulation.seabed import make_bed, make_cable
 from cable_tracker.simulation.steering import steer
 from cable_tracker.simulation.tube import Tube
+from cable_tracker.tracking.image_frame import image_to_pixel
 
 SIZE = (320, 240)
 CLEAR = Water(absorption=0.02, scatter=0.02, blur=0.6, flakes=0.0)

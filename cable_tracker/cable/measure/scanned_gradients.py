@@ -40,6 +40,7 @@ from cable_tracker.compilation import (
     compiled_fast_part,
     compiled_part,
 )
+from cable_tracker.tracking.image_frame import to_image
 
 NOISE_FLOOR = 0.1
 """Smallest robust scale of a frame [grey levels per px]: below it lies the rounding of pixels."""
@@ -102,8 +103,8 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
     # One kind of array: for bytes, and for frames that cannot be written to, Numba would compile
     # anew.
     pixels, turned = (np.require(each, np.float32, ("C", "W", "A")) for each in (picture, turned))
-    places = (height - 1) / 2 - rows, columns - (width - 1) / 2
-    return ScannedFrame(*_scan_both(pixels, turned, rows, columns, places, kernels))
+    x, y = to_image(columns, rows, (width, height))
+    return ScannedFrame(*_scan_both(pixels, turned, rows, columns, (y, x), kernels))
 
 
 @compiled

@@ -346,12 +346,6 @@ def _limits_inside(
     return low, high
 
 
-def image_to_pixel(points: FloatArray, image_size: tuple[int, int]) -> FloatArray:
-    """Turn points (..., 2) of the image frame into pixel coordinates (column, row from the top)."""
-    width, height = image_size
-    return np.stack(((width - 1) / 2 + points[..., 0], (height - 1) / 2 - points[..., 1]), axis=-1)
-
-
 def image_reach(angles: FloatArray, image_size: tuple[int, int]) -> FloatArray:
     """Return the largest |d| at which lines still meet the image [px], of the angles' shape."""
     width, height = image_size

@@ -26,7 +26,8 @@ from cable_tracker.detection.border_lines import BorderLines, fit_lines
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import EdgePoints, Gradient, gradient_of
 from cable_tracker.detection.line_pairs import pair_lines
-from cable_tracker.detection.search_region import SearchRegion, pixel_to_image
+from cable_tracker.detection.search_region import SearchRegion
+from cable_tracker.tracking.image_frame import pixel_to_image
 
 SIGMA = 2.0
 """Sigma of the Laplacian of Gaussian [px at the reference width]."""

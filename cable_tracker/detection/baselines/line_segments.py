@@ -23,8 +23,9 @@ from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import gradient_of
 from cable_tracker.detection.line_pairs import pair_lines
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
-from cable_tracker.detection.search_region import SearchRegion, pixel_to_image
+from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import ResourceError
+from cable_tracker.tracking.image_frame import pixel_to_image
 
 SIGMA = 1.0
 """Sigma of the smoothing before the gradient is read [px]."""

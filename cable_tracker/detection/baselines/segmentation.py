@@ -26,7 +26,8 @@ from cable_tracker.detection.baselines.segments import Segments, lines_of_segmen
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import Gradient, gradient_of, gradient_ridge
 from cable_tracker.detection.line_pairs import pair_lines
-from cable_tracker.detection.search_region import SearchRegion, pixel_to_image
+from cable_tracker.detection.search_region import SearchRegion
+from cable_tracker.tracking.image_frame import pixel_to_image
 
 SIGMA = 1.5
 """Sigma of the smoothing before the gradient is taken [px at the reference width]."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, IndexArray
-from cable_tracker.cable.model.geometry import image_to_pixel
 from cable_tracker.detection.border_lines import BorderLines, fit_lines
 from cable_tracker.detection.edges import EdgePoints, Gradient
+from cable_tracker.tracking.image_frame import image_to_pixel
 
 SAMPLE_SPACING = 2.0
 """Distance of the points that stand for a segment [px]."""

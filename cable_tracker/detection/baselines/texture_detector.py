@@ -28,7 +28,8 @@ from cable_tracker.detection.border_lines import CONTRAST_CAP
 from cable_tracker.detection.detector import Detection, ReducedImageDetector
 from cable_tracker.detection.edges import EdgePoints, gradient_of, gradient_ridge, magnitude
 from cable_tracker.detection.line_pairs import pair_lines
-from cable_tracker.detection.search_region import SearchRegion, pixel_to_image
+from cable_tracker.detection.search_region import SearchRegion
+from cable_tracker.tracking.image_frame import pixel_to_image
 
 SIGMA = 1.0
 """Sigma of the smoothing before the gradient is taken [px]."""

@@ -21,6 +21,7 @@ from cable_tracker.simulation.scenario import SCENARIO_SIZE, scenario_dive
 from cable_tracker.simulation.scenario_description import SCENARIO_RATE
 from cable_tracker.simulation.scenarios import find_scenario
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.image_frame import image_centre
 
 ODOMETRY_RATE = 50.0
 """Twists per second."""
@@ -83,12 +84,11 @@ def cables_below(dive: Dive, flight: Flight) -> FloatArray:
 
 def calibration_of(camera: Camera) -> Calibration:
     """Return the calibration of a simulated camera."""
-    width, height = camera.image_size
     return Calibration(
         camera.image_size,
         "plumb_bob",
         (camera.focal, camera.focal),
-        ((width - 1) / 2, (height - 1) / 2),
+        image_centre(camera.image_size),
         camera.distortion if camera.is_distorted else (),
     )
 

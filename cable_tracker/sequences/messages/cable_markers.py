@@ -16,6 +16,7 @@ from cable_tracker.sequences.messages.line_markers import (
     make_line_markers,
     sides_of_polygon,
 )
+from cable_tracker.tracking.image_frame import image_centre
 
 
 def make_markers(
@@ -44,5 +45,5 @@ def _ends(segments: list[Segment]) -> FloatArray:
 
 def _pixel_corners(image_size: tuple[int, int]) -> FloatArray:
     """Return the centres of the corner pixels, shape (4, 2) [px]."""
-    x, y = (image_size[0] - 1) / 2, (image_size[1] - 1) / 2
+    x, y = image_centre(image_size)
     return np.array([(-x, -y), (x, -y), (x, y), (-x, y)])

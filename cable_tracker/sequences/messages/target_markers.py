@@ -15,6 +15,7 @@ from cable_tracker.sequences.messages.line_markers import (
     sides_of_polygon,
 )
 from cable_tracker.target.model.estimate import TargetEstimate, box_corners, is_claimed
+from cable_tracker.tracking.image_frame import from_page
 
 
 def make_target_markers(
@@ -39,7 +40,4 @@ def make_target_markers(
 
 def _sides(corners: FloatArray, image_size: tuple[int, int]) -> FloatArray:
     """Return the ends of the sides of a polygon (K, 2) that counts from the top left, (2K, 2)."""
-    width, height = image_size
-    return sides_of_polygon(
-        np.column_stack((corners[:, 0] - width / 2, height / 2 - corners[:, 1]))
-    )
+    return sides_of_polygon(np.column_stack(from_page(corners[:, 0], corners[:, 1], image_size)))

@@ -27,6 +27,7 @@ from cable_tracker.simulation.vehicle import (
     VehicleModel,
     VelocityCommand,
 )
+from cable_tracker.tracking.image_frame import to_pixel
 
 DIAMETER = 0.5
 """Diameter of the float [m]."""
@@ -184,8 +185,7 @@ class ChaseWorld:
         if place[0] > NEAREST and not self.is_hidden:
             ahead, left, up = (float(value) for value in place)
             pose = Pose(
-                (width - 1) / 2 - focal * left / ahead,
-                (height - 1) / 2 - focal * up / ahead,
+                *to_pixel(-focal * left / ahead, focal * up / ahead, (width, height)),
                 focal * DIAMETER / float(np.linalg.norm(place)),
                 -roll,
             )

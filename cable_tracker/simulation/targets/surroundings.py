@@ -10,6 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.simulation.texture import spectral_noise
+from cable_tracker.tracking.image_frame import image_centre
 
 MARGIN = 160
 """Width of the panorama beyond the camera's first view, on each side [px]."""
@@ -44,7 +45,8 @@ class Surroundings:
         `offset` is how far it looks beside its first view [px].
         """
         width, height = size
-        centre = (MARGIN + offset[0] + (width - 1) / 2, MARGIN + offset[1] + (height - 1) / 2)
+        column, row = image_centre(size)
+        centre = (MARGIN + offset[0] + column, MARGIN + offset[1] + row)
         picture = cv2.getRectSubPix(self.panorama, size, centre)
         side = self.glitter.shape[0]
         rows = (np.arange(height) + int(9.0 * time)) % side

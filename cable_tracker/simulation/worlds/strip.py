@@ -8,6 +8,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.state import StateColumn
+from cable_tracker.tracking.image_frame import to_image
 
 LEAST_SCALE = 0.06
 """The ground is not followed farther than to where it is so small, relative to the foot point."""
@@ -35,8 +36,9 @@ class StripView:
 def pixel_grid(image_size: tuple[int, int]) -> tuple[Image, Image]:
     """Return x and y of all pixels in the image frame, float32, shape (H, W) each [px]."""
     width, height = image_size
-    x = np.arange(width, dtype=np.float32) - np.float32((width - 1) / 2)
-    y = np.float32((height - 1) / 2) - np.arange(height, dtype=np.float32)
+    x, y = to_image(
+        np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32), image_size
+    )
     columns, rows = np.meshgrid(x, y)
     return columns, rows
 

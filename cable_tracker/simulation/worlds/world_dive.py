@@ -37,6 +37,7 @@ from cable_tracker.simulation.worlds.strip import (
 )
 from cable_tracker.simulation.worlds.world import World
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.image_frame import to_pixel
 
 ROW = 512
 """Pixels near a cable are gathered into rows of this length."""
@@ -282,8 +283,7 @@ class WorldDive:
             return 0.0
         view = view_strip(state, x, y)
         along = view.v + np.float32(self._travel[index] / self._unit)
-        columns = np.rint(x + (self._size[0] - 1) / 2).astype(np.intp)
-        rows = np.rint((self._size[1] - 1) / 2 - y).astype(np.intp)
+        columns, rows = (np.rint(each).astype(np.intp) for each in to_pixel(x, y, self._size))
         clear = 1 - self._fog(view.radius)
         step = np.abs(self._cable.contrast(along)) * clear
         seen = step >= LEAST_STEP

@@ -15,6 +15,7 @@ from cable_tracker.contour.shape_prior import log_odds
 from cable_tracker.contour.switching import FEWEST
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.model.template import SIDE, UNIT, Template
+from cable_tracker.tracking.image_frame import to_pixel
 
 MARGIN = 1.4
 """The window reaches this much farther than the template."""
@@ -76,8 +77,7 @@ def window_about(state: FloatArray, template: Template, shape: tuple[int, ...]) 
     """Return the window about a pose; None where it lies beyond the picture."""
     height, width = shape
     reach = MARGIN * template.reach * template.size * math.exp(state[PoseColumn.LOG_SCALE]) + 2.0
-    column = (width - 1) / 2 + state[PoseColumn.X]
-    row = (height - 1) / 2 - state[PoseColumn.Y]
+    column, row = to_pixel(state[PoseColumn.X], state[PoseColumn.Y], (width, height))
     left, right = max(int(column - reach), 0), min(int(column + reach) + 2, width)
     top, bottom = max(int(row - reach), 0), min(int(row + reach) + 2, height)
     if right - left < 3 or bottom - top < 3:
@@ -117,11 +117,12 @@ def find_outline(
         return None
     left, top, right, bottom = window
     height, width = ratios.shape
+    column, row = to_pixel(state[PoseColumn.X], state[PoseColumn.Y], (width, height))
     size = template.size * math.exp(state[PoseColumn.LOG_SCALE])
     distances = distances_at(
         template.distances,
-        (width - 1) / 2 + state[PoseColumn.X] - left,
-        (height - 1) / 2 - state[PoseColumn.Y] - top,
+        column - left,
+        row - top,
         size,
         state[PoseColumn.ANGLE],
         bottom - top,

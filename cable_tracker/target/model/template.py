@@ -12,6 +12,7 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.compilation import compiled
 from cable_tracker.contour.shape_prior import signed_distances
 from cable_tracker.errors import FrameError
+from cable_tracker.tracking.image_frame import to_image
 
 SIDE = 97
 """Rows and columns of the map of distances; odd, the origin is in the middle."""
@@ -59,7 +60,7 @@ class Template:
     def extent(self, angle: float) -> tuple[float, float]:
         """Return the half width and half height of the turned shape, in units."""
         rows, columns = np.nonzero(self.distances < 0.0)
-        x, y = (columns - (SIDE - 1) / 2) / UNIT, ((SIDE - 1) / 2 - rows) / UNIT
+        x, y = (each / UNIT for each in to_image(columns, rows, (SIDE, SIDE)))
         across = math.cos(angle) * x - math.sin(angle) * y
         up = math.sin(angle) * x + math.cos(angle) * y
         half = 0.5 / UNIT
@@ -100,7 +101,7 @@ def centroid(mask: BoolArray) -> tuple[float, float]:
     """Return x and y of a mask's centre, from the image centre, y up [px]."""
     height, width = mask.shape
     rows, columns = np.nonzero(mask)
-    return float(columns.mean() - (width - 1) / 2), float((height - 1) / 2 - rows.mean())
+    return to_image(float(columns.mean()), float(rows.mean()), (width, height))
 
 
 def distances_about(

@@ -18,7 +18,7 @@ from cable_tracker.target.measure.outline import Outline, find_outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.births import Births
 from cable_tracker.target.model.state import PoseColumn
-from cable_tracker.target.model.template import Template, distances_about, make_template
+from cable_tracker.target.model.template import Template, centroid, distances_about, make_template
 from cable_tracker.target.parameters.parameters import TargetParameters
 
 FIRST_LIKENESS, FIRST_GREY_LIKENESS = UsualScore(0.8, 0.01), UsualScore(0.95, 0.0025)
@@ -236,13 +236,9 @@ def _reshaped(
     template: Template, outline: Outline, angle: float, parameters: TargetParameters
 ) -> Template:
     """Return the template moved towards the contour, both about their centroids."""
-    rows, columns = np.nonzero(outline.mask)
-    left, top, right, bottom = outline.window
-    centre = (
-        float(columns.mean()) - (right - left - 1) / 2,
-        (bottom - top - 1) / 2 - float(rows.mean()),
+    distances = distances_about(
+        outline.mask, centroid(outline.mask), math.sqrt(outline.area), angle
     )
-    distances = distances_about(outline.mask, centre, math.sqrt(outline.area), angle)
     share = 1.0 - (1.0 - parameters.shape_rate) ** RESHAPED_EVERY
     blended = (1.0 - share) * template.distances + share * distances
     return make_template(blended.astype(np.float32), template.size, parameters.template_points)

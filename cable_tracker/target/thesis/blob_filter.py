@@ -33,6 +33,7 @@ from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.thesis.border_model import BorderModel
 from cable_tracker.target.thesis.horizon import horizon_weights
 from cable_tracker.target.thesis.weights import blob_weights
+from cable_tracker.tracking.image_frame import image_centre, to_pixel
 from cable_tracker.tracking.parameter_table import REFERENCE_RATE, REFERENCE_WIDTH
 
 MARGIN = 0.5
@@ -295,9 +296,9 @@ def _cut_about(mask: BoolArray) -> BoolArray:
 
 def _corner(state: FloatArray, mask: BoolArray, shape: tuple[int, ...]) -> tuple[int, int]:
     """Return the column and row of a window's first pixel."""
-    column = (shape[1] - 1) / 2 + float(state[0]) - (mask.shape[1] - 1) / 2
-    row = (shape[0] - 1) / 2 - float(state[1]) - (mask.shape[0] - 1) / 2
-    return round(column), round(row)
+    column, row = to_pixel(float(state[0]), float(state[1]), (shape[1], shape[0]))
+    middle_column, middle_row = image_centre((mask.shape[1], mask.shape[0]))
+    return round(column - middle_column), round(row - middle_row)
 
 
 def _corners(states: FloatArray, mask: BoolArray, frame: WorkingFrame) -> list[tuple[int, int]]:

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from cable_tracker.cable.model.geometry import (
     Borders,
     foot_point,
-    image_to_pixel,
     lengths_inside,
     points_on_lines,
     project_borders,
@@ -228,13 +227,6 @@ def test_the_length_inside_is_that_of_the_clipped_line(angle, offset):
 def test_the_foot_point_is_the_nearest_to_the_centre():
     assert foot_point(-10.0, np.pi / 2) == pytest.approx((0.0, -10.0), abs=1e-9)
     assert foot_point(10.0, np.pi / 6) == pytest.approx((8.660254, 5.0))
-
-
-def test_pixel_coordinates_count_from_the_centre_of_the_top_left_pixel():
-    points = np.array([[0.0, 0.0], [-159.5, 119.5], [159.5, -119.5]])
-    np.testing.assert_allclose(
-        image_to_pixel(points, SIZE), [[159.5, 119.5], [0.0, 0.0], [319.0, 239.0]]
-    )
 
 
 @pytest.mark.parametrize("turns", range(-3, 4))
