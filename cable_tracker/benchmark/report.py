@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from cable_tracker.atomic_output import write_bytes
 from cable_tracker.benchmark.footage import RENDERED_SIZE
 from cable_tracker.benchmark.goals import Goal, goals_of
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
@@ -14,7 +15,6 @@ from cable_tracker.benchmark.statistics import Percentiles, Quartiles
 from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
 from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
-from cable_tracker.visualisation.files import write_bytes
 
 BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 """First and last line of the part of a page that a benchmark writes."""

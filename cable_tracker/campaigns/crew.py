@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
 import pickle
 import shutil
 from collections.abc import Callable, Iterator, Sequence
@@ -19,6 +18,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from cable_tracker import __version__
+from cable_tracker.atomic_output import atomic_file
 from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import ParameterError, ResourceError, write_failure
 from cable_tracker.libraries import one_thread
@@ -150,13 +150,11 @@ def do_and_keep(work: Work[Result], advance: Callable[[], None], store: Path | N
 
 
 def _keep(path: Path, result: object) -> None:
-    partial = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_bytes(pickle.dumps(result))
-        partial.replace(path)
+        with atomic_file(path, by_many=True) as part:
+            part.write_bytes(pickle.dumps(result))
     except OSError as error:
-        partial.unlink(missing_ok=True)
         with suppress(OSError):  # Results of other tasks stay, for a campaign that goes on.
             path.parent.rmdir()
         raise write_failure(path.parent, error) from error

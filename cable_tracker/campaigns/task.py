@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Protocol
 
-from cable_tracker.errors import write_failure
+from cable_tracker.atomic_output import output_file
 
 MARKER = "task.json"
 """Lies in the folder of a task that is done, and says of what."""
@@ -110,16 +109,8 @@ def do(task: Task, root: Path, version: str, advance: Callable[[int], None]) -> 
     OutputError
         The results cannot be written.
     """
-    folder, partial = root / task.name, root / f".{task.name}.partial"
     marker = _marker(task.fingerprint(), version)
-    try:
-        shutil.rmtree(partial, ignore_errors=True)
-        partial.mkdir(parents=True)
-        task.run(partial, advance)
-        (partial / MARKER).write_text(json.dumps(marker), encoding="utf-8")
-        shutil.rmtree(folder, ignore_errors=True)
-        partial.rename(folder)
-    except OSError as error:
-        raise write_failure(folder, error) from error
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
+    with output_file(root / task.name, lambda _earlier: True, overwrite=True) as folder:
+        folder.mkdir()
+        task.run(folder, advance)
+        (folder / MARKER).write_text(json.dumps(marker), encoding="utf-8")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rich.table import Table
 
+from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.crew import ClusterSettings, move_store, stored_beside
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.terminal import advance, console, progress_bar
@@ -23,7 +24,6 @@ from cable_tracker.evaluation.report import (
     write_report,
 )
 from cable_tracker.evaluation.tables import CSV_FILES
-from cable_tracker.sequences.output_folder import output_folder
 
 TITLE = "How well the cable is followed"
 

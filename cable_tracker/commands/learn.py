@@ -10,6 +10,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from cable_tracker.atomic_output import output_file
 from cable_tracker.cable.measure.learning import ResponseCounts
 from cable_tracker.cable.measure.response_table import is_table
 from cable_tracker.commands.learning_sources import (
@@ -35,7 +36,6 @@ from cable_tracker.commands.options import (
 from cable_tracker.commands.terminal import console, counted, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import ParameterError
-from cable_tracker.sequences.output_folder import output_file
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.simulation.scenarios import SCENARIOS
 from cable_tracker.tracking.parameter_files import read_parameter_file

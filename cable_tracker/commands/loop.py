@@ -14,6 +14,7 @@ import typer
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.crew import ClusterSettings, stored_beside
 from cable_tracker.campaigns.task import MARKER
 from cable_tracker.commands.campaign_options import (
@@ -42,7 +43,6 @@ from cable_tracker.evaluation.closed_loop.loop_campaign import (
 )
 from cable_tracker.evaluation.closed_loop.loop_table import GOAL, LoopSummary
 from cable_tracker.evaluation.methods import BASELINES, METHODS
-from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.live_world import LiveSettings
 from cable_tracker.trackers import PROPOSERS
 from cable_tracker.tracking.parameter_files import read_parameter_file

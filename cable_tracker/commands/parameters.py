@@ -10,6 +10,7 @@ import typer
 from rich.padding import Padding
 from rich.text import Text
 
+from cable_tracker.atomic_output import output_file
 from cable_tracker.cable.parameters.parameters import (
     PARAMETER_TABLE,
     ParameterSpec,
@@ -19,7 +20,6 @@ from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.options import ForceOption, PresetName
 from cable_tracker.commands.terminal import console
 from cable_tracker.errors import ParameterError
-from cable_tracker.sequences.output_folder import output_file
 from cable_tracker.tracking.parameter_files import (
     format_parameter_file,
     read_parameter_file,

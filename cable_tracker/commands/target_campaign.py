@@ -10,6 +10,7 @@ from pathlib import Path
 
 import cv2
 
+from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.crew import ClusterSettings, move_store, run_all, stored_beside
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.target import NODE, chosen_target
@@ -23,7 +24,6 @@ from cable_tracker.evaluation.targets.comparison import (
 )
 from cable_tracker.evaluation.targets.peers import MISSING_PEERS, PEERS
 from cable_tracker.evaluation.targets.target_sequences import SimulatedTarget, TargetSequence
-from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.tracking.parameter_files import read_parameter_file

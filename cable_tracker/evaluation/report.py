@@ -10,6 +10,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from cable_tracker.atomic_output import write_bytes
 from cable_tracker.evaluation.figures import as_svg, calibration_figure, loss_figure, trace_figure
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, MetricSpec, metric_spread
 from cable_tracker.evaluation.metrics.returns import CLEARLY_BACK, RETURN_SECONDS
@@ -24,7 +25,6 @@ from cable_tracker.evaluation.tables import (
     runs_csv,
     sequences_of,
 )
-from cable_tracker.visualisation.files import write_bytes
 
 REPORT = "report.html"
 TEMPLATE = "report.html.j2"

@@ -12,9 +12,9 @@ from typing import Literal, Protocol, Self
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 
+from cable_tracker.atomic_output import PartialOutput
 from cable_tracker.errors import OutputError, write_failure
 from cable_tracker.sequences.bag_storage import METADATA
-from cable_tracker.sequences.output_folder import PartialOutput
 from cable_tracker.sequences.typestores import typestore
 
 __all__ = ["BagWriter", "typestore"]

@@ -8,11 +8,11 @@ from pathlib import Path
 import cv2
 
 from cable_tracker.arrays import Image, eight_bits
+from cable_tracker.atomic_output import output_folder
 from cable_tracker.errors import OutputError
 from cable_tracker.libraries import refusals_as
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
-from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.sequences.sequence_file import Label, write_labels
 
 SEQUENCE_NAME = "sequence.txt"

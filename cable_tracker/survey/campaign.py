@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from cable_tracker.atomic_output import atomic_file
 from cable_tracker.campaigns.crew import ClusterSettings
 from cable_tracker.campaigns.runner import run_campaign
 from cable_tracker.campaigns.stopping import saying_what_stays
@@ -178,34 +178,17 @@ def _write_all(
     parts = [output / RECORDINGS / dive.name / FRAMES for dive in dives]
     (output / FRAMES).unlink(missing_ok=True)
     if parts:
-        with whole(output / FRAMES) as partial:
-            join_frames(parts, partial)
+        with atomic_file(output / FRAMES) as part:
+            join_frames(parts, part)
     return (*merged, *apart)
 
 
 def _write_map(output: Path, survey: SurveyMap, rows: Sequence[RecordingRow]) -> None:
     for name, write in WRITERS.items():
-        with whole(output / name) as partial:
-            write(partial, survey)
-    with whole(output / REPORT) as partial:
-        write_report(partial, survey, rows, "Cable survey")
-
-
-@contextmanager
-def whole(path: Path) -> Iterator[Path]:
-    """Give a file beside one to be written, which takes its place when it is complete.
-
-    If it cannot be written nothing is left of it, and what was there before stays.
-    """
-    partial = path.with_name(f".{path.name}")
-    try:
-        yield partial
-        if partial.exists():  # A survey without a frame has no table of them.
-            partial.replace(path)
-    finally:
-        # A database may leave a journal beside it.
-        for left in path.parent.glob(f"{partial.name}*"):
-            left.unlink(missing_ok=True)
+        with atomic_file(output / name) as part:
+            write(part, survey)
+    with atomic_file(output / REPORT) as part:
+        write_report(part, survey, rows, "Cable survey")
 
 
 def _names(routes: Sequence[MergedRoute]) -> tuple[str, ...]:

@@ -16,12 +16,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.atomic_output import write_bytes
 from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.visualisation.files import write_bytes
 from cable_tracker.visualisation.palette import ESTIMATE, TRUTH, Colour, status_colour, to_unit
 
 LARGEST_COUNT = 10_000

@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.atomic_output import AtomicFile
 from cable_tracker.errors import OutputError, write_failure
-from cable_tracker.visualisation.files import temporary_path
 
 if TYPE_CHECKING:
     from av.container import OutputContainer
@@ -77,7 +77,7 @@ class VideoWriter:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._part = temporary_path(path)
+        self._file = AtomicFile(path)
         self._container: OutputContainer | None = None
         self._stream: VideoStream | None = None
         self._av: Any = None
@@ -98,9 +98,9 @@ class VideoWriter:
             ) from error
         self._av = av
         try:
-            self._part.touch()
+            self._file.part.touch()
             self._container = av.open(
-                str(self._part), mode="w", format="webm", options=CONTAINER_OPTIONS
+                str(self._file.part), mode="w", format="webm", options=CONTAINER_OPTIONS
             )
         except (OSError, av.error.FFmpegError) as error:
             with contextlib.suppress(OutputError):
@@ -206,7 +206,7 @@ class VideoWriter:
             self._container.mux(self._stream.encode(None))
             self._container.close()
             self._container = None
-            self._part.replace(self._path)
+            self._file.commit()
         except (OSError, self._av.error.FFmpegError) as error:
             raise write_failure(self._path, error) from error
         finally:
@@ -220,6 +220,6 @@ class VideoWriter:
                 if container is not None:
                     container.close()
             finally:
-                self._part.unlink(missing_ok=True)
+                self._file.discard()
         except (OSError, self._av.error.FFmpegError) as error:
             raise write_failure(self._path, error) from error

@@ -8,7 +8,6 @@ import pytest
 import shapely
 from survey_dives import Plan, make_dive
 
-from cable_tracker.survey.campaign import whole
 from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.merging import merge
 from cable_tracker.survey.outputs.frames import join_frames, write_frames
@@ -111,17 +110,6 @@ def test_frames_of_several_dives_are_one_table(tmp_path):
     assert table.schema.field("smoothed_aside").metadata == {b"unit": b"m"}
     aside, smoothed = (np.array(table[name].to_pylist(), float) for name in ("x", "smoothed_aside"))
     assert np.isfinite(aside).all() and np.isfinite(smoothed).mean() > 0.9
-
-
-def test_a_file_that_cannot_be_written_leaves_the_one_before_and_nothing_half_written(tmp_path):
-    path = tmp_path / "route.gpkg"
-    path.write_text("before")
-    with pytest.raises(OSError, match="full"), whole(path) as partial:
-        partial.write_text("half")
-        partial.with_name(f"{partial.name}-journal").write_text("half")
-        raise OSError("the disk is full")
-    assert [each.name for each in tmp_path.iterdir()] == ["route.gpkg"]
-    assert path.read_text() == "before"
 
 
 def test_a_geopackage_that_cannot_be_written_is_an_error_of_the_system(tmp_path):

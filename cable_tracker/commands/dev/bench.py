@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from cable_tracker.atomic_output import output_file
 from cable_tracker.benchmark.footage import RENDERED_SIZE, footage
 from cable_tracker.benchmark.growth import fit_growth
 from cable_tracker.benchmark.node_timing import NodeTiming
@@ -31,7 +32,6 @@ from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable
-from cable_tracker.sequences.output_folder import output_file
 
 PLANS = {False: FULL, True: QUICK}
 """Plans by whether the benchmark is to be quick."""

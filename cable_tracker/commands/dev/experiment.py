@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.crew import move_store, stored_beside
 from cable_tracker.commands.campaign_options import (
     MEMORY,
@@ -38,7 +39,6 @@ from cable_tracker.evaluation.experiments.experiment_result import (
 )
 from cable_tracker.evaluation.experiments.roc_experiment import RocExperiment
 from cable_tracker.evaluation.experiments.thesis_experiments import EXPERIMENTS, Experiment
-from cable_tracker.sequences.output_folder import output_folder
 
 
 def experiment(  # noqa: PLR0917

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from cable_tracker.atomic_output import output_file
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.ros_part import need_ros
@@ -17,7 +18,6 @@ from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.terminal import console, progress_bar
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.output_folder import output_file
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 from cable_tracker.simulation.targets.sequence import simulate_target
 

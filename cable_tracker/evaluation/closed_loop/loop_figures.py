@@ -13,9 +13,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.atomic_output import write_bytes
 from cable_tracker.evaluation.closed_loop.loop_table import Burial, LoopRow
 from cable_tracker.metric.frames import rotation_in_plane
-from cable_tracker.visualisation.files import write_bytes
 from cable_tracker.visualisation.palette import (
     AMBER,
     BLACK,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from cable_tracker.atomic_output import write_bytes
 from cable_tracker.sequences.csv_text import csv_text
-from cable_tracker.visualisation.files import write_bytes
 
 TABLE_CSV, TABLE_MARKDOWN = "table.csv", "table.md"
 

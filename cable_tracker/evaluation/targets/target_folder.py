@@ -13,6 +13,7 @@ from typing import Self
 import cv2
 
 from cable_tracker.arrays import Image
+from cable_tracker.atomic_output import output_folder
 from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.targets.target_table import (
     ESTIMATES,
@@ -23,7 +24,6 @@ from cable_tracker.evaluation.targets.target_table import (
 )
 from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessages
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.video import VideoWriter
 

@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import Self
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.atomic_output import PartialOutput, holds
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError, write_failure
@@ -18,7 +19,6 @@ from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessage
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.output_folder import PartialOutput, holds
 from cable_tracker.sequences.stored_rows import StoredRows
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.drawing_thread import DrawingThread

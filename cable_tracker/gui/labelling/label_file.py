@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import csv
 import hashlib
-import os
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from cable_tracker.atomic_output import atomic_file
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import OutputError, RecordingError, one_line, write_failure
 from cable_tracker.gui.labelling.labels import (
@@ -193,7 +192,7 @@ def format_label_file(
 
 
 def write_atomically(path: Path, text: str, *, waits: bool = True) -> None:
-    """Write a file under another name and move it into place when it is complete.
+    """Write a text file with the permissions of an earlier one; see `atomic_file`.
 
     Parameters
     ----------
@@ -210,19 +209,10 @@ def write_atomically(path: Path, text: str, *, waits: bool = True) -> None:
         It cannot be written; what lay there is as it was.
     """
     target = path.resolve()
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        with part.open("w", encoding="utf-8", newline="") as file:
-            file.write(text)
-            if waits:
-                file.flush()
-                os.fsync(file.fileno())
+    with atomic_file(target, by_many=True, waits=waits) as part:
+        part.write_text(text, encoding="utf-8", newline="")
         if target.exists():
             part.chmod(target.stat().st_mode & 0o7777)
-        part.replace(target)
-    finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
 
 
 def digest(path: Path) -> str | None:

@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from cable_tracker.atomic_output import output_folder
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.targets.chase_table import (
     PLOT,
@@ -32,7 +33,6 @@ from cable_tracker.ros.process.node_group import NodeGroup
 from cable_tracker.ros.rigs.chase_recorder import ChaseRecorder, record_to_the_end
 from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED
 from cable_tracker.sequences.node_topics import CLOCK
-from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseWorld, shown_size
 from cable_tracker.tracking.parameter_table import ParameterValue
 from cable_tracker.visualisation.video import VideoWriter

@@ -14,6 +14,7 @@ import numpy as np
 from rclpy.executors import SingleThreadedExecutor
 
 from cable_tracker.arrays import Image
+from cable_tracker.atomic_output import output_folder
 from cable_tracker.cable.parameters.parameters import ParameterValue
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.closed_loop.loop_figures import MapPanel, plot_errors, plot_way
@@ -43,7 +44,6 @@ from cable_tracker.ros.rigs.loop_recorder import LoopRecorder, SeenFrame
 from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
 from cable_tracker.sequences.node_topics import CLOCK
-from cable_tracker.sequences.output_folder import output_folder
 from cable_tracker.simulation.dive import CABLE_RADIUS
 from cable_tracker.simulation.live_world import MOUNTING, LiveSettings, cable_course
 from cable_tracker.simulation.tube import SETTLED

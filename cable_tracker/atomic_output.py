@@ -1,11 +1,16 @@
-"""Write a folder or a file in such a way that nothing half-written ever looks complete."""
+"""Write a folder or a file in such a way that nothing half-written ever looks complete.
+
+`PartialOutput` is for what a user names, a folder or a file, which must not replace anything else;
+`AtomicFile` for single files inside, and for those that are written again and again.
+"""
 
 from __future__ import annotations
 
+import glob
 import os
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from cable_tracker.errors import OutputError, write_failure
@@ -162,3 +167,98 @@ def output_file(path: Path, is_ours: Callable[[Path], bool], *, overwrite: bool)
         raise write_failure(path, error) from error
     finally:
         partial.discard()
+
+
+class AtomicFile:
+    """A file that is written under another name and takes its place when it is complete.
+
+    Parameters
+    ----------
+    path : Path
+        Where it is to lie; an earlier file is replaced.
+    by_many : bool
+        Whether several processes may write it at the same time.
+
+    Attributes
+    ----------
+    part : Path
+        Where to write until then: hidden, in the same folder, of the same suffix.
+    """
+
+    def __init__(self, path: Path, *, by_many: bool = False) -> None:
+        self._path = path
+        number = f".{os.getpid()}" if by_many else ""
+        self.part = path.with_name(f".{path.stem}{number}.part{path.suffix}")
+
+    def commit(self, *, waits: bool = False) -> None:
+        """Move it into place.
+
+        Parameters
+        ----------
+        waits : bool
+            Whether to wait until it is on the disk, not only in its cache.
+
+        Raises
+        ------
+        OSError
+            It cannot be moved; what lay there is as it was.
+        """
+        if waits:
+            _write_through(self.part)
+        self.part.replace(self._path)
+
+    def discard(self) -> None:
+        """Remove what is left of it, and the journal that a database leaves beside it.
+
+        Raises
+        ------
+        OSError
+            It cannot be removed.
+        """
+        for left in self.part.parent.glob(f"{glob.escape(self.part.name)}*"):
+            left.unlink(missing_ok=True)
+
+
+@contextmanager
+def atomic_file(path: Path, *, by_many: bool = False, waits: bool = False) -> Iterator[Path]:
+    """Give the name of a file to write, which takes its place when the context ends well.
+
+    Otherwise nothing is left of it, and what lay there is as it was; so it is where nothing was
+    written.
+
+    Parameters
+    ----------
+    path, by_many
+        See `AtomicFile`.
+    waits : bool
+        Whether to wait until it is on the disk, not only in its cache.
+
+    Raises
+    ------
+    OSError
+        It cannot be written.
+    """
+    file = AtomicFile(path, by_many=by_many)
+    try:
+        yield file.part
+        if file.part.exists():
+            file.commit(waits=waits)
+    finally:
+        # Why it could not be written says more than why its rest cannot be removed.
+        with suppress(OSError):
+            file.discard()
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file of a result, in place of an earlier one.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written; nothing is left behind.
+    """
+    try:
+        with atomic_file(path) as part:
+            part.write_bytes(content)
+    except OSError as error:
+        raise write_failure(path, error) from error

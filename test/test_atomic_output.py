@@ -1,0 +1,161 @@
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from cable_tracker.atomic_output import (
+    AtomicFile,
+    PartialOutput,
+    atomic_file,
+    output_folder,
+    write_bytes,
+)
+from cable_tracker.errors import OutputError
+
+
+def always(_path: Path) -> bool:
+    return True
+
+
+def test_a_committed_folder_lies_in_place(tmp_path):
+    folder = PartialOutput(tmp_path / "out", overwrite=False, is_ours=always)
+    folder.content.mkdir()
+    (folder.content / "a").touch()
+    folder.commit()
+    assert [path.name for path in tmp_path.rglob("*")] == ["out", "a"]
+
+
+def test_what_lay_there_comes_back_when_the_move_fails(tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "old").touch()
+    folder = PartialOutput(tmp_path / "out", overwrite=True, is_ours=always)
+    with pytest.raises(OutputError, match="out"):
+        folder.commit()
+    assert [path.name for path in tmp_path.rglob("*")] == ["out", "old"]
+
+
+def test_a_link_is_replaced_not_followed(tmp_path):
+    (tmp_path / "target").mkdir()
+    (tmp_path / "target" / "kept").touch()
+    (tmp_path / "out").symlink_to(tmp_path / "target")
+    folder = PartialOutput(tmp_path / "out", overwrite=True, is_ours=always)
+    folder.content.mkdir()
+    folder.commit()
+    assert not (tmp_path / "out").is_symlink()
+    assert (tmp_path / "target" / "kept").exists()
+
+
+def test_discarding_leaves_nothing(tmp_path):
+    folder = PartialOutput(tmp_path / "out", overwrite=False, is_ours=always)
+    folder.content.mkdir()
+    folder.discard()
+    assert list(tmp_path.iterdir()) == []
+
+
+def fill(path, text="1", overwrite=False):
+    with output_folder(path, "mark", overwrite=overwrite) as folder:
+        (folder / "mark").write_text(text)
+
+
+def test_the_folder_appears_when_all_went_well(tmp_path):
+    with output_folder(tmp_path / "out", "mark", overwrite=False) as folder:
+        (folder / "mark").write_text("x")
+        assert not (tmp_path / "out").exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_nothing_is_left_after_a_failure(tmp_path):
+    with pytest.raises(RuntimeError), output_folder(tmp_path / "out", "mark", overwrite=False):
+        raise RuntimeError
+    assert not any(tmp_path.iterdir())
+
+
+def test_an_earlier_folder_is_replaced_only_when_told(tmp_path):
+    fill(tmp_path / "out")
+    with pytest.raises(OutputError, match="exists already"):
+        fill(tmp_path / "out", "2")
+    fill(tmp_path / "out", "2", overwrite=True)
+    assert (tmp_path / "out" / "mark").read_text() == "2"
+
+
+def test_a_folder_of_another_kind_is_never_replaced(tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "photographs").write_text("dear")
+    with pytest.raises(OutputError, match="is no earlier output of this kind"):
+        fill(tmp_path / "out", overwrite=True)
+    assert (tmp_path / "out" / "photographs").read_text() == "dear"
+
+
+def test_a_file_that_cannot_be_written_leaves_the_one_before_and_nothing_half_written(tmp_path):
+    path = tmp_path / "route.gpkg"
+    path.write_text("before")
+    with pytest.raises(OSError, match="full"), atomic_file(path) as part:
+        part.write_text("half")
+        part.with_name(f"{part.name}-journal").write_text("half")
+        raise OSError("the disk is full")
+    assert [each.name for each in tmp_path.iterdir()] == ["route.gpkg"]
+    assert path.read_text() == "before"
+
+
+def test_a_file_takes_its_place_when_it_is_complete(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("before")
+    with atomic_file(path, waits=True) as part:
+        part.write_text("after")
+        assert path.read_text() == "before"
+        assert part.name.startswith(".") and part.suffix == ".txt"
+    assert path.read_text() == "after"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_where_nothing_was_written_what_lay_there_stays(tmp_path):
+    (tmp_path / "a.txt").write_text("before")
+    with atomic_file(tmp_path / "a.txt"):
+        pass
+    assert (tmp_path / "a.txt").read_text() == "before"
+
+
+def test_each_process_has_a_part_of_its_own_where_several_write(tmp_path):
+    one, many = (AtomicFile(tmp_path / "a.txt", by_many=each).part for each in (False, True))
+    assert str(os.getpid()) not in one.name
+    assert str(os.getpid()) in many.name
+
+
+def test_only_what_is_left_of_the_own_part_is_removed(tmp_path):
+    for name in ("a[1].txt", ".a1.part.txt", ".a[1].part.txt-journal"):
+        (tmp_path / name).touch()
+    AtomicFile(tmp_path / "a[1].txt").discard()
+    assert {each.name for each in tmp_path.iterdir()} == {"a[1].txt", ".a1.part.txt"}
+
+
+def test_the_content_is_written_and_nothing_else(tmp_path):
+    write_bytes(tmp_path / "a.bin", b"abc")
+    assert (tmp_path / "a.bin").read_bytes() == b"abc"
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_an_existing_file_is_replaced(tmp_path):
+    (tmp_path / "a.bin").write_bytes(b"a longer content")
+    write_bytes(tmp_path / "a.bin", b"abc")
+    assert (tmp_path / "a.bin").read_bytes() == b"abc"
+
+
+def test_a_missing_folder_is_reported(tmp_path):
+    with pytest.raises(OutputError, match=r"a\.bin: cannot be written") as caught:
+        write_bytes(tmp_path / "missing" / "a.bin", b"abc")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_instead_of_a_folder_is_reported(tmp_path):
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(OutputError, match=r"a\.bin: cannot be written"):
+        write_bytes(tmp_path / "file" / "a.bin", b"abc")
+
+
+def test_a_folder_in_its_place_is_reported_and_nothing_left(tmp_path):
+    (tmp_path / "a.bin").mkdir()
+    with pytest.raises(OutputError, match=r"a\.bin: cannot be written"):
+        write_bytes(tmp_path / "a.bin", b"abc")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.bin"]
