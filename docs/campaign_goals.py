@@ -21,9 +21,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cable_tracker import __version__
-from cable_tracker.campaigns.crew import ClusterSettings
+from cable_tracker.campaigns.folder_tasks import TaskState, run_in_folder
 from cable_tracker.campaigns.runner import run_campaign
-from cable_tracker.campaigns.task import TaskState, do
+from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveySettings as Simulated
 from cable_tracker.survey.campaign import SurveyTask
@@ -132,10 +132,10 @@ def _tasks(folder: Path, count: int, length: float) -> list[TimedTask]:
 def _seconds_alone(tasks: Sequence[TimedTask], root: Path) -> tuple[float, float]:
     """Return time and processor time of a task in this process [s], once machine code is loaded."""
     root.mkdir(parents=True)
-    do(tasks[0], root, __version__, lambda count: None)
+    run_in_folder(tasks[0], root, __version__, lambda count: None)
     begin, processor = time.perf_counter(), time.process_time()
     for task in tasks:
-        do(task, root, __version__, lambda count: None)
+        run_in_folder(task, root, __version__, lambda count: None)
     seconds, processor = time.perf_counter() - begin, time.process_time() - processor
     return seconds / len(tasks), processor / len(tasks)
 

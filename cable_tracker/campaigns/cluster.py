@@ -12,7 +12,7 @@ import dask
 from distributed import Client, LocalCluster
 
 from cable_tracker import __version__
-from cable_tracker.campaigns.crew import DASHBOARD, ClusterSettings
+from cable_tracker.campaigns.settings import DASHBOARD, ClusterSettings
 from cable_tracker.errors import ParameterError, one_line
 
 CONNECT_TIMEOUT = 60.0

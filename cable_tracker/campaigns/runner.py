@@ -1,4 +1,4 @@
-"""Run the tasks of a campaign; what fails is a row like any other."""
+"""Run the tasks of a campaign, on a cluster of Dask where there is more than one worker."""
 
 from __future__ import annotations
 
@@ -15,8 +15,15 @@ from distributed.scheduler import KilledWorker
 
 from cable_tracker import __version__
 from cable_tracker.campaigns.cluster import connected
-from cable_tracker.campaigns.crew import ClusterSettings, Crew, Work, do_and_keep
-from cable_tracker.campaigns.task import Outcome, Task, TaskState, do, is_done
+from cable_tracker.campaigns.folder_tasks import (
+    FolderTask,
+    Outcome,
+    TaskState,
+    is_done,
+    run_in_folder,
+)
+from cable_tracker.campaigns.result_tasks import ResultTask, run_and_keep
+from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.errors import CableTrackerError, ParameterError, write_failure
 from cable_tracker.libraries import one_thread
 
@@ -50,14 +57,14 @@ class _Teller:
         self._count, self._last = 0, time.monotonic()
 
 
-def _do_in_worker(task: Task, number: int, root: str, version: str) -> tuple[str, int]:
+def _folder_in_worker(task: FolderTask, number: int, root: str, version: str) -> tuple[str, int]:
     """Do a task in a worker; return why it failed, or an empty text, and how many frames it had."""
     if version != __version__:
         return _other_version(version), 0
     cv2.setNumThreads(1)
     teller = _Teller(number)
     try:
-        do(task, Path(root), version, teller)
+        run_in_folder(task, Path(root), version, teller)
     except CableTrackerError as error:
         return str(error), teller.total
     return "", teller.total
@@ -71,7 +78,7 @@ def _other_version(version: str) -> str:
 
 
 def run_campaign(
-    tasks: Sequence[Task],
+    tasks: Sequence[FolderTask],
     root: Path,
     settings: ClusterSettings,
     *,
@@ -79,11 +86,11 @@ def run_campaign(
     advance: Callable[[int], None] = lambda count: None,
     finished: Callable[[Outcome], None] = lambda outcome: None,
 ) -> list[Outcome]:
-    """Run tasks, each of which leaves a folder with its name.
+    """Run tasks, each of which leaves a folder with its name; one that fails ends no other.
 
     Parameters
     ----------
-    tasks : sequence of Task
+    tasks : sequence of FolderTask
         What to do.
     root : Path
         Where their folders go; with workers on other machines, on a disk that all of them share.
@@ -138,10 +145,10 @@ def run_campaign(
     return [outcomes[name] for name in names]
 
 
-def _do_here(task: Task, root: Path, advance: Callable[[int], None]) -> Outcome:
+def _do_here(task: FolderTask, root: Path, advance: Callable[[int], None]) -> Outcome:
     try:
         with one_thread():
-            do(task, root, __version__, advance)
+            run_in_folder(task, root, __version__, advance)
     except CableTrackerError as error:
         return Outcome(task.name, TaskState.FAILED, str(error))
     return Outcome(task.name, TaskState.DONE)
@@ -149,7 +156,7 @@ def _do_here(task: Task, root: Path, advance: Callable[[int], None]) -> Outcome:
 
 def _run_on(
     client: Client,
-    tasks: Sequence[Task],
+    tasks: Sequence[FolderTask],
     root: Path,
     tell: tuple[Callable[[int], None], Callable[[Outcome], None]],
 ) -> None:
@@ -158,7 +165,7 @@ def _run_on(
     client.subscribe_topic(PROGRESS, lambda event: progress.tell(*event[1]))
     place = str(root.resolve())
     futures = {
-        client.submit(_do_in_worker, task, number, place, __version__, pure=False): number
+        client.submit(_folder_in_worker, task, number, place, __version__, pure=False): number
         for number, task in enumerate(tasks)
     }
     try:
@@ -187,21 +194,21 @@ def _outcome(future: Any, name: str, root: Path) -> tuple[Outcome, int]:  # noqa
     return Outcome(name, TaskState.FAILED if reason else TaskState.DONE, reason), total
 
 
-def _work_in_worker(
-    work: Work[Result], number: int, version: str, store: Path | None
+def _result_in_worker(
+    task: ResultTask[Result], number: int, version: str, store: Path | None
 ) -> tuple[Result, int]:
-    """Do some work in a worker; return its result, and how many frames it had."""
+    """Do a task in a worker; return its result, and how many frames it had."""
     if version != __version__:
         raise ParameterError(_other_version(version))
     teller = _Teller(number)
-    result = do_and_keep(work, teller, store)
+    result = run_and_keep(task, teller, store)
     return result, teller.total
 
 
 class _Progress:
-    """What has been told of each work; what comes after its end is known already.
+    """What has been told of each task; what comes after its end is known already.
 
-    Works tell in a thread of the client, and their end comes in another.
+    Tasks tell in a thread of the client, and their end comes in another.
     """
 
     def __init__(self, advance: Callable[[int], None]) -> None:
@@ -211,33 +218,35 @@ class _Progress:
         self._lock = threading.Lock()
 
     def tell(self, number: int, count: int) -> None:
-        """Count frames of a work that goes on."""
+        """Count frames of a task that goes on."""
         with self._lock:
             if number not in self._ended:
                 self._told[number] = self._told.get(number, 0) + count
                 self._advance(count)
 
     def end(self, number: int, total: int) -> None:
-        """Count the rest of a work."""
+        """Count the rest of a task."""
         with self._lock:
             self._ended.add(number)
-            # A work that was begun again, after its worker was killed, has told too much.
+            # A task that was begun again, after its worker was killed, has told too much.
             self._advance(total - self._told.get(number, 0))
 
 
 def run_on_cluster(
-    works: Sequence[Work[Result]], crew: Crew, advance: Callable[[int], None]
+    tasks: Sequence[ResultTask[Result]],
+    settings: CampaignSettings,
+    advance: Callable[[int], None],
 ) -> list[Result]:
-    """Do all of some work on a cluster; see `crew.run_all`."""
+    """Run tasks whose results come back; see `result_tasks.run_all`."""
     progress = _Progress(advance)
     results: dict[int, Result] = {}
-    with connected(crew.settings) as client:
+    with connected(settings.cluster) as client:
         client.subscribe_topic(PROGRESS, lambda event: progress.tell(*event[1]))
         numbers = {
             client.submit(
-                _work_in_worker, work, number, __version__, crew.store, pure=False
+                _result_in_worker, task, number, __version__, settings.store, pure=False
             ): number
-            for number, work in enumerate(works)
+            for number, task in enumerate(tasks)
         }
         try:
             for future in as_completed(numbers):
@@ -248,7 +257,7 @@ def run_on_cluster(
         finally:
             client.cancel(list(numbers))
             client.unsubscribe_topic(PROGRESS)
-    return [results[number] for number in range(len(works))]
+    return [results[number] for number in range(len(tasks))]
 
 
 def _raise_what_stopped(error: BaseException | None) -> None:

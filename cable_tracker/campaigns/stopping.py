@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from cable_tracker.campaigns.task import MARKER
+from cable_tracker.campaigns.folder_tasks import MARKER
 
 
 def finished_tasks(place: Path) -> int:

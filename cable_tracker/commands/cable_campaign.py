@@ -9,7 +9,8 @@ from pathlib import Path
 from rich.table import Table
 
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.campaigns.crew import ClusterSettings, move_store, stored_beside
+from cable_tracker.campaigns.result_store import move_store, stored_beside
+from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters, given_values
@@ -86,13 +87,13 @@ def evaluate_cables(
     total = campaign.frame_count()
     with (
         output_folder(output, REPORT, overwrite=force or resume) as folder,
-        stored_beside(output, cluster, resume=resume) as crew,
+        stored_beside(output, cluster, resume=resume) as settings,
     ):
         with progress_bar("evaluating", total) as progress:
             results = run_campaign(
-                campaign, workers=crew, advance=lambda count: advance(progress, count)
+                campaign, workers=settings, advance=lambda count: advance(progress, count)
             )
-        move_store(crew, folder)
+        move_store(settings, folder)
         with progress_bar("writing the report", None):
             write_report(
                 folder,

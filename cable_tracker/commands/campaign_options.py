@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.campaigns.crew import DASHBOARD, ClusterSettings
+from cable_tracker.campaigns.settings import DASHBOARD, ClusterSettings
 from cable_tracker.commands.terminal import messages
 from cable_tracker.errors import ParameterError
 

@@ -15,8 +15,9 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.campaigns.crew import ClusterSettings, stored_beside
-from cable_tracker.campaigns.task import MARKER
+from cable_tracker.campaigns.folder_tasks import MARKER
+from cable_tracker.campaigns.result_store import stored_beside
+from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.campaign_options import (
     MEMORY,
     DashboardOption,
@@ -188,20 +189,20 @@ def _run_several(
 ) -> None:
     with (
         output_folder(path, RUNS, overwrite=force or resume) as folder,
-        stored_beside(path, cluster, resume=resume) as crew,
+        stored_beside(path, cluster, resume=resume) as settings,
     ):
-        assert crew.store is not None
+        assert settings.store is not None
         if resume and path.is_dir():
             for run in (marker.parent for marker in path.glob(f"*/{MARKER}")):
-                shutil.copytree(run, crew.store / run.name, dirs_exist_ok=True)
+                shutil.copytree(run, settings.store / run.name, dirs_exist_ok=True)
         with progress_bar("runs", len(campaign.cases())) as progress:
             outcomes = run_loops(
-                campaign, crew.store, lambda: advance(progress), cluster=cluster, resume=resume
+                campaign, settings.store, lambda: advance(progress), cluster=cluster, resume=resume
             )
         # The folders of the runs stand beside the tables.
-        for run in crew.store.iterdir():
+        for run in settings.store.iterdir():
             shutil.move(run, folder / run.name)
-        crew.store.rmdir()
+        settings.store.rmdir()
         totals = totals_by_method(outcomes)
         write_runs(folder / RUNS, outcomes)
         write_methods(folder / METHODS_TABLE, totals)

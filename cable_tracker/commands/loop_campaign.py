@@ -16,8 +16,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from cable_tracker.campaigns.crew import ClusterSettings, needing_dask
-from cable_tracker.campaigns.task import Outcome, TaskState
+from cable_tracker.campaigns.folder_tasks import Outcome, TaskState
+from cable_tracker.campaigns.result_tasks import needing_dask
+from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.errors import RecordingError, RosError
 from cable_tracker.evaluation.closed_loop.loop_campaign import LoopOutcome
 from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, read_summary

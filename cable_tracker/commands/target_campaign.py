@@ -11,7 +11,9 @@ from pathlib import Path
 import cv2
 
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.campaigns.crew import ClusterSettings, move_store, run_all, stored_beside
+from cable_tracker.campaigns.result_store import move_store, stored_beside
+from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.target import NODE, chosen_target
 from cable_tracker.commands.terminal import advance, console, messages, progress_bar
@@ -128,11 +130,11 @@ def evaluate_targets(
     ]
     with (
         output_folder(output, TABLE_MARKDOWN, overwrite=force or resume) as folder,
-        stored_beside(output, cluster, resume=resume) as crew,
+        stored_beside(output, cluster, resume=resume) as settings,
     ):
         with progress_bar("following", None if None in counts else total) as progress:
-            parts = run_all(tasks, workers=crew, advance=lambda count: advance(progress, count))
-        move_store(crew, folder)
+            parts = run_all(tasks, workers=settings, advance=lambda count: advance(progress, count))
+        move_store(settings, folder)
         results = [each for part in parts for each in part]
         note = f"`{typed_command()}` on {date.today().isoformat()}, {machine()}. {missing}".rstrip()
         table = markdown_table(results, campaign.methods, note)

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from cable_tracker.campaigns.crew import Workers, run_all
-from cable_tracker.campaigns.task import fingerprint_of_files
+from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
+from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.campaigns.settings import Workers
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.judged_sequences import JudgedSequence
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
@@ -123,8 +124,8 @@ def run_campaign(
     ----------
     campaign : Campaign
         What to run.
-    workers : int or Crew
-        Number of processes, or a crew; with 1, everything happens in this process.
+    workers : int or CampaignSettings
+        Number of processes, or all settings; with 1, everything happens in this process.
     advance : callable
         Told now and then how many more frames are done.
 

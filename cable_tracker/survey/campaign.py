@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cable_tracker.atomic_output import atomic_file
-from cable_tracker.campaigns.crew import ClusterSettings
+from cable_tracker.campaigns.folder_tasks import Outcome, TaskState, fingerprint_of_files
 from cable_tracker.campaigns.runner import run_campaign
+from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
-from cable_tracker.campaigns.task import Outcome, TaskState, fingerprint_of_files
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.merging import MergedRoute, merge

@@ -66,7 +66,7 @@ class KillsItsWorkerOnce(Square):
 
 
 @dataclass(frozen=True)
-class Work:
+class SquareResult:
     """Gives a small result back."""
 
     number: int

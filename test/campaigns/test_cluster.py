@@ -14,7 +14,7 @@ from cable_tracker.campaigns.cluster import (  # noqa: E402
     connected,
     worker_environment,
 )
-from cable_tracker.campaigns.crew import ClusterSettings  # noqa: E402
+from cable_tracker.campaigns.settings import ClusterSettings  # noqa: E402
 
 
 def test_workers_that_are_started_here_keep_freed_memory():

@@ -14,12 +14,13 @@ import pytest
 pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("default")
 
-from campaign_tasks import Failing, KillsItsWorkerOnce, Square, Work  # noqa: E402
+from campaign_tasks import Failing, KillsItsWorkerOnce, Square, SquareResult  # noqa: E402
 from distributed import Client, LocalCluster  # noqa: E402
 
-from cable_tracker.campaigns.crew import ClusterSettings, Crew, run_all  # noqa: E402
+from cable_tracker.campaigns.folder_tasks import TaskState, fingerprint_of_files  # noqa: E402
+from cable_tracker.campaigns.result_tasks import run_all  # noqa: E402
 from cable_tracker.campaigns.runner import _Progress, run_campaign  # noqa: E402
-from cable_tracker.campaigns.task import TaskState, fingerprint_of_files  # noqa: E402
+from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings  # noqa: E402
 from cable_tracker.errors import ParameterError, RecordingError  # noqa: E402
 
 HERE = Path(__file__).parent
@@ -110,12 +111,18 @@ def test_the_end_of_a_task_in_the_midst_of_its_telling_counts_no_frame_twice():
 
 
 def test_results_that_are_sent_back_come_in_order(both):
-    assert run_all([Work(n) for n in range(5)], workers=Crew(both)) == [0, 1, 4, 9, 16]
+    assert run_all([SquareResult(n) for n in range(5)], workers=CampaignSettings(both)) == [
+        0,
+        1,
+        4,
+        9,
+        16,
+    ]
 
 
-def test_the_first_error_ends_work_that_is_sent_back(both):
+def test_the_first_error_ends_tasks_whose_results_are_sent_back(both):
     with pytest.raises(RecordingError, match="a negative number"):
-        run_all([Work(1), Work(-1)], workers=Crew(both))
+        run_all([SquareResult(1), SquareResult(-1)], workers=CampaignSettings(both))
 
 
 def test_resuming_does_only_what_is_missing_or_has_changed(tmp_path):
@@ -136,7 +143,7 @@ def test_what_a_killed_client_left_is_kept(cluster, tmp_path):
     program = (
         "from pathlib import Path\n"
         "from campaign_tasks import Square, Waiting\n"
-        "from cable_tracker.campaigns.crew import ClusterSettings\n"
+        "from cable_tracker.campaigns.settings import ClusterSettings\n"
         "from cable_tracker.campaigns.runner import run_campaign\n"
         f"settings = ClusterSettings(scheduler={cluster.scheduler_address!r})\n"
         f"late = [Waiting(n, until={str(tmp_path / 'end')!r}) for n in (2, 3)]\n"

@@ -1,8 +1,10 @@
 import pytest
 from campaign_tasks import Square
 
-from cable_tracker.campaigns.crew import ClusterSettings, run_all, stored_beside
+from cable_tracker.campaigns.result_store import stored_beside
+from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.runner import run_campaign
+from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.campaigns.stopping import finished_tasks, saying_what_stays
 from cable_tracker.errors import ParameterError
 
@@ -16,7 +18,7 @@ class Stopping(Square):
         raise Signal
 
 
-class StoppingWork:
+class StoppingTask:
     def run(self, advance):
         raise Signal
 
@@ -43,9 +45,9 @@ def test_results_in_a_store_are_kept_too(tmp_path):
     output = tmp_path / "tables"
     with (
         pytest.raises(Signal) as stopped,
-        stored_beside(output, ClusterSettings(), resume=False) as crew,
+        stored_beside(output, ClusterSettings(), resume=False) as settings,
     ):
-        run_all([Three(), StoppingWork()], workers=crew)
+        run_all([Three(), StoppingTask()], workers=settings)
     assert notes_of(stopped).startswith("1 finished task is kept in ")
 
 

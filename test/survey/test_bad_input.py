@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from rewriting import rewritten, shift
 
-from cable_tracker.campaigns.crew import ClusterSettings
-from cable_tracker.campaigns.task import TaskState
+from cable_tracker.campaigns.folder_tasks import TaskState
+from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.errors import OutputError, ParameterError
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveySettings as Simulated

@@ -1,7 +1,7 @@
 import pytest
 
-from cable_tracker.campaigns.crew import ClusterSettings
-from cable_tracker.campaigns.task import TaskState
+from cable_tracker.campaigns.folder_tasks import TaskState
+from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveySettings as Simulated
 from cable_tracker.survey.campaign import run_survey

@@ -11,7 +11,7 @@ import typer
 from rich.table import Table
 
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.campaigns.crew import move_store, stored_beside
+from cable_tracker.campaigns.result_store import move_store, stored_beside
 from cable_tracker.commands.campaign_options import (
     MEMORY,
     DashboardOption,
@@ -84,11 +84,11 @@ def experiment(  # noqa: PLR0917
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
     with (
         output_folder(path, TABLE_MARKDOWN, overwrite=force or resume) as folder,
-        stored_beside(path, cluster, resume=resume) as crew,
+        stored_beside(path, cluster, resume=resume) as settings,
     ):
         with progress_bar(name, chosen.frame_count()) as progress:
-            result = chosen.run(crew, lambda count: advance(progress, count))
-        move_store(crew, folder)
+            result = chosen.run(settings, lambda count: advance(progress, count))
+        move_store(settings, folder)
         write_experiment(folder, result, note)
     _print(result)
     for file_name in result.file_names():

@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from cable_tracker.cable.parameters.parameters import ParameterValue
-from cable_tracker.campaigns.crew import Workers
+from cable_tracker.campaigns.settings import Workers
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.experiments.ablation_rows import (

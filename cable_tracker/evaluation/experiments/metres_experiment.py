@@ -11,7 +11,8 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.cable.model.geometry import wrap_angle
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.campaigns.crew import Workers, run_all
+from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.experiments.aided import AidedFilter
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.experiments.flights import (

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.campaigns.crew import Workers, run_all
+from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.judged_sequences import ScenarioSequence

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from cable_tracker.arrays import BoolArray
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.campaigns.crew import Workers
+from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.experiments.experiment_result import (
     ExperimentResult,

@@ -12,7 +12,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.campaigns.crew import Workers
+from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.coverage_experiment import CoverageExperiment

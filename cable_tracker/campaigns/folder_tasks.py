@@ -1,4 +1,4 @@
-"""Tasks of a campaign, and how it is known whether a task has been done already."""
+"""Tasks whose results are folders, and how it is known whether one has been done already."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MARKER = "task.json"
 """Lies in the folder of a task that is done, and says of what."""
 
 
-class Task(Protocol):
+class FolderTask(Protocol):
     """What one worker does at a time. It is sent to other processes, perhaps on other machines.
 
     Attributes
@@ -85,7 +85,7 @@ def fingerprint_of_files(path: Path) -> str:
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
 
-def is_done(task: Task, folder: Path, version: str) -> bool:
+def is_done(task: FolderTask, folder: Path, version: str) -> bool:
     """Tell whether a folder holds the results of this very task, by this very version."""
     try:
         marker = json.loads((folder / MARKER).read_text(encoding="utf-8"))
@@ -98,7 +98,9 @@ def _marker(fingerprint: str, version: str) -> dict[str, str]:
     return {"fingerprint": fingerprint, "version": version}
 
 
-def do(task: Task, root: Path, version: str, advance: Callable[[int], None]) -> None:
+def run_in_folder(
+    task: FolderTask, root: Path, version: str, advance: Callable[[int], None]
+) -> None:
     """Do a task; its folder appears when it is complete, in place of an earlier one.
 
     The marker tells of the input as it was at the beginning: what was still being written then is

@@ -1,0 +1,119 @@
+"""Results of tasks on the disk, so that a campaign that was ended can go on."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import pickle
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import is_dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from cable_tracker import __version__
+from cable_tracker.atomic_output import atomic_file
+from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
+from cable_tracker.campaigns.stopping import saying_what_stays
+from cable_tracker.errors import write_failure
+
+STORE = "tasks"
+"""Folder with the results of single tasks, in the folder of a campaign."""
+
+ARRAYS = {
+    ("numpy", "ndarray"),
+    ("numpy", "dtype"),
+    ("numpy._core.multiarray", "_reconstruct"),
+    ("numpy.core.multiarray", "_reconstruct"),
+    ("numpy._core.multiarray", "scalar"),
+    ("numpy.core.multiarray", "scalar"),
+    ("numpy._core.numeric", "_frombuffer"),
+    ("numpy.core.numeric", "_frombuffer"),
+}
+"""Classes that stored results may be made of besides those of this package."""
+
+
+def fingerprint_of(task: object) -> str:
+    """Return what stands for a task and this version of the package.
+
+    It is made of `task.fingerprint()`, or of the text that the task is written as.
+    """
+    own = getattr(task, "fingerprint", None)
+    text = own() if own is not None else repr(task)
+    return hashlib.sha256(f"{__version__} {type(task).__qualname__} {text}".encode()).hexdigest()
+
+
+def keep_result(task: object, result: object, store: Path) -> None:
+    """Write the result of a task into a store, which is made if it is not there.
+
+    Raises
+    ------
+    OutputError
+        It cannot be written.
+    """
+    try:
+        store.mkdir(parents=True, exist_ok=True)
+        with atomic_file(store / fingerprint_of(task), by_many=True) as part:
+            part.write_bytes(pickle.dumps(result))
+    except OSError as error:
+        with suppress(OSError):  # Results of other tasks stay, for a campaign that goes on.
+            store.rmdir()
+        raise write_failure(store, error) from error
+
+
+class _Kept(pickle.Unpickler):
+    """Reads results, and nothing that could do anything."""
+
+    def find_class(self, module: str, name: str) -> Any:  # noqa: ANN401
+        # A name with a dot would lead on to whatever a module imports.
+        is_own = module.split(".", maxsplit=1)[0] == "cable_tracker" and "." not in name
+        if is_own or (module, name) in ARRAYS:
+            found = super().find_class(module, name)
+            if not is_own or _is_value_class(found, module):
+                return found
+        raise pickle.UnpicklingError(f"{module}.{name} is no part of a result")
+
+
+def _is_value_class(found: object, module: str) -> bool:
+    """Tell whether this is a class of a module's own that only holds values."""
+    if not isinstance(found, type) or found.__module__ != module:
+        return False
+    is_named_tuple = issubclass(found, tuple) and hasattr(found, "_fields")
+    return is_dataclass(found) or issubclass(found, Enum) or is_named_tuple
+
+
+def kept_result(task: object, store: Path | None) -> tuple[Any] | None:
+    """Return the result of a task that is in a store, alone in a tuple; None: it is not there."""
+    if store is None:
+        return None
+    try:
+        data = (store / fingerprint_of(task)).read_bytes()
+        return (_Kept(io.BytesIO(data)).load(),)
+    # A file that was cut off, or is of another version, raises what it happens to raise.
+    except Exception:  # noqa: BLE001
+        return None
+
+
+@contextmanager
+def stored_beside(
+    output: Path, cluster: ClusterSettings, *, resume: bool
+) -> Iterator[CampaignSettings]:
+    """Give settings with which results lie beside an output folder until that is complete.
+
+    Then `move_store` puts them into it. A campaign that goes on finds them in either place.
+    """
+    store = output.with_name(f"{output.name}.{STORE}")
+    if not resume:
+        shutil.rmtree(store, ignore_errors=True)
+    elif (output / STORE).is_dir():
+        shutil.copytree(output / STORE, store, dirs_exist_ok=True)
+    with saying_what_stays(store):
+        yield CampaignSettings(cluster, store.absolute(), resume)
+
+
+def move_store(settings: CampaignSettings, folder: Path) -> None:
+    """Put the results that were kept into the folder of their campaign, once all is done."""
+    if settings.store is not None and settings.store.is_dir():
+        shutil.move(settings.store, folder / STORE)

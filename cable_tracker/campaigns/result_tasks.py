@@ -1,0 +1,112 @@
+"""Tasks whose results are small and come back to the caller.
+
+They run in this process, in processes of this machine, or on a cluster of Dask.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Protocol, TypeVar
+
+from cable_tracker.campaigns.result_store import keep_result, kept_result
+from cable_tracker.campaigns.settings import Workers, campaign_settings
+from cable_tracker.errors import ResourceError
+from cable_tracker.libraries import one_thread
+
+Result_co = TypeVar("Result_co", covariant=True)
+Result = TypeVar("Result")
+
+
+class ResultTask(Protocol[Result_co]):
+    """What one worker does at a time, and sends back. It is sent to other processes itself."""
+
+    def run(self, advance: Callable[[], None]) -> Result_co:
+        """Do it; `advance` is to be called after each frame."""
+        ...
+
+
+def run_and_keep(
+    task: ResultTask[Result], advance: Callable[[], None], store: Path | None
+) -> Result:
+    """Do a task, and keep its result if there is a store.
+
+    Raises
+    ------
+    OutputError
+        The result cannot be written.
+    """
+    with one_thread():
+        result = task.run(advance)
+    if store is not None:
+        keep_result(task, result, store)
+    return result
+
+
+@contextmanager
+def needing_dask() -> Iterator[None]:
+    """Import what needs Dask, which a system with ROS may lack.
+
+    Raises
+    ------
+    ResourceError
+        It is not installed.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        raise ResourceError(
+            f"several runs at once need Dask (no module {error.name}); run `pip install dask"
+            " distributed`, or give --workers 1"
+        ) from error
+
+
+def run_all(
+    tasks: Sequence[ResultTask[Result]],
+    *,
+    workers: Workers = 1,
+    advance: Callable[[int], None] = lambda count: None,
+) -> list[Result]:
+    """Run tasks, and return their results in order; the first error ends it.
+
+    The results do not depend on the number of workers.
+
+    Parameters
+    ----------
+    tasks : sequence of ResultTask
+        What to do.
+    workers : int or CampaignSettings
+        The number of processes, or all settings.
+    advance : callable
+        Told now and then how many more frames are done; kept results have none.
+
+    Raises
+    ------
+    ParameterError
+        The number of workers is out of range, the cluster cannot be used, or a worker was ended
+        again and again.
+    ResourceError
+        Several workers are wanted, and Dask is not installed.
+    CableTrackerError
+        What stopped the first that failed.
+    """
+    settings = campaign_settings(workers)
+    done: dict[int, Result] = {}
+    if settings.resume:
+        for number, task in enumerate(tasks):
+            kept = kept_result(task, settings.store)
+            if kept is not None:
+                done[number] = kept[0]
+    left = [number for number in range(len(tasks)) if number not in done]
+    if settings.cluster.is_here(len(left)):
+        for number in left:
+            done[number] = run_and_keep(tasks[number], lambda: advance(1), settings.store)
+    elif left:
+        # Dask takes a second to import, which a single process need not wait for.
+        with needing_dask():
+            from cable_tracker.campaigns.runner import run_on_cluster  # noqa: PLC0415
+
+        results = run_on_cluster([tasks[number] for number in left], settings, advance)
+        done.update(zip(left, results, strict=True))
+    return [done[number] for number in range(len(tasks))]

@@ -1,0 +1,84 @@
+"""Where the tasks of a campaign run, and where their results are kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from cable_tracker.errors import ParameterError
+
+LARGEST_WORKER_COUNT = 256
+
+DASHBOARD = "127.0.0.1:8787"
+"""Address at which Dask serves its pages, if it is asked to."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClusterSettings:
+    """Where tasks run.
+
+    Attributes
+    ----------
+    workers : int
+        Processes of a cluster on this machine.
+    scheduler : str or None
+        Address of a running scheduler, as tcp://host:8786; None: a cluster of this machine's own.
+    memory : str
+        Most memory of each worker, as "2 GiB"; it is restarted when it takes more.
+    dashboard : bool
+        Serve Dask's pages at `DASHBOARD`.
+
+    Raises
+    ------
+    ParameterError
+        The number of workers is out of range.
+    """
+
+    workers: int = 1
+    scheduler: str | None = None
+    memory: str = "4 GiB"
+    dashboard: bool = False
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.workers <= LARGEST_WORKER_COUNT:
+            raise ParameterError(f"workers is {self.workers}: give 1 to {LARGEST_WORKER_COUNT}")
+
+    def is_here(self, count: int) -> bool:
+        """Tell whether tasks are done in this process."""
+        return self.scheduler is None and (self.workers == 1 or count <= 1)
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignSettings:
+    """Where tasks run whose results come back, and where these are kept.
+
+    Attributes
+    ----------
+    cluster : ClusterSettings
+        Where they run.
+    store : Path or None
+        Folder for the result of each task; None: they are not kept.
+    resume : bool
+        Take from the store what is there of the same task and version.
+    """
+
+    cluster: ClusterSettings
+    store: Path | None = None
+    resume: bool = False
+
+
+Workers = int | CampaignSettings
+"""Number of worker processes of this machine, or all settings."""
+
+
+def campaign_settings(workers: Workers) -> CampaignSettings:
+    """Return the settings of a campaign; a number is that of its processes on this machine.
+
+    Raises
+    ------
+    ParameterError
+        The number is out of range.
+    """
+    if isinstance(workers, CampaignSettings):
+        return workers
+    return CampaignSettings(ClusterSettings(workers))

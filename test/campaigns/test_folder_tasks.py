@@ -1,0 +1,48 @@
+from __future__ import annotations
+
+import pytest
+from campaign_tasks import Failing, Square
+
+from cable_tracker.campaigns.folder_tasks import (
+    MARKER,
+    fingerprint_of_files,
+    is_done,
+    run_in_folder,
+)
+from cable_tracker.errors import RecordingError
+
+
+def run(task, root):
+    run_in_folder(task, root, "1.0", lambda count: None)
+
+
+def test_the_folder_of_a_task_appears_with_its_marker(tmp_path):
+    run(Square(3), tmp_path / "root")
+    folder = tmp_path / "root" / "number_3"
+    assert {each.name for each in folder.iterdir()} == {"square.txt", MARKER}
+    assert [each.name for each in folder.parent.iterdir()] == ["number_3"]
+
+
+def test_a_folder_is_that_of_a_task_of_the_same_input_and_version(tmp_path):
+    run(Square(3), tmp_path)
+    folder = tmp_path / "number_3"
+    assert is_done(Square(3), folder, "1.0")
+    assert not is_done(Square(3), folder, "1.1")
+    assert not is_done(Square(3, parameter="another"), folder, "1.0")
+    assert not is_done(Square(4), tmp_path / "number_4", "1.0")
+
+
+def test_a_task_that_fails_leaves_what_an_earlier_one_did(tmp_path):
+    run(Square(3), tmp_path)
+    with pytest.raises(RecordingError, match="no frames"):
+        run(Failing(3), tmp_path)
+    assert (tmp_path / "number_3" / "square.txt").read_text() == "9"
+    assert [each.name for each in tmp_path.iterdir()] == ["number_3"]
+
+
+def test_a_file_that_is_written_to_has_another_fingerprint(tmp_path):
+    (tmp_path / "a").write_text("1")
+    before = fingerprint_of_files(tmp_path)
+    assert fingerprint_of_files(tmp_path) == before
+    (tmp_path / "a").write_text("12")
+    assert fingerprint_of_files(tmp_path) != before

@@ -1,0 +1,132 @@
+from __future__ import annotations
+
+import os
+import pickle
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from cable_tracker.campaigns.result_store import (
+    STORE,
+    fingerprint_of,
+    keep_result,
+    kept_result,
+    move_store,
+    stored_beside,
+)
+from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
+from cable_tracker.errors import OutputError
+
+
+@dataclass(frozen=True)
+class Counting:
+    """Notes in a file that it was done."""
+
+    number: int
+    notes: Path
+
+    def run(self, advance):
+        with self.notes.open("a") as notes:
+            notes.write(f"{self.number} ")
+        advance()
+        return self.number
+
+
+def test_resuming_does_what_is_missing_or_has_changed(tmp_path):
+    notes = tmp_path / "notes"
+    settings = CampaignSettings(ClusterSettings(), tmp_path / "store", resume=True)
+    for numbers in ((1, 2), (1, 2, 3)):
+        assert run_all([Counting(n, notes) for n in numbers], workers=settings) == list(numbers)
+    assert notes.read_text() == "1 2 3 "
+
+
+def test_without_resuming_everything_is_done_again(tmp_path):
+    notes = tmp_path / "notes"
+    for _ in range(2):
+        settings = CampaignSettings(ClusterSettings(), tmp_path / "store")
+        run_all([Counting(1, notes)], workers=settings)
+    assert notes.read_text() == "1 1 "
+
+
+def test_a_kept_result_that_was_cut_off_is_done_again(tmp_path):
+    notes, task = tmp_path / "notes", Counting(1, tmp_path / "notes")
+    settings = CampaignSettings(ClusterSettings(), tmp_path / "store", resume=True)
+    run_all([task], workers=settings)
+    kept = tmp_path / "store" / fingerprint_of(task)
+    kept.write_bytes(kept.read_bytes()[:-2])
+    assert run_all([task], workers=settings) == [1]
+    assert notes.read_text() == "1 1 "
+
+
+def test_a_kept_result_runs_no_code(tmp_path):
+    task, victim = Counting(1, tmp_path / "notes"), tmp_path / "victim"
+    store = tmp_path / "store"
+    store.mkdir()
+    attack = pickle.dumps(Attack(victim))
+    (store / fingerprint_of(task)).write_bytes(attack)
+    assert run_all([task], workers=CampaignSettings(ClusterSettings(), store, resume=True)) == [1]
+    assert not victim.exists()
+
+
+def test_a_kept_result_reaches_nothing_that_a_module_imports(tmp_path):
+    task, victim = Counting(1, tmp_path / "notes"), tmp_path / "victim"
+    store = tmp_path / "store"
+    store.mkdir()
+    module = "cable_tracker.ros.process.child_process"
+    attack = (
+        b"\x80\x04" + pickle_text(module) + pickle_text("subprocess.Popen") + b"\x93"
+        b"]" + b"(" + pickle_text("touch") + pickle_text(str(victim)) + b"e\x85R."
+    )
+    (store / fingerprint_of(task)).write_bytes(attack)
+    assert run_all([task], workers=CampaignSettings(ClusterSettings(), store, resume=True)) == [1]
+    assert not victim.exists()
+
+
+def pickle_text(text):
+    return pickle.BINUNICODE + len(text).to_bytes(4, "little") + text.encode()
+
+
+def test_a_result_is_kept_for_its_own_task_only(tmp_path):
+    first, second = (Counting(number, tmp_path / "notes") for number in (1, 2))
+    keep_result(first, {"frames": 3}, tmp_path / "store")
+    assert kept_result(first, tmp_path / "store") == ({"frames": 3},)
+    assert kept_result(second, tmp_path / "store") is None
+    assert kept_result(first, None) is None
+
+
+def test_a_task_may_say_itself_what_stands_for_it(tmp_path):
+    class Named(Counting):
+        def fingerprint(self):
+            return "always the same"
+
+    assert fingerprint_of(Named(1, tmp_path)) == fingerprint_of(Named(2, tmp_path))
+    assert fingerprint_of(Counting(1, tmp_path)) != fingerprint_of(Counting(2, tmp_path))
+
+
+def test_a_result_that_cannot_be_written_is_reported(tmp_path):
+    (tmp_path / "store").touch()
+    with pytest.raises(OutputError, match="store: cannot be written"):
+        keep_result(Counting(1, tmp_path), 1, tmp_path / "store")
+
+
+def test_results_lie_beside_an_output_until_it_is_complete_and_in_it_then(tmp_path):
+    output = tmp_path / "out"
+    task = Counting(1, tmp_path / "notes")
+    with stored_beside(output, ClusterSettings(), resume=False) as settings:
+        run_all([task], workers=settings)
+        assert (tmp_path / f"out.{STORE}").is_dir()
+        output.mkdir()
+        move_store(settings, output)
+    assert (output / STORE / fingerprint_of(task)).is_file()
+    with stored_beside(output, ClusterSettings(), resume=True) as settings:
+        assert kept_result(task, settings.store) == (1,)
+
+
+class Attack:
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return os.mkdir, (str(self.path),)

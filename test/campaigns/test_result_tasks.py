@@ -1,0 +1,58 @@
+"""With several processes: test_runner.py."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+
+import cv2
+import pytest
+
+from cable_tracker.campaigns.result_tasks import run_all
+from cable_tracker.errors import ParameterError, ResourceError
+
+
+@dataclass(frozen=True)
+class Doubling:
+    number: int
+
+    def run(self, advance):
+        advance()
+        return 2 * self.number, cv2.getNumThreads()
+
+
+class Failing:
+    def run(self, advance):
+        raise ParameterError("a task that fails")
+
+
+def test_results_come_in_the_order_of_the_tasks():
+    told = []
+    results = run_all([Doubling(n) for n in range(5)], advance=told.append)
+    # What is measured must not depend on the processors: OpenCV has one.
+    assert results == [(2 * n, 1) for n in range(5)]
+    assert sum(told) == 5
+
+
+def test_opencv_has_its_threads_back():
+    before = cv2.getNumThreads()
+    run_all([Doubling(1)])
+    assert cv2.getNumThreads() == before
+
+
+def test_what_stops_a_task_reaches_the_caller():
+    with pytest.raises(ParameterError, match="a task that fails"):
+        run_all([Failing(), Failing()])
+
+
+@pytest.mark.parametrize("workers", [0, -1, 1000])
+def test_the_number_of_workers_is_checked(workers):
+    with pytest.raises(ParameterError, match=f"workers is {workers}"):
+        run_all([Doubling(1)], workers=workers)
+
+
+def test_several_workers_without_dask_are_refused_with_what_to_do(monkeypatch):
+    monkeypatch.delitem(sys.modules, "cable_tracker.campaigns.runner", raising=False)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ResourceError, match="pip install dask distributed"):
+        run_all([Doubling(1), Doubling(2)], workers=2)
