@@ -50,6 +50,13 @@ def test_up_in_the_image_is_minus_y_of_the_optical_frame(camera_of):
     assert right[0] > 0.3 and up[1] < -0.3
 
 
+def test_without_a_lens_the_image_matrix_projects(camera_of):
+    camera = camera_of(PLAIN)
+    rays = camera.rays(GRID).reshape(-1, 3)
+    seen = rays @ camera.image_matrix.T
+    np.testing.assert_allclose(seen[:, :2] / seen[:, 2:], GRID.reshape(-1, 2), atol=1e-9)
+
+
 def test_a_fisheye_sees_beside_and_behind(camera_of):
     wide = dataclasses.replace(
         PLAIN, model="equidistant", focal=(80.0, 80.0), coefficients=(1e-6, 0.0, 0.0, 0.0)

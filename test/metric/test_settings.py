@@ -9,7 +9,10 @@ from cable_tracker.metric.settings import (
     camera_parameters,
     default_values,
     instrument_settings,
+    mounting_of,
+    target_settings,
 )
+from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 
 angles = st.floats(-math.pi, math.pi)
 
@@ -36,3 +39,11 @@ def test_the_defaults_look_straight_down_without_an_altitude():
     settings = instrument_settings(default_values())
     assert settings.metric.mounting.pitch == math.pi / 2
     assert settings.fixed_altitude == 0.0
+
+
+def test_a_camera_for_targets_looks_ahead_by_default():
+    values = default_values(TARGET_METRIC_PARAMETERS) | {"camera_x": 0.5, "target_size": 0.4}
+    settings = target_settings(values)
+    assert settings.mounting == mounting_of(values)
+    assert (settings.mounting.x, settings.mounting.pitch) == (0.5, 0.0)
+    assert (settings.target_size, settings.uses_motion) == (0.4, True)
