@@ -61,6 +61,13 @@ class Belief:
         """Angle of the leading cluster [rad]: the middle of the chart."""
         return float(self.hypotheses.clusters.means[0, StateColumn.ANGLE])
 
+    def is_known(self, known_after: float) -> bool:
+        """Tell whether the leader was given, or has been clear enough to claim for long enough.
+
+        `known_after`: the parameter of that name [s].
+        """
+        return self.known_time >= known_after
+
     def aged(self, dt: float) -> Belief:
         """Return it with what is remembered of a cable `dt` seconds older."""
         return replace(

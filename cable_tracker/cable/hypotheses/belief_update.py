@@ -46,10 +46,6 @@ class BeliefUpdate:
         self._image_size = image_size
         self._radii = same_hypothesis_radii
 
-    def is_known(self, belief: Belief) -> bool:
-        """Tell whether the leader was given, or has been clear enough to claim for long enough."""
-        return belief.known_time >= self._parameters.known_after
-
     def updated_belief(
         self, before: Belief, found: Conclusion, expected_leader: FloatArray, dt: float
     ) -> Belief:
@@ -70,7 +66,7 @@ class BeliefUpdate:
         presence = probability_of(float(found.log_odds[0]))
         leader = hypotheses.clusters.means[0]
         goes_on = is_same_hypothesis(leader, expected_leader, self._radii)
-        is_known = goes_on and self.is_known(before)
+        is_known = goes_on and before.is_known(self._parameters.known_after)
         is_clear = is_new_clear(
             hypotheses, before.width_prior, self._parameters, self._image_size[0]
         )

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.association import inherited_log_odds
+from cable_tracker.cable.hypotheses.association import continues_known, inherited_log_odds
 from cable_tracker.cable.hypotheses.background import (
     BEST_OF_ANY,
     Background,
@@ -27,7 +27,12 @@ from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs, draw_sample
 from cable_tracker.cable.hypotheses.sample import Sample, importance_log_weights
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
-from cable_tracker.cable.hypotheses.score_likelihood import FrameScores, shown_share
+from cable_tracker.cable.hypotheses.score_likelihood import (
+    KNOWN_MODEL,
+    MODEL,
+    FrameScores,
+    shown_share,
+)
 from cable_tracker.cable.hypotheses.thin_strips import thin_factor
 from cable_tracker.cable.measure.likelihood_ratio import (
     BRIGHT,
@@ -326,5 +331,7 @@ def _log_odds(
             clear.shown[index],
         )
         inherited = inherited_log_odds(prior, means[index], config.same_hypothesis_radii)
-        log_odds[index] = updated_log_odds(inherited, frame_scores, prior)
+        is_known = continues_known(prior, means[index], config.same_hypothesis_radii)
+        model = KNOWN_MODEL if is_known else MODEL
+        log_odds[index] = updated_log_odds(inherited, frame_scores, prior, model)
     return log_odds

@@ -153,7 +153,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             self._refined,
         )
         inputs = self._inputs(belief, prediction, counts, image, detections)
-        config = self._known_config if self._update.is_known(belief) else self._config
+        is_known = belief.is_known(self._parameters.known_after)
+        config = self._known_config if is_known else self._config
         found = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
         if not len(found.hypotheses.clusters.masses):
             # Every particle is impossible.

@@ -112,6 +112,7 @@ class Predictor:
             survival=existence.survived / max(belief.presence, LEAST_PROBABILITY),
             appearance=appearance,
             gain=gain_over(parameters.presence_gain, dt),
+            is_known=belief.is_known(parameters.known_after),
         )
         drifted = self._movement.draw_centres(ancestors.states, dt, self._rng, motion)
         sigmas = self._kernel_sigmas(dt, motion)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.score_likelihood import (
     FrameScores,
+    ScoreModel,
     frame_log_likelihood_ratio,
 )
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE
@@ -38,6 +39,8 @@ class PriorPresence(NamedTuple):
         Probability that a cable in view stays there, and that one appears, before the next frame.
     gain : float
         Share of the frame's log-likelihood ratio that counts for a hypothesis that goes on.
+    is_known : bool
+        Whether the leading one is known: given, or followed for `known_after`.
     """
 
     expected: FloatArray
@@ -45,10 +48,13 @@ class PriorPresence(NamedTuple):
     survival: float
     appearance: float
     gain: float
+    is_known: bool
 
 
 @compiled_loop
-def updated_log_odds(inherited: float, scores: FrameScores, prior: PriorPresence) -> float:
+def updated_log_odds(
+    inherited: float, scores: FrameScores, prior: PriorPresence, model: ScoreModel
+) -> float:
     """Return the log-odds of a hypothesis after a frame.
 
     Parameters
@@ -59,8 +65,10 @@ def updated_log_odds(inherited: float, scores: FrameScores, prior: PriorPresence
         Score, margin and clearness in the frame.
     prior : PriorPresence
         Probabilities of survival and appearance, and gain of the frame.
+    model : ScoreModel
+        Of the scores of such a hypothesis.
     """
-    ratio = frame_log_likelihood_ratio(scores)
+    ratio = frame_log_likelihood_ratio(scores, model)
     if math.isnan(inherited):
         return min(max(NEW_LOG_ODDS + ratio, LOWEST), HIGHEST)
     before = probability_of(inherited)

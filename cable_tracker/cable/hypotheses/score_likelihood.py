@@ -6,6 +6,10 @@ kind [their standard deviations], and of strips like it [nats], see `background`
 cable the best of all strips has a high score; what is compared is the density of the score with a
 cable and without.
 
+A cable that was known before the frame is expected at one place. There the best of many strips is
+no measure: without a cable, what lies there is a strip as any other. So a known cable that is
+faint stays believed, and one that is gone is given up as soon.
+
 The constants were chosen on the simulated worlds to tune on (`tune_*`) and on frames of real sea
 bed without a cable.
 """
@@ -67,9 +71,14 @@ class ScoreModel(NamedTuple):
 
 
 MODEL = ScoreModel()
+"""Of the best hypothesis of a frame, wherever it lies."""
 
-LEAST_LOG_RATIO = math.log(MODEL.hidden_share) - 0.2
-"""Lower bound of the log-likelihood ratio of one frame, in which the cable may be hidden [nats]."""
+KNOWN_MODEL = MODEL._replace(empty_mode=1.2, empty_scale=1.0, ordinary_margin=1.0, hidden_share=0.2)
+"""Of a cable that was known before the frame, where it is expected. Chosen on `tune_*`, on cables
+that were given and on places given where none is."""
+
+BELOW_HIDDEN = 0.2
+"""By how much the log-likelihood ratio may fall below that of a hidden cable [nats]."""
 
 
 class FrameScores(NamedTuple):
@@ -92,17 +101,26 @@ class FrameScores(NamedTuple):
 
 
 @compiled_inside
-def frame_log_likelihood_ratio(scores: FrameScores) -> float:
+def frame_log_likelihood_ratio(scores: FrameScores, model: ScoreModel) -> float:
     """Return the log-likelihood ratio of a frame, a cable against none, limited [nats]."""
     margin = scores.margin
-    ratio = _log_ratio_of_score(scores.score)
-    ratio += MODEL.clear_slope * max(margin - MODEL.clear_margin, 0.0)
-    if margin < MODEL.ordinary_margin:
-        ratio = min(ratio, MODEL.ordinary_slope * (margin - MODEL.ordinary_margin))
+    ratio = _log_ratio_of_score(scores.score, model)
+    ratio += model.clear_slope * max(margin - model.clear_margin, 0.0)
+    if margin < model.ordinary_margin:
+        ratio = min(ratio, model.ordinary_slope * (margin - model.ordinary_margin))
     # A short strip, in a corner, never stands as high as one through the whole picture.
-    clearer = max(scores.clearness - MODEL.clearness, 0.0)
-    ratio += MODEL.clearness_slope * shown_share(scores.shown) * clearer
-    return min(max(ratio, LEAST_LOG_RATIO), MODEL.largest_log_ratio)
+    clearer = max(scores.clearness - model.clearness, 0.0)
+    ratio += model.clearness_slope * shown_share(scores.shown) * clearer
+    return min(max(ratio, least_log_ratio(model)), model.largest_log_ratio)
+
+
+@compiled_inside
+def least_log_ratio(model: ScoreModel) -> float:
+    """Return the lower bound of the log-likelihood ratio of one frame [nats].
+
+    The cable may be hidden in it.
+    """
+    return math.log(model.hidden_share) - BELOW_HIDDEN
 
 
 @compiled_inside
@@ -113,13 +131,13 @@ def shown_share(shown: float) -> float:
 
 
 @compiled_inside
-def _log_ratio_of_score(score: float) -> float:
+def _log_ratio_of_score(score: float, model: ScoreModel) -> float:
     """Return ln((1 - q) N(score) / G(score) + q), N that of a cable, G the Gumbel density."""
     # Below its mode the Gumbel density falls steeply, and the ratio would speak for a cable.
-    score = min(max(score, MODEL.empty_mode), MODEL.highest_score)
-    place = (score - MODEL.empty_mode) / MODEL.empty_scale
-    empty = -place - math.exp(min(-place, 50.0)) - math.log(MODEL.empty_scale)
-    deviation = (score - MODEL.cable_mean) / MODEL.cable_deviation
-    cable = -0.5 * deviation * deviation - math.log(MODEL.cable_deviation * math.sqrt(2 * math.pi))
-    visible = (1.0 - MODEL.hidden_share) * math.exp(min(cable - empty, 50.0))
-    return math.log(visible + MODEL.hidden_share)
+    score = min(max(score, model.empty_mode), model.highest_score)
+    place = (score - model.empty_mode) / model.empty_scale
+    empty = -place - math.exp(min(-place, 50.0)) - math.log(model.empty_scale)
+    deviation = (score - model.cable_mean) / model.cable_deviation
+    cable = -0.5 * deviation * deviation - math.log(model.cable_deviation * math.sqrt(2 * math.pi))
+    visible = (1.0 - model.hidden_share) * math.exp(min(cable - empty, 50.0))
+    return math.log(visible + model.hidden_share)

@@ -348,7 +348,7 @@ class TrackerParameters(ParameterSet):
     presence_to_lose: float = number(0.5, "", 0.0, 1.0, "Presence below which a cable is given up.")
 
     evidence_to_track: float = number(
-        0.15, "", -10.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
+        0.0, "", -10.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."
     )
     evidence_to_find: float = number(
         0.45,

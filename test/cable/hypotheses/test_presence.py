@@ -15,14 +15,18 @@ from cable_tracker.cable.hypotheses.presence import (
     gain_over,
     updated_log_odds,
 )
-from cable_tracker.cable.hypotheses.score_likelihood import FrameScores, frame_log_likelihood_ratio
+from cable_tracker.cable.hypotheses.score_likelihood import (
+    MODEL,
+    FrameScores,
+    frame_log_likelihood_ratio,
+)
 from cable_tracker.particle_filter.existence import log_odds_of, probability_of
 
 NEW = math.nan
 
 
 def prior(survival: float, appearance: float = 0.0) -> PriorPresence:
-    return PriorPresence(np.empty((0, 8)), np.empty(0), survival, appearance, 0.3)
+    return PriorPresence(np.empty((0, 8)), np.empty(0), survival, appearance, 0.3, False)
 
 
 FAINT = FrameScores(margin=12.0, score=12.0, clearness=0.5, shown=1.0)
@@ -38,15 +42,15 @@ FAINT = FrameScores(margin=12.0, score=12.0, clearness=0.5, shown=1.0)
 def test_log_odds_stay_where_they_can_turn(before, margin, score, survival, appearance):
     scores = FAINT._replace(margin=margin, score=score)
     for inherited in (before, NEW):
-        after = updated_log_odds(inherited, scores, prior(survival, appearance))
+        after = updated_log_odds(inherited, scores, prior(survival, appearance), MODEL)
         assert LOWEST <= after <= HIGHEST
 
 
 def test_a_hypothesis_that_goes_on_gains_a_share_and_a_new_one_all():
-    odds = frame_log_likelihood_ratio(FAINT)
-    assert updated_log_odds(NEW, FAINT, prior(1.0)) == pytest.approx(NEW_LOG_ODDS + odds)
-    assert updated_log_odds(0.5, FAINT, prior(1.0)) == pytest.approx(0.5 + 0.3 * odds)
-    vanishing, staying = (updated_log_odds(2.0, FAINT, prior(s)) for s in (0.1, 1.0))
+    odds = frame_log_likelihood_ratio(FAINT, MODEL)
+    assert updated_log_odds(NEW, FAINT, prior(1.0), MODEL) == pytest.approx(NEW_LOG_ODDS + odds)
+    assert updated_log_odds(0.5, FAINT, prior(1.0), MODEL) == pytest.approx(0.5 + 0.3 * odds)
+    vanishing, staying = (updated_log_odds(2.0, FAINT, prior(s), MODEL) for s in (0.1, 1.0))
     assert vanishing < staying
 
 

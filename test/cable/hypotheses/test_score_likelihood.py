@@ -4,13 +4,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.score_likelihood import (
-    LEAST_LOG_RATIO,
+    KNOWN_MODEL,
     MODEL,
     FrameScores,
+    ScoreModel,
     frame_log_likelihood_ratio,
+    least_log_ratio,
 )
 
 FAINT = FrameScores(margin=12.0, score=12.0, clearness=0.5, shown=1.0)
+
+
+def ratio_of(scores: FrameScores, model: ScoreModel = MODEL) -> float:
+    return frame_log_likelihood_ratio(scores, model)
 
 
 @given(
@@ -25,31 +31,24 @@ FAINT = FrameScores(margin=12.0, score=12.0, clearness=0.5, shown=1.0)
     st.floats(0.0, 1e3),
 )
 def test_to_stand_out_more_never_speaks_less_for_a_cable(scores, name, more):
-    ratio = frame_log_likelihood_ratio(scores)
-    assert (
-        ratio
-        <= frame_log_likelihood_ratio(scores._replace(**{name: getattr(scores, name) + more}))
-        + 1e-9
-    )
-    assert LEAST_LOG_RATIO <= ratio <= MODEL.largest_log_ratio
+    ratio = ratio_of(scores)
+    assert ratio <= ratio_of(scores._replace(**{name: getattr(scores, name) + more})) + 1e-9
+    assert least_log_ratio(MODEL) <= ratio <= MODEL.largest_log_ratio
 
 
 def test_the_best_of_a_bare_bottom_speaks_against_a_cable_and_a_clear_cable_for_it():
-    assert frame_log_likelihood_ratio(FAINT._replace(score=5.0)) < 0.0
-    assert frame_log_likelihood_ratio(FAINT._replace(score=10.0)) > 0.0
+    assert ratio_of(FAINT._replace(score=5.0)) < 0.0
+    assert ratio_of(FAINT._replace(score=10.0)) > 0.0
 
 
 def test_what_hardly_stands_above_strips_like_it_is_no_cable_however_high_its_score():
-    assert (
-        frame_log_likelihood_ratio(FAINT._replace(margin=MODEL.ordinary_margin - 4.0, score=16.0))
-        < 0.0
-    )
+    assert ratio_of(FAINT._replace(margin=MODEL.ordinary_margin - 4.0, score=16.0)) < 0.0
 
 
 def test_what_stands_far_above_strips_like_it_is_one_though_the_bottom_is_coarse():
     coarse = FAINT._replace(score=6.0)
-    assert frame_log_likelihood_ratio(coarse._replace(margin=MODEL.clear_margin + 8.0)) > 1.0
-    assert frame_log_likelihood_ratio(coarse._replace(margin=MODEL.clear_margin)) < 0.0
+    assert ratio_of(coarse._replace(margin=MODEL.clear_margin + 8.0)) > 1.0
+    assert ratio_of(coarse._replace(margin=MODEL.clear_margin)) < 0.0
 
 
 def test_a_clear_strip_in_a_corner_is_a_cable_and_a_clear_edge_of_a_stone_is_not():
@@ -59,11 +58,17 @@ def test_a_clear_strip_in_a_corner_is_a_cable_and_a_clear_edge_of_a_stone_is_not
         clearness=MODEL.clearness + 0.4,
         shown=0.0,
     )
-    assert frame_log_likelihood_ratio(low._replace(shown=MODEL.enough_shown)) > 3.0
-    assert frame_log_likelihood_ratio(low._replace(shown=MODEL.least_shown)) < 0.0
-    assert (
-        frame_log_likelihood_ratio(
-            low._replace(shown=MODEL.enough_shown, clearness=MODEL.clearness)
-        )
-        < 0.0
-    )
+    assert ratio_of(low._replace(shown=MODEL.enough_shown)) > 3.0
+    assert ratio_of(low._replace(shown=MODEL.least_shown)) < 0.0
+    assert ratio_of(low._replace(shown=MODEL.enough_shown, clearness=MODEL.clearness)) < 0.0
+
+
+def test_a_known_cable_need_not_be_the_best_of_the_frame():
+    ordinary = FrameScores(margin=4.0, score=6.0, clearness=0.2, shown=1.0)
+    assert ratio_of(ordinary) < 0.0
+    assert ratio_of(ordinary, KNOWN_MODEL) > 0.0
+
+
+def test_a_known_cable_that_is_gone_is_given_up_sooner_than_one_among_many():
+    bottom = FrameScores(margin=-2.0, score=1.0, clearness=-0.1, shown=1.0)
+    assert ratio_of(bottom, KNOWN_MODEL) < ratio_of(bottom) < 0.0
