@@ -28,7 +28,7 @@ class ScoreModel(NamedTuple):
     Attributes
     ----------
     empty_mode, empty_scale : float
-        Mode and scale of the Gumbel density of the best hypothesis' score on frames without a
+        Mode and scale of the Gumbel density of the hypothesis' score on frames without a
         cable.
     cable_mean, cable_deviation : float
         Mean and standard deviation of the Gaussian of the score of a visible cable.
