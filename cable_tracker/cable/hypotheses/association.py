@@ -44,9 +44,10 @@ def continues_known(prior: PriorPresence, mean: FloatArray, radii: FloatArray) -
 
     The parameters are those of `inherited_log_odds`.
     """
-    return prior.is_known and scaled_pose_distance(mean, prior.expected[0], radii) < 1.0
+    return prior.is_known and is_same_hypothesis(mean, prior.expected[0], radii)
 
 
+@compiled_inside
 def is_same_hypothesis(mean: FloatArray, expected: FloatArray, radii: FloatArray) -> bool:
     """Tell whether a hypothesis continues an expected one, shapes (8,), `radii` (4,) [px, rad]."""
     return bool(scaled_pose_distance(mean, expected, radii) < 1.0)

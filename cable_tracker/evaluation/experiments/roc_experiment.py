@@ -34,7 +34,7 @@ EVIDENCES = (-5.0, -1.0, 0.0, 0.2, 1.0, 2.0)
 LOSING = 0.53
 """`presence_to_lose` over `presence_to_track`, as in `default`."""
 
-HYSTERESIS = 0.05
+HYSTERESIS = preset("default").evidence_to_track - preset("default").evidence_to_lose
 """`evidence_to_track` less `evidence_to_lose`, as in `default`."""
 
 HEADINGS = (
