@@ -210,10 +210,8 @@ class CableTracker:
     def _estimate(self, summary: BeliefSummary, dt: float, event: str) -> CableEstimate:
         assert self._frame is not None
         converged = self._has_converged(summary.covariance, self._frame.size[0])
-        is_first = self._status.is_first_claim(self._parameters.memory_time)
-        supports_claim = summary.supports_new_claim if is_first else summary.supports_claim
         self._status = self._status.after(
-            supports_claim=converged and supports_claim,
+            supports_claim=converged and self._supports_claim(summary),
             supports_keeping=converged and summary.supports_keeping,
             dt=dt,
             parameters=self._parameters,
@@ -230,6 +228,17 @@ class CableTracker:
             presence=summary.presence,
             hypotheses=summary.hypotheses,
         )
+
+    def _supports_claim(self, summary: BeliefSummary) -> bool:
+        """Tell whether a frame speaks for claiming a cable.
+
+        What an operator or planner gave is claimed by what suffices to keep a claim.
+        """
+        if self._status.is_given_with_certainty:
+            return summary.supports_keeping
+        if self._status.is_first_claim(self._parameters.memory_time):
+            return summary.supports_new_claim
+        return summary.supports_claim
 
     def _has_converged(self, covariance: FloatArray, image_width: int) -> bool:
         scale = image_width / REFERENCE_WIDTH

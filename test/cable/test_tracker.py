@@ -328,6 +328,17 @@ def test_what_nothing_was_known_of_needs_more_evidence_than_what_was_given(draw_
     assert statuses_with_high_demands(picture, GivenState.around(STRIP)) == {TRACKING}
 
 
+def test_a_given_cable_is_claimed_by_what_suffices_to_keep_one(draw_strip):
+    picture = draw_strip(STRIP, (160, 120))
+    demanding = TrackerParameters(evidence_to_track=100.0, presence_to_track=1.0)
+    told_surely, guessed = make_tracker(demanding), make_tracker(demanding)
+    told_surely.initialise(GivenState.around(STRIP))
+    guessed.initialise(GivenState.around(STRIP, is_guess=True))
+    frames = repeated(picture, 20)
+    assert {estimate.status for estimate in run(told_surely, frames)} == {TRACKING}
+    assert {estimate.status for estimate in run(guessed, frames)} == {INITIALISING}
+
+
 def test_a_cable_that_was_followed_is_claimed_again_with_less_evidence(draw_strip, noise_picture):
     strip = draw_strip(STRIP, (160, 120))
     pictures = [strip] * 10 + [noise_picture(k) for k in range(15)] + [strip] * 20

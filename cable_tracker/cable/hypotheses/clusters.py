@@ -22,6 +22,7 @@ from cable_tracker.cable.model.state import (
     WIDTH,
 )
 from cable_tracker.compilation import compiled_loop, compiled_part
+from cable_tracker.particle_filter.existence import probability_of
 
 RADII = np.array([24.0, np.deg2rad(12.0), 30.0, np.deg2rad(10.0)])
 """Half-axes of the ellipsoid that a cluster fills at most: d, alpha, w, beta [px at the reference
@@ -55,7 +56,7 @@ class Groups(NamedTuple):
 
 
 class Clusters(NamedTuple):
-    """K clusters of N particles: the groups that weigh something, heaviest first.
+    """K clusters of N particles: the groups that weigh something, the leading one first.
 
     Attributes
     ----------
@@ -80,7 +81,7 @@ class Clusters(NamedTuple):
 
 @compiled_part
 def clusters_of(states: FloatArray, weights: FloatArray, groups: Groups) -> Clusters:
-    """Return groups of particles as clusters, without those that weigh nothing."""
+    """Return groups of particles as clusters, heaviest first, without those that weigh nothing."""
     order, masses, means = group_means(states, weights, groups)
     labels = np.full(len(states), NO_CLUSTER, np.int64)
     rest = 0.0
@@ -91,6 +92,37 @@ def clusters_of(states: FloatArray, weights: FloatArray, groups: Groups) -> Clus
         if labels[row] == NO_CLUSTER:
             rest += weights[row]
     return Clusters(labels, masses, means, order, rest)
+
+
+@compiled_part
+def most_probable_first(masses: FloatArray, log_odds: FloatArray) -> IndexArray:
+    """Return the clusters by the probability that they are the cable, highest first, shape (K,).
+
+    It is taken as the product of their masses, (K,), and of the probabilities that they are cables
+    at all, of log-odds (K,) [nats]: what fits one frame best, but stands no higher than the bottom,
+    does not lead while the cable of the frames before is still there.
+    """
+    probabilities = np.empty(len(masses))
+    for index in range(len(masses)):
+        probabilities[index] = masses[index] * probability_of(log_odds[index])
+    return _descending_order(probabilities, -1.0)
+
+
+@compiled_part
+def reordered(clusters: Clusters, order: IndexArray) -> Clusters:
+    """Return clusters in another order: the index of each before, shape (K,)."""
+    labels = clusters.labels.copy()
+    for index in range(len(order)):
+        for row in range(len(labels)):
+            if clusters.labels[row] == order[index]:
+                labels[row] = index
+    return Clusters(
+        labels,
+        clusters.masses[order],
+        clusters.means[order],
+        clusters.group_of[order],
+        clusters.rest,
+    )
 
 
 @compiled_part
@@ -244,7 +276,7 @@ def group_means(
     """
     masses, heaviest = _masses_and_heaviest(weights, groups)
     means = _means_about_heaviest(states, weights, groups, masses, heaviest)
-    order = _order_by_mass(masses)
+    order = _descending_order(masses, SMALLEST_MASS)
     sorted_masses, sorted_means = np.empty(len(order)), np.empty((len(order), STATE_SIZE))
     for index in range(len(order)):
         sorted_masses[index] = masses[order[index]]
@@ -289,16 +321,16 @@ def _means_about_heaviest(
 
 
 @compiled_part
-def _order_by_mass(masses: FloatArray) -> IndexArray:
-    """Return the groups heavier than `SMALLEST_MASS`, heaviest first; of equal ones the first."""
-    order, kept = np.empty(len(masses), np.int64), 0
-    for label in range(len(masses)):
-        if masses[label] > SMALLEST_MASS:
+def _descending_order(values: FloatArray, least: float) -> IndexArray:
+    """Return the indices of the values above `least`, largest first; of equal ones the first."""
+    order, kept = np.empty(len(values), np.int64), 0
+    for index in range(len(values)):
+        if values[index] > least:
             place = kept
-            while place > 0 and masses[order[place - 1]] < masses[label]:
+            while place > 0 and values[order[place - 1]] < values[index]:
                 order[place] = order[place - 1]
                 place -= 1
-            order[place] = label
+            order[place] = index
             kept += 1
     return order[:kept]
 

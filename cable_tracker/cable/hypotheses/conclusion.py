@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.association import continues_known, inherited_log_odds
 from cable_tracker.cable.hypotheses.background import (
     BEST_OF_ANY,
@@ -20,6 +20,8 @@ from cable_tracker.cable.hypotheses.clusters import (
     clusters_of,
     find_groups,
     leading_covariance,
+    most_probable_first,
+    reordered,
 )
 from cable_tracker.cable.hypotheses.evidence_correction import corrected_log_weights
 from cable_tracker.cable.hypotheses.presence import PriorPresence, updated_log_odds
@@ -59,7 +61,7 @@ class Hypotheses(NamedTuple):
     Attributes
     ----------
     clusters : Clusters
-        Clusters of the particles.
+        Clusters of the particles, the most probable cable first, see `most_probable_first`.
     covariance : FloatArray
         Covariance of the leading cluster, its particles unwrapped about its mean's angle, shape
         (8, 8).
@@ -155,10 +157,13 @@ def conclude(
         return impossible_posterior(states, log_posterior)
     found = corrected_clusters(states, log_prior, log_posterior, groups, sample, inputs, config)
     clear = border_clearness(found.clusters.means, inputs.scan, inputs.model)
-    hypotheses, p_bright = leader_measures(states, found, clear, sample, inputs)
     margins, scores = margins_and_scores(found, sample)
     log_odds = _log_odds(found.clusters.means, margins, scores, clear, config, prior)
-    return Conclusion(states, found.log_weights, hypotheses, log_odds, p_bright)
+    order = most_probable_first(found.clusters.masses, log_odds)
+    found = _reordered_clusters(found, order)
+    clear = BorderClearness(clear.clearness[order], clear.shown[order])
+    hypotheses, p_bright = leader_measures(states, found, clear, sample, inputs)
+    return Conclusion(states, found.log_weights, hypotheses, log_odds[order], p_bright)
 
 
 @compiled_part
@@ -205,6 +210,13 @@ def corrected_clusters(
         background = background_of_groups(states, corrected, groups, inputs, config)
         clusters = clusters_of(states, weights, groups)
     return CorrectedClusters(corrected, weights, clusters, background)
+
+
+@compiled_part
+def _reordered_clusters(found: CorrectedClusters, order: IndexArray) -> CorrectedClusters:
+    """Return corrected clusters with the clusters in another order, shape (K,)."""
+    clusters = reordered(found.clusters, order)
+    return CorrectedClusters(found.log_weights, found.weights, clusters, found.background)
 
 
 @compiled_part

@@ -170,3 +170,23 @@ def test_clusters_know_which_groups_they_were(rng):
     clusters = kernels.clusters_of(states, equal(100), groups)
     assert clusters.group_of.tolist() == [1, 0]
     assert clusters.labels.tolist() == [1] * 30 + [0] * 70
+
+
+def test_the_most_probable_cable_leads_not_the_heaviest_cluster():
+    masses, log_odds = np.array([0.7, 0.2, 0.1]), np.array([-4.0, 4.0, -6.0])
+    assert kernels.most_probable_first(masses, log_odds).tolist() == [1, 0, 2]
+
+
+def test_of_equally_probable_clusters_the_heavier_stays_first():
+    masses, log_odds = np.array([0.5, 0.5]), np.array([5.0, 5.0])
+    assert kernels.most_probable_first(masses, log_odds).tolist() == [0, 1]
+
+
+def test_clusters_in_another_order_keep_their_particles(rng):
+    states = np.concatenate([cloud(rng, 40.0, 0.2, 60), cloud(rng, -50.0, -0.3, 40)])
+    before = grouped(states, np.full(100, 0.01), WIDTH)
+    after = kernels.reordered(before, np.array([1, 0]))
+    for old, new in zip(named(before), reversed(named(after)), strict=True):
+        assert new.mass == old.mass
+        assert (new.mean == old.mean).all()
+        assert (new.members == old.members).all()

@@ -135,9 +135,10 @@ def assert_sound(belief) -> None:
     assert belief.particles.weights.sum() == pytest.approx(1.0)
     assert LEAST_PRESENCE - 1e-9 <= belief.presence <= probability_of(HIGHEST)
     assert 0.0 < belief.p_bright < 1.0
-    masses = belief.hypotheses.clusters.masses.tolist()
-    assert masses
-    assert masses == sorted(masses, reverse=True)
+    masses = belief.hypotheses.clusters.masses
+    assert len(masses)
+    probabilities = masses / (1.0 + np.exp(-belief.log_odds))
+    assert (np.diff(probabilities) <= 0.0).all()
     assert np.isfinite(
         [belief.hypotheses.weaker_border_mean, belief.hypotheses.visible_length]
     ).all()
