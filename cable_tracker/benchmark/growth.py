@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from cable_tracker.benchmark.cases import REFERENCE_PARTICLES, pixels_of
 from cable_tracker.benchmark.footage import RENDERED_SIZE
-from cable_tracker.benchmark.round_robin import Label, Measurement
+from cable_tracker.benchmark.round_robin import CaseLabel, Measurement
 from cable_tracker.benchmark.statistics import fit_line
-from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES, pixels_of
 
 NANOSECONDS_PER_MS = 1e6
 
@@ -22,7 +22,7 @@ class Growth:
     name : str
         The preset.
     variable : str
-        What differs: particle, image pixel, sample point.
+        Independent variable: particle, image pixel, sample point.
     base : float
         Time of a frame with none of it [ms].
     each : float
@@ -41,8 +41,8 @@ class Growth:
 @dataclass(frozen=True, slots=True)
 class _Variable:
     name: str
-    belongs: Callable[[Label], bool]
-    amount: Callable[[Label], float]
+    belongs: Callable[[CaseLabel], bool]
+    amount: Callable[[CaseLabel], float]
 
 
 VARIABLES = (

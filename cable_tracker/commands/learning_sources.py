@@ -14,7 +14,7 @@ from cable_tracker.cable.measure.learning import ResponseCounts
 from cable_tracker.cable.measure.working_image import check_frame, working_image_for
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
-from cable_tracker.evaluation.judged_sequences import (
+from cable_tracker.evaluation.evaluation_sequences import (
     WorldSequence,
     check_labels,
     simulated_sequences,

@@ -12,7 +12,7 @@ from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, unwrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
-from cable_tracker.evaluation.off_cable import is_off_cable
+from cable_tracker.evaluation.failure_criteria import is_off_cable
 
 COMPONENTS = 4
 """d, alpha, w, beta: what there is truth for."""

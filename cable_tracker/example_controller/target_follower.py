@@ -108,7 +108,7 @@ class FollowMode(str, Enum):
     GIVEN_UP = "GIVEN UP"
 
 
-class TargetFollower:
+class TargetController:
     """Turns places of a target into commands.
 
     Parameters

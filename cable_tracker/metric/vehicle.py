@@ -34,7 +34,7 @@ TURNED = math.radians(1.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Vehicle:
+class VehicleDescription:
     """A vehicle as it is described.
 
     Attributes
@@ -123,7 +123,7 @@ def _numbers(value: object) -> list[float]:
 
 def describe_vehicle(
     source: InstrumentSource | None, camera_frame: str, file: VehicleFile | None = None
-) -> Vehicle:
+) -> VehicleDescription:
     """Put together what a bag and a file say about a vehicle; the file wins.
 
     Parameters
@@ -141,7 +141,9 @@ def describe_vehicle(
     if source is not None:
         said, notes = _from_frames(source, camera_frame)
     said |= file.values
-    return Vehicle(default_values() | said, file.calibration, tuple(notes), frozenset(said))
+    return VehicleDescription(
+        default_values() | said, file.calibration, tuple(notes), frozenset(said)
+    )
 
 
 def _from_frames(

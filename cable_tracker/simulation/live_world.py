@@ -32,9 +32,9 @@ from cable_tracker.simulation.seen_cable import (
 from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
 from cable_tracker.simulation.vehicle import (
     Current,
-    Motion,
     Vehicle,
     VehicleModel,
+    VehicleState,
     VelocityCommand,
 )
 
@@ -211,7 +211,7 @@ class LiveWorld:
         """Since the beginning [s]."""
         return self._time
 
-    def motion(self) -> Motion:
+    def motion(self) -> VehicleState:
         """Return where the vehicle is now, and how it moves."""
         return self._vehicle.motion()
 
@@ -224,7 +224,7 @@ class LiveWorld:
         """Return points and directions of the cable in the world, each (N, 3), at places (N,)."""
         return cable_points(self._tube, along)
 
-    def cross_track(self, motion: Motion) -> TrueCrossTrack:
+    def cross_track(self, motion: VehicleState) -> TrueCrossTrack:
         """Return where the cable is beside the vehicle."""
         along = nearest_along(self._tube, motion.position[:2], float(motion.position[0]))
         point, direction = (part[0] for part in self.cable_at(np.array([along])))
@@ -234,12 +234,12 @@ class LiveWorld:
         heading = math.remainder(heading, 2 * math.pi)
         return TrueCrossTrack(along, error, error / max(math.cos(heading), 0.1), heading)
 
-    def picture(self, motion: Motion) -> Image:
+    def picture(self, motion: VehicleState) -> Image:
         """Take the next picture: grey, uint8, shape (H, W)."""
         poses = camera_poses(self._camera, motion)
         return self._renderer.render(poses.positions[0], poses.rotations[0], self._time)
 
-    def true_state(self, motion: Motion) -> CableState | None:
+    def true_state(self, motion: VehicleState) -> CableState | None:
         """Return the cable in the image; None if nothing of it can be seen."""
         poses = camera_poses(self._camera, motion)
         projected = project_tube(self._tube, self._camera, poses)

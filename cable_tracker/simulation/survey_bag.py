@@ -50,7 +50,7 @@ from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.simulation.survey_dive import (
     FIX_SIGMA,
     SurveyDive,
-    SurveySettings,
+    SurveyDiveSettings,
     Tick,
 )
 from cable_tracker.stamps import NANOSECONDS
@@ -114,7 +114,7 @@ class Earth:
 
 def write_survey_bag(
     path: Path,
-    settings: SurveySettings,
+    settings: SurveyDiveSettings,
     *,
     storage: Literal["sqlite3", "mcap"] = "mcap",
     overwrite: bool = False,
@@ -126,7 +126,7 @@ def write_survey_bag(
     ----------
     path : Path
         Folder of the bag.
-    settings : SurveySettings
+    settings : SurveyDiveSettings
         What there is.
     storage : "mcap" or "sqlite3"
         Format of the storage file.
@@ -155,7 +155,7 @@ def write_survey_bag(
     return WrittenDive(frames, seconds)
 
 
-def truth_of(settings: SurveySettings) -> dict[str, object]:
+def truth_of(settings: SurveyDiveSettings) -> dict[str, object]:
     """Return what `truth.json` says."""
     along = np.arange(-2.0, settings.length + 4.0, COURSE_STEP)
     course = cable_points(cable_of_seed(settings.cable_seed), along)[0][:, :2]

@@ -125,7 +125,7 @@ class Current:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motion:
+class VehicleState:
     """Where a vehicle is at one instant, and how it moves over the ground.
 
     Attributes
@@ -229,7 +229,7 @@ class Vehicle:
             [cos * surge - sin * sway + east, sin * surge + cos * sway + north, heave, turn]
         )
 
-    def motion(self) -> Motion:
+    def motion(self) -> VehicleState:
         """Return where the vehicle is now, and how it moves over the ground."""
         step = 1e-3
         times = np.array([self._time - step, self._time, self._time + step])
@@ -246,7 +246,7 @@ class Vehicle:
         over_ground = self._drift()[:3]
         # The mean of four bodies of their own turns level.
         level = rotation_of(np.array([0.0, 0.0, yaw]))
-        return Motion(
+        return VehicleState(
             position=self._pose[:3].copy(),
             angles=angles,
             twist=np.concatenate((to_world.T @ over_ground, body_rates(angles, rates))),

@@ -11,7 +11,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute
-from cable_tracker.survey.forwards import ForwardDive
+from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import TRACKING, CrossingSight
 from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.route import LEAST_WEIGHT, SPACING, Course
@@ -270,16 +270,16 @@ def _asides(maker: _Maker, limits: Limits) -> list[Event]:
 
 def _crossings(maker: _Maker, course: Course) -> list[Event]:
     """Put sights of the same place and direction on the sea bed together."""
-    dive, looks, cable, start = maker.dive, course.looks, course.cable, maker.route.start
+    dive, keyframes, cable, start = maker.dive, course.keyframes, course.cable, maker.route.start
     sights = []
     for sight in _by_block(dive, dive.table.crossings):
         row = dive.table.rows[sight.row]
-        look = int(np.searchsorted(looks.first, sight.row, side="right")) - 1
-        if look < 0 or row["status"] != TRACKING:
+        keyframe = int(np.searchsorted(keyframes.first, sight.row, side="right")) - 1
+        if keyframe < 0 or row["status"] != TRACKING:
             continue
-        along = float(cable.along[look]) + sight.ahead - float(row["look"]) - start
-        direction = float(looks.places[look, 2]) + sight.angle
-        across = math.remainder(sight.angle - float(cable.states[look, 1]), math.pi)
+        along = float(cable.along[keyframe]) + sight.ahead - float(row["look"]) - start
+        direction = float(keyframes.places[keyframe, 2]) + sight.angle
+        across = math.remainder(sight.angle - float(cable.states[keyframe, 1]), math.pi)
         sights.append((along, direction, across, sight.row))
     events = []
     for along, across, count in _clusters(sorted(sights)):

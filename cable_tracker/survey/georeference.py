@@ -13,8 +13,8 @@ from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_table import Samples
 from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.local_frame import LocalFrame
+from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.navigation import Poses, turned
-from cable_tracker.survey.on_disk import Disk
 from cable_tracker.tracking.robust import GAUSSIAN_MAD
 
 FEWEST_FIXES = 3

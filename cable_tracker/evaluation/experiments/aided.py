@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.evaluation.experiments.flights import (
+from cable_tracker.evaluation.experiments.simulated_vehicle import (
     InstrumentNoise,
     SimulatedVehicle,
     simulated_vehicle,

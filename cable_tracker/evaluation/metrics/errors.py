@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.off_cable import is_outside_borders
+from cable_tracker.evaluation.failure_criteria import is_outside_borders
 from cable_tracker.evaluation.trace import COMPONENTS
 from cable_tracker.sequences.estimates import EstimateRow
 

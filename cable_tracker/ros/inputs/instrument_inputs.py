@@ -19,7 +19,7 @@ from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
-class Sight(Protocol):
+class InstrumentConsumer(Protocol):
     """What takes the messages: `CableSight` or `TargetSight`."""
 
     def configure(self, values: Mapping[str, object]) -> None:
@@ -29,7 +29,7 @@ class Sight(Protocol):
         """Take a message of a time [ns]."""
 
 
-AnySight = TypeVar("AnySight", bound=Sight)
+AnySight = TypeVar("AnySight", bound=InstrumentConsumer)
 
 
 class InstrumentInputs(Generic[AnySight]):

@@ -48,7 +48,7 @@ NO_TIME = (
 
 
 @dataclass(frozen=True, slots=True)
-class FrameOutcome:
+class FrameResult:
     """Outcome of a frame that was used.
 
     Attributes
@@ -110,7 +110,7 @@ class CameraNode(ProcessNode):
         """Start the warm-up of the code that the present parameters choose."""
         raise NotImplementedError
 
-    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameOutcome:
+    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameResult:
         """Track on a frame and publish the results.
 
         Parameters

@@ -34,7 +34,7 @@ class Patch:
 
 
 @dataclass(frozen=True, slots=True)
-class Pose:
+class ImagePose:
     """Where a body is in the image.
 
     Attributes
@@ -135,7 +135,7 @@ def box_vehicle(_phase: float) -> list[Patch]:
     ]
 
 
-def paint(patches: list[Patch], pose: Pose, size: tuple[int, int]) -> tuple[Image, Image]:
+def paint(patches: list[Patch], pose: ImagePose, size: tuple[int, int]) -> tuple[Image, Image]:
     """Paint a body.
 
     Returns

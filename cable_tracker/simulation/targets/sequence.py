@@ -10,9 +10,9 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, Image
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.targets.bodies import Pose, paint
+from cable_tracker.simulation.targets.bodies import ImagePose, paint
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS, Cast, TargetScenario
-from cable_tracker.simulation.targets.surroundings import Surroundings, make_surroundings
+from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
 
 FIRST_STAMP = 1_000_000_000
 """Stamp of the first frame [ns]; not 0, which ROS takes for "no time"."""
@@ -134,7 +134,7 @@ def simulate_target(
 def _frame(  # noqa: PLR0917
     scenario: TargetScenario,
     cast: Cast,
-    surroundings: Surroundings,
+    surroundings: TargetBackground,
     picture: Image,
     time: float,
     stamp: int,
@@ -171,7 +171,7 @@ def _frame(  # noqa: PLR0917
 
 
 def _painted(
-    scenario: TargetScenario, pose: Pose | None, picture: Image, zoom: float
+    scenario: TargetScenario, pose: ImagePose | None, picture: Image, zoom: float
 ) -> tuple[Image, Image]:
     height, width = picture.shape[:2]
     if pose is None:
@@ -219,7 +219,7 @@ def _stalks(cast: Cast, picture: Image, time: float, zoom: float) -> Image:
     return coverage
 
 
-def _visible(coverage: Image, hidden: Image, pose: Pose | None, zoom: float) -> BoolArray:
+def _visible(coverage: Image, hidden: Image, pose: ImagePose | None, zoom: float) -> BoolArray:
     mask: BoolArray = (coverage > 0.5) & (hidden < 0.5)
     seen = int(mask.sum())
     whole = _whole_area(coverage, pose, zoom)
@@ -228,7 +228,7 @@ def _visible(coverage: Image, hidden: Image, pose: Pose | None, zoom: float) -> 
     return mask
 
 
-def _whole_area(coverage: Image, pose: Pose | None, zoom: float) -> float:
+def _whole_area(coverage: Image, pose: ImagePose | None, zoom: float) -> float:
     """Return about how large the body is, also beyond the border of the picture [px²]."""
     if pose is None:
         return 0.0

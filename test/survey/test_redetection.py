@@ -13,9 +13,9 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.survey.frame_metres import on_ground
 from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING
-from cable_tracker.survey.looks import look_steps
+from cable_tracker.survey.keyframes import make_keyframes
+from cable_tracker.survey.redetection import place_in_image, redetect_cable
 from cable_tracker.survey.route import Course
-from cable_tracker.survey.second_look import look_again, place_in_image
 from cable_tracker.survey.smoothing import smooth
 
 WIDTH, HEIGHT, FOCAL, ALTITUDE, DIAMETER = 320, 240, 300.0, 2.0, 0.16
@@ -66,14 +66,14 @@ def dive():
 
 def course_of(dive) -> Course:
     poses = poses_of(dive)
-    looks = look_steps(dive.table.rows, poses.at(dive.table.rows["stamp"]))
-    return Course(poses, looks, smooth(looks))
+    keyframes = make_keyframes(dive.table.rows, poses.at(dive.table.rows["stamp"]))
+    return Course(poses, keyframes, smooth(keyframes))
 
 
 def test_a_cable_that_the_tracker_missed_is_found_and_claimed(dive):
     rows = dive.table.rows
     way = 0.05 * np.arange(len(rows)) + LOOK
-    found = look_again(dive, course_of(dive))
+    found = redetect_cable(dive, course_of(dive))
     dug_out = (way > DUG_OUT + 0.5) & (way < 22.0)
     assert (rows["again"] == SEEN).sum() == found
     assert (rows["again"][dug_out] == SEEN).mean() > 0.9
@@ -85,7 +85,7 @@ def test_a_cable_that_the_tracker_missed_is_found_and_claimed(dive):
 def test_where_it_is_buried_nothing_is_claimed(dive):
     rows = dive.table.rows
     way = 0.05 * np.arange(len(rows)) + LOOK
-    look_again(dive, course_of(dive))
+    redetect_cable(dive, course_of(dive))
     buried = (way > 16.0) & (way < DUG_OUT - 1.0)
     assert (rows["again"][buried] == HIDDEN).all()
     assert np.isnan(rows["aside"][buried]).all()
@@ -97,7 +97,7 @@ def test_claims_that_count_stay_as_they_are(dive):
     claimed = rows["status"] == TRACKING
     before = rows[claimed].copy()
     course = course_of(dive)
-    look_again(dive, course)
+    redetect_cable(dive, course)
     assert (rows["again"][claimed] == NOT_AGAIN).mean() > 0.95
     same = rows["again"][claimed] == NOT_AGAIN
     assert (rows["aside"][claimed][same] == before["aside"][same]).all()
@@ -106,7 +106,7 @@ def test_claims_that_count_stay_as_they_are(dive):
 def test_a_dive_without_metres_is_not_read_again(dive):
     course = course_of(dive)
     dive.flight = None
-    assert look_again(dive, course) == 0
+    assert redetect_cable(dive, course) == 0
 
 
 @pytest.mark.parametrize("attitude", [(0.0, 0.0), (0.05, -0.1), (-0.2, 0.1)])

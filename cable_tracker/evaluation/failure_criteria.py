@@ -1,4 +1,4 @@
-"""When an estimate has missed the cable: two measures, of which the second is stricter."""
+"""Tracking failure of a frame: two criteria, of which the second is stricter."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def is_off_cable(errors: FloatArray, widths: FloatArray, image_width: int) -> Bo
     widths : FloatArray
         True widths w, shape (N,) [px].
     image_width : int
-        Of the frames [px].
+        Width of the frames [px].
     """
     allowance = np.maximum(LOST_DISTANCE * image_width / REFERENCE_WIDTH, widths / 2)
     held = (np.abs(errors[:, StateColumn.DISTANCE]) <= allowance) & (

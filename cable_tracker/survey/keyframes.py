@@ -1,4 +1,4 @@
-"""Frames of a dive put together into looks: where the camera looked, and what it claimed."""
+"""Frames of a dive grouped into keyframes: position of the look line, and claim of the cable."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.compilation import compiled
 from cable_tracker.survey.frame_table import Rows, is_claimed
-from cable_tracker.survey.on_disk import Disk, interpolated, running_sum
+from cable_tracker.survey.memory_mapped import Disk, interpolated, running_sum
 from cable_tracker.survey.visibility import border_step_of
 
 STEP = 0.05
-"""Shortest way between two looks; frames that are nearer together are taken as one [m]."""
+"""Smallest distance between keyframes; frames that are nearer together become one [m]."""
 
 LONGEST_STEP = 2.0
-"""Longest way between two looks that belong together [m]."""
+"""Largest distance between consecutive keyframes of a connected piece [m]."""
 
 ODD_DIAMETER = 0.25
 """Deviation of an odd diameter from the dive's usual one, as a share; a claim with such a diameter
@@ -34,7 +34,7 @@ something else [m]: a cable that comes out of the sand is mostly seen for longer
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Looks:
+class Keyframes:
     """Where the camera looked, step by step, and what it claimed.
 
     Attributes
@@ -66,16 +66,16 @@ class Looks:
     last: IndexArray
 
     def of_rows(self, part: slice) -> IndexArray:
-        """Return for some rows of the table the looks that they belong to, shape (K,); -1: none."""
+        """Return the keyframes that a slice of K table rows belongs to, shape (K,); -1: none."""
         return self.of(np.arange(part.start, part.stop))
 
     def of(self, rows: IndexArray) -> IndexArray:
-        """Return the looks that rows (K,) of the table belong to, shape (K,); -1: none."""
-        looks = np.searchsorted(self.first, rows, "right") - 1
-        return np.where((looks >= 0) & (rows < self.last[looks]), looks, -1)
+        """Return the keyframes that rows (K,) of the table belong to, shape (K,); -1: none."""
+        keyframes = np.searchsorted(self.first, rows, "right") - 1
+        return np.where((keyframes >= 0) & (rows < self.last[keyframes]), keyframes, -1)
 
 
-def look_steps(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> Looks:
+def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> Keyframes:
     """Put frames together into steps of at least `STEP`.
 
     Parameters
@@ -85,7 +85,7 @@ def look_steps(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> Looks
     poses : FloatArray
         x, y, yaw of the vehicle in each frame, shape (N, 3); NaN where it is not known.
     disk : Disk or None
-        Where the looks go; None: among the temporary files.
+        Where the keyframes go; None: among the temporary files.
     """
     disk = disk or Disk()
     look = filled(rows["look"], disk)
@@ -116,7 +116,7 @@ def look_steps(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> Looks
             found: BoolArray = odd(diameters[part]) | (border_steps[part] < weak) | isolated[part]
         return found
 
-    return Looks(
+    return Keyframes(
         own,
         disk.filled(count, lambda part: rows["stamp"][first[part]], np.int64),
         claims,
@@ -129,7 +129,7 @@ def look_steps(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> Looks
 
 
 def _first_and_last(places: FloatArray, disk: Disk) -> tuple[IndexArray, IndexArray]:
-    """Return rows from which, and up to but without which, looks go; places (N, 3)."""
+    """Return rows from which, and up to but without which, keyframes go; places (N, 3)."""
     starts, usable = disk.growing(np.int64), -1
     latest = np.full(2, np.inf)
     for part in disk.blocks(len(places)):

@@ -1,6 +1,6 @@
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.evaluation.tracking.advice import advice
+from cable_tracker.offline.advice import advice
 from cable_tracker.sequences.estimates import EstimateRow
 
 PARAMETERS = TrackerParameters()

@@ -1,4 +1,4 @@
-"""The sequences that methods are judged on: simulated scenarios and labelled recordings."""
+"""Sequences with ground truth for evaluation: simulated scenarios and labelled recordings."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from cable_tracker.simulation.worlds.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class JudgedFrame:
+class EvaluationFrame:
     """A frame, decoded, with what is known about it.
 
     Attributes
@@ -54,7 +54,7 @@ class JudgedFrame:
     visibility: float
 
 
-class JudgedSequence(Protocol):
+class EvaluationSequence(Protocol):
     """Something to judge methods on. It is sent to other processes, and opened there."""
 
     @property
@@ -71,7 +71,7 @@ class JudgedSequence(Protocol):
         """Return the number of frames; None if it is unknown before all have been read."""
         ...
 
-    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+    def frames(self, seed: int) -> Iterator[EvaluationFrame]:
         """Make or read the frames."""
         ...
 
@@ -107,7 +107,7 @@ class SimulatedSequence(ABC):
         count = self._whole_count()
         return count if self.limit is None else min(count, self.limit)
 
-    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+    def frames(self, seed: int) -> Iterator[EvaluationFrame]:
         """Simulate the dive of a seed."""
         for item in islice(self._dive(seed), self.limit):
             yield _judged(item.frame, item.visibility)
@@ -174,7 +174,7 @@ class StripSequence:
         """Return the number of frames."""
         return self.length
 
-    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+    def frames(self, seed: int) -> Iterator[EvaluationFrame]:
         """Draw the strip of a seed."""
         for item in simulate_strip(seed, self.length):
             yield _judged(item.frame, item.visibility)
@@ -207,7 +207,7 @@ class RecordingSequence(LabelledRecording):
                 )
             return source.frame_count
 
-    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+    def frames(self, seed: int) -> Iterator[EvaluationFrame]:
         """Read the recording.
 
         Raises
@@ -225,9 +225,9 @@ class RecordingSequence(LabelledRecording):
             raise RecordingError(f"{self.path}: holds no frames; record it again")
 
 
-def _judged(frame: Frame, visibility: float) -> JudgedFrame:
+def _judged(frame: Frame, visibility: float) -> EvaluationFrame:
     image = eight_bits(decode_grey(frame.image))
-    return JudgedFrame(frame.index, frame.stamp, image, frame.truth, visibility)
+    return EvaluationFrame(frame.index, frame.stamp, image, frame.truth, visibility)
 
 
 def check_labels(source: Source, truth: Path) -> None:
@@ -278,7 +278,7 @@ def label_lines(truth: Path) -> list[int]:
 
 def simulated_sequences(
     names: Sequence[str], limit: int | None = None
-) -> tuple[JudgedSequence, ...]:
+) -> tuple[EvaluationSequence, ...]:
     """Return scenarios and worlds by name, each once, in the order given.
 
     Parameters
@@ -294,7 +294,7 @@ def simulated_sequences(
     ParameterError
         There is no such scenario or world.
     """
-    chosen: dict[str, JudgedSequence] = {}
+    chosen: dict[str, EvaluationSequence] = {}
     for pattern in names or SCENARIOS:
         scenarios = fnmatch.filter(SCENARIOS, pattern)
         worlds = fnmatch.filter(WORLDS, pattern)
@@ -308,12 +308,12 @@ def simulated_sequences(
 
 def available_worlds(
     worlds: Iterable[World], limit: int | None = None
-) -> tuple[tuple[JudgedSequence, ...], tuple[str, ...]]:
+) -> tuple[tuple[EvaluationSequence, ...], tuple[str, ...]]:
     """Return the worlds that can be drawn here, and notes about the others.
 
     `limit`: number of frames used of each.
     """
-    sequences: list[JudgedSequence] = []
+    sequences: list[EvaluationSequence] = []
     notes = []
     for world in worlds:
         sequence = WorldSequence(world.name, limit)

@@ -6,7 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.errors import OutputError
-from cable_tracker.survey.on_disk import Disk, Unwrapping, interpolated, running_sum, surroundings
+from cable_tracker.survey.memory_mapped import (
+    Disk,
+    Unwrapping,
+    interpolated,
+    running_sum,
+    surroundings,
+)
 
 numbers = st.floats(-1e6, 1e6)
 blocks = st.integers(1, 9)

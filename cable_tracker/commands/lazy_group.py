@@ -1,4 +1,4 @@
-"""Commands whose modules are imported when they are called, in groups."""
+"""Click group whose commands are imported when they are called."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cable_tracker.errors import ResourceError
 NONE: Mapping[str, Any] = MappingProxyType({})
 
 
-class LateCommands(TyperGroup):
+class LazyGroup(TyperGroup):
     """A group of commands, listed by what one wants to do.
 
     Attributes

@@ -1,7 +1,7 @@
-"""Arrays of a dive on disk, so that a process needs as much memory for a long dive as for a short.
+"""Memory-mapped arrays, so that a process needs no more memory for a long dive than for a short.
 
-An array has as many rows as a dive has pictures, poses or looks. It is a file without a name that
-is mapped into memory, and what was computed of a block of rows is let go of before the next block.
+An array has a row for each picture, pose or keyframe of a dive. It is a file without a name, mapped
+into memory; the pages of a block of rows are released before the next block.
 Functions here give bit for bit what those of NumPy give for a whole array.
 """
 

@@ -1,4 +1,4 @@
-"""Subjects that are timed: steps of the filters, whole frames, rivals, copies of memory."""
+"""Cases that are timed: steps of the filters, whole frames, rivals, copies of memory."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.benchmark.footage import FIRST_STAMP, FRAME_STEP, Footage, FrameLoop
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
-from cable_tracker.benchmark.round_robin import Label, Step, Subject
+from cable_tracker.benchmark.round_robin import BenchmarkCase, CaseLabel, Step
 from cable_tracker.benchmark.yardstick import Yardstick
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import WorkingImage, working_image_for
@@ -53,52 +53,52 @@ def _loop(make: Callable[[], Method], shown: Footage) -> Step:
     return FrameLoop(make(), shown)
 
 
-def yardstick_subject(yardstick: Yardstick) -> Subject:
+def yardstick_case(yardstick: Yardstick) -> BenchmarkCase:
     """Return the yardstick as one to be held against itself."""
     size = yardstick.pixels.shape[1], yardstick.pixels.shape[0]
-    label = Label("yardstick", "literal observation", size, len(yardstick.states))
-    return Subject(label, functools.partial(_itself, yardstick))
+    label = CaseLabel("yardstick", "literal observation", size, len(yardstick.states))
+    return BenchmarkCase(label, functools.partial(_itself, yardstick))
 
 
-def copy_subjects(yardstick: Yardstick, footages: Sequence[Footage]) -> list[Subject]:
+def copy_cases(yardstick: Yardstick, footages: Sequence[Footage]) -> list[BenchmarkCase]:
     """Return plain copies of each size of frame, and of as many pixels as the yardstick reads."""
     named = [("frame, uint8", shown.size, shown.images[0]) for shown in footages]
     touched = np.ones(yardstick.pixels_touched(), np.float32)
     named.append(("pixels that the yardstick reads, float32", footages[0].size, touched))
-    subjects = []
+    cases = []
     for name, size, source in named:
         step = functools.partial(np.copyto, np.empty_like(source), source)
-        label = Label("copy", name, size, amount=float(source.nbytes))
-        subjects.append(Subject(label, functools.partial(_itself, step)))
-    return subjects
+        label = CaseLabel("copy", name, size, amount=float(source.nbytes))
+        cases.append(BenchmarkCase(label, functools.partial(_itself, step)))
+    return cases
 
 
-def frame_subjects(footages: Sequence[Footage], particles: Sequence[int]) -> list[Subject]:
+def frame_cases(footages: Sequence[Footage], particles: Sequence[int]) -> list[BenchmarkCase]:
     """Return `default` and `thesis` on whole frames, the fewest particles first."""
     return [
-        filter_subject("frame", name, count, shown)
+        filter_case("frame", name, count, shown)
         for shown in footages
         for name in TIMED_PRESETS
         for count in sorted(particles)
     ]
 
 
-def spacing_subjects(shown: Footage) -> list[Subject]:
+def spacing_cases(shown: Footage) -> list[BenchmarkCase]:
     """Return `default` and `thesis` with several distances between the sample points."""
     return [
-        filter_subject("spacing", name, REFERENCE_PARTICLES, shown, spacing)
+        filter_case("spacing", name, REFERENCE_PARTICLES, shown, spacing)
         for name in TIMED_PRESETS
         for spacing in SPACINGS
     ]
 
 
-def filter_subject(
+def filter_case(
     section: str,
     name: str,
     count: int,
     shown: Footage,
     spacing: float | None = None,
-) -> Subject:
+) -> BenchmarkCase:
     """Return a preset on whole frames, perhaps with another distance between sample points."""
     values: dict[str, object] = {"particle_count": count}
     amount = 0.0
@@ -106,8 +106,8 @@ def filter_subject(
         values["sample_spacing"] = spacing
         amount = count * points_of_a_cable(shown, spacing)
     chosen = ConfiguredFilter(name, preset(name).replaced(values))
-    label = Label(section, name, shown.size, count, amount)
-    return Subject(label, functools.partial(_loop, functools.partial(chosen.make, 0), shown))
+    label = CaseLabel(section, name, shown.size, count, amount)
+    return BenchmarkCase(label, functools.partial(_loop, functools.partial(chosen.make, 0), shown))
 
 
 def points_of_a_cable(shown: Footage, spacing: float) -> float:
@@ -121,11 +121,11 @@ def points_of_a_cable(shown: Footage, spacing: float) -> float:
     return float(inside.sum(axis=(1, 2)).mean())
 
 
-def rival_subjects(shown: Footage) -> list[Subject]:
+def rival_cases(shown: Footage) -> list[BenchmarkCase]:
     """Return the baselines of the evaluation, and the filter of the thesis on libraries."""
-    subjects = [
-        Subject(
-            Label("method", name, shown.size),
+    cases = [
+        BenchmarkCase(
+            CaseLabel("method", name, shown.size),
             functools.partial(_loop, functools.partial(METHODS[name].make, 0), shown),
         )
         for name in BASELINES
@@ -133,20 +133,20 @@ def rival_subjects(shown: Footage) -> list[Subject]:
     for name in LIBRARY_LOOPS:
         if is_installed(name):
             make = functools.partial(LibraryMethod, name, REFERENCE_PARTICLES)
-            label = Label("library", name, shown.size, REFERENCE_PARTICLES)
-            subjects.append(Subject(label, functools.partial(_loop, make, shown)))
-    return subjects
+            label = CaseLabel("library", name, shown.size, REFERENCE_PARTICLES)
+            cases.append(BenchmarkCase(label, functools.partial(_loop, make, shown)))
+    return cases
 
 
-def step_subjects(shown: Footage) -> list[Subject]:
+def step_cases(shown: Footage) -> list[BenchmarkCase]:
     """Return the steps of `default` and `thesis`, as far as they exist alone."""
-    subjects = []
+    cases = []
     for name in TIMED_PRESETS:
         parameters = preset(name).replaced({"particle_count": REFERENCE_PARTICLES})
         for step_name, step in FilterSteps(parameters, shown).steps().items():
-            label = Label("step", f"{name}: {step_name}", shown.size, REFERENCE_PARTICLES)
-            subjects.append(Subject(label, functools.partial(_itself, step)))
-    return subjects
+            label = CaseLabel("step", f"{name}: {step_name}", shown.size, REFERENCE_PARTICLES)
+            cases.append(BenchmarkCase(label, functools.partial(_itself, step)))
+    return cases
 
 
 @dataclass(frozen=True, slots=True, eq=False)

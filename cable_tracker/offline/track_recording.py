@@ -14,11 +14,11 @@ from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
-from cable_tracker.evaluation.tracking.result_folder import ResultFolder
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import report_metres
 from cable_tracker.metric.recorded import RecordedMetres
 from cable_tracker.metric.withheld import Withheld
+from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.convert import write_truth

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import ParameterError, RecordingError
-from cable_tracker.evaluation.judged_sequences import (
+from cable_tracker.evaluation.evaluation_sequences import (
     RecordingSequence,
     ScenarioSequence,
     WorldSequence,

@@ -1,4 +1,4 @@
-"""The vehicle behind a simulated scenario: where it is, what its instruments say, what is true."""
+"""Vehicle of a simulated scenario: its poses, instrument messages and ground truth."""
 
 from __future__ import annotations
 

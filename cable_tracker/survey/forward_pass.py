@@ -1,4 +1,4 @@
-"""The way forwards: track a dive, and note for each frame where the cable is beside the vehicle."""
+"""Forward pass of a survey: track a dive, and write the cable's position in each frame."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from cable_tracker.sequences.source import Source, open_source
 from cable_tracker.survey.crossing_search import CrossingSearch
 from cable_tracker.survey.frame_metres import put_metres, put_profile, put_view
 from cable_tracker.survey.frame_table import STATUSES, FrameRow, FrameTable, Samples
-from cable_tracker.survey.on_disk import Disk
+from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.trackers import make_tracker
 
 POSE_WIDTH = 4
@@ -47,7 +47,7 @@ UNSAID_FIX_VARIANCE = 25.0
 
 MOST_RATE = 5.0
 """Largest number of pictures per second that are tracked with odometry [1/s]: it tells how the
-cable moves in between, and another look some centimetres farther on adds little."""
+cable moves in between, and another measurement some centimetres farther on adds little."""
 
 FASTEST_RATE = 1000.0
 
@@ -59,7 +59,7 @@ METRES_PAUSE = 190_000_000
 cable is looked at every 10 cm, and each place of it several times."""
 
 TEXTURE_PAUSE = 0.5
-"""Interval between two looks at the sea bed's texture while odometry agrees with it [s]."""
+"""Interval between two measurements of the sea bed's texture while odometry agrees with it [s]."""
 
 INSTRUMENT_PAUSE = 45_000_000
 """Shortest interval between two readings of a fast instrument that are read [ns]."""

@@ -1,4 +1,4 @@
-"""A second look at pictures in which the cable was not claimed, where smoothing says it is.
+"""Re-detection of the cable in frames without a claim, around its smoothed position.
 
 The tracker goes forwards only: where the cable comes out of the sand it may still be on a rope, or
 may need a second to find it. When a dive has been smoothed, the place of the cable is known there
@@ -21,7 +21,7 @@ from cable_tracker.metric.frames import Attitude
 from cable_tracker.metric.homography import Overflight, move_states
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
-from cable_tracker.survey.forwards import ForwardDive
+from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_metres import put_profile
 from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING, FrameRow, Rows
 from cable_tracker.survey.route import LEAST_WEIGHT, Course
@@ -39,13 +39,13 @@ CLEAR_ENOUGH = 0.65
 """Smallest border steps with which the cable is found, as a share of the dive's usual ones."""
 
 HEADING_SIGMA = math.radians(5.0)
-"""Standard deviation of the cable's direction, which the second look does not measure [rad]."""
+"""Standard deviation of the cable's direction, which re-detection does not measure [rad]."""
 
 SHARE_OF_DIAMETER = 0.25
 """Standard deviation of the cable's place [diameters]."""
 
 
-def look_again(dive: ForwardDive, course: Course) -> int:
+def redetect_cable(dive: ForwardDive, course: Course) -> int:
     """Look for the cable in pictures without a claim that counts; return in how many it was found.
 
     The rows of the dive's table are written: the cable's columns where it is found, else only how
@@ -65,8 +65,8 @@ def look_again(dive: ForwardDive, course: Course) -> int:
                 number += 1
             if number < len(wanted) and rows["frame"][wanted[number]] == frame.index:
                 row = int(wanted[number])
-                look = int(course.looks.of(np.array([row]))[0])
-                place = row, look
+                keyframe = int(course.keyframes.of(np.array([row]))[0])
+                place = row, keyframe
                 found += _look(rows, course, dive.flight, place, frame.image, usual)
                 if row % dive.disk.block == 0:
                     dive.disk.let_go()
@@ -87,11 +87,11 @@ def _without_claim(dive: ForwardDive, course: Course) -> IndexArray:
     """Return rows without a claim that counts, where the cable's place is known and in view."""
     cable, wanted = course.cable, dive.disk.growing(np.int64)
     for part in dive.disk.blocks(len(dive.table)):
-        rows, owner = dive.table.rows[part], course.looks.of_rows(part)
+        rows, owner = dive.table.rows[part], course.keyframes.of_rows(part)
         sure = cable.covariances[owner, 0, 0] < SURE_ENOUGH**2
         known = (owner >= 0) & sure & np.isfinite(rows["roll"])
         # A claim that looks like the cable is not of something else, even if it does not fit.
-        counts = (cable.weights[owner] > LEAST_WEIGHT) | ~course.looks.doubtful[owner]
+        counts = (cable.weights[owner] > LEAST_WEIGHT) | ~course.keyframes.doubtful[owner]
         counts &= (rows["status"] == TRACKING) & np.isfinite(rows["aside"])
         in_view = np.abs(cable.states[owner, 0]) < rows["half_view"]
         chosen = known & ~counts & in_view & (rows["again"] == NOT_AGAIN)
@@ -104,7 +104,7 @@ def _usual(dive: ForwardDive, course: Course) -> tuple[float, float] | None:
     disk = dive.disk
     diameters, steps = disk.growing(np.float32), disk.growing(np.float32)
     for part in disk.blocks(len(dive.table)):
-        rows, owner = dive.table.rows[part], course.looks.of_rows(part)
+        rows, owner = dive.table.rows[part], course.keyframes.of_rows(part)
         counts = (owner >= 0) & (course.cable.weights[owner] > LEAST_WEIGHT)
         counts &= (rows["status"] == TRACKING) & np.isfinite(rows["diameter"])
         own = border_step_of(rows["profile_score"][counts].astype(np.float32))
@@ -123,8 +123,8 @@ def _look(  # noqa: PLR0917
     encoded: RawImage | CompressedImage,
     usual: tuple[float, float],
 ) -> bool:
-    """Look for the cable in the picture of a row and its look; tell whether it is seen."""
-    number, look = place
+    """Look for the cable around its state at a row's keyframe; tell whether it is seen."""
+    number, keyframe = place
     row, (diameter, border_step) = rows[number], usual
     attitude = Attitude(float(row["roll"]), float(row["pitch"]), flight.attitude.sigma)
     flight = replace(flight, attitude=attitude, height=float(row["altitude"]))
@@ -132,8 +132,8 @@ def _look(  # noqa: PLR0917
         grey = decode_grey(encoded)
     except FrameError:
         return False
-    aside, heading = (float(value) for value in course.cable.states[look, :2])
-    sigma = math.sqrt(float(course.cable.covariances[look, 0, 0])) * math.cos(heading)
+    aside, heading = (float(value) for value in course.cable.states[keyframe, :2])
+    sigma = math.sqrt(float(course.cable.covariances[keyframe, 0, 0])) * math.cos(heading)
     reach = max(REACH * sigma / diameter, LEAST_REACH)
     expected = place_in_image(flight, float(row["look"]), (aside, heading), diameter)
     beside = find_beside(grey, expected, reach)

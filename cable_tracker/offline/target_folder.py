@@ -15,7 +15,7 @@ import cv2
 from cable_tracker.arrays import Image
 from cable_tracker.atomic_output import output_folder
 from cable_tracker.errors import OutputError
-from cable_tracker.evaluation.targets.target_table import (
+from cable_tracker.offline.target_table import (
     ESTIMATES,
     HEADER,
     METRES,

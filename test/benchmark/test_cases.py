@@ -3,25 +3,25 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.benchmark import subjects
-from cable_tracker.benchmark.footage import FrameLoop, footage
-from cable_tracker.benchmark.round_robin import SECTIONS
-from cable_tracker.benchmark.subjects import (
+from cable_tracker.benchmark import cases
+from cable_tracker.benchmark.cases import (
     FilterSteps,
-    copy_subjects,
-    frame_subjects,
+    copy_cases,
+    frame_cases,
     moment_of,
     points_of_a_cable,
-    rival_subjects,
-    spacing_subjects,
-    step_subjects,
-    yardstick_subject,
+    rival_cases,
+    spacing_cases,
+    step_cases,
+    yardstick_case,
 )
+from cable_tracker.benchmark.footage import FrameLoop, footage
+from cable_tracker.benchmark.round_robin import SECTIONS
 from cable_tracker.cable.parameters.presets import preset
 
 
 def test_every_step_of_both_presets_can_be_called_again_and_again(shown):
-    for each in step_subjects(shown):
+    for each in step_cases(shown):
         step = each.prepare()
         assert step() is not None
         assert step() is not None
@@ -43,26 +43,26 @@ def test_what_the_filter_reads_of_a_picture_is_worked_out_anew_at_every_call(sho
 
 
 def test_the_grid_has_every_combination_the_fewest_particles_first(shown):
-    grid = [each.label for each in frame_subjects([shown, footage(2, (64, 48))], (500, 300))]
-    assert len(grid) == len(set(grid)) == 2 * len(subjects.TIMED_PRESETS) * 2
+    grid = [each.label for each in frame_cases([shown, footage(2, (64, 48))], (500, 300))]
+    assert len(grid) == len(set(grid)) == 2 * len(cases.TIMED_PRESETS) * 2
     assert [label.particles for label in grid[:2]] == [300, 500]
 
 
 def test_rivals_are_baselines_and_libraries(shown):
-    names = [each.label.name for each in rival_subjects(shown)]
+    names = [each.label.name for each in rival_cases(shown)]
     assert names[:4] == ["hough", "segmentation", "lsd", "texture"]
     assert set(names[4:]) <= {"particles", "filterpy"}
 
 
 def test_a_library_that_is_absent_is_left_out(shown, monkeypatch):
-    monkeypatch.setattr(subjects, "is_installed", lambda name: name == "filterpy")
-    names = [each.label.name for each in rival_subjects(shown)]
+    monkeypatch.setattr(cases, "is_installed", lambda name: name == "filterpy")
+    names = [each.label.name for each in rival_cases(shown)]
     assert "filterpy" in names
     assert "particles" not in names
 
 
 def test_what_is_timed_goes_through_the_frames(shown):
-    (first, *_) = frame_subjects([shown], (20,))
+    (first, *_) = frame_cases([shown], (20,))
     loop = first.prepare()
     assert isinstance(loop, FrameLoop)
     loop()
@@ -73,7 +73,7 @@ def test_half_the_spacing_is_twice_the_points(shown):
     assert points_of_a_cable(shown, 5.0) == pytest.approx(
         2 * points_of_a_cable(shown, 10.0), rel=0.1
     )
-    amounts = [each.label.amount for each in spacing_subjects(shown)]
+    amounts = [each.label.amount for each in spacing_cases(shown)]
     assert amounts[:4] == sorted(amounts[:4], reverse=True)
 
 
@@ -83,7 +83,7 @@ def test_points_do_not_depend_on_the_size_of_the_frame(shown):
 
 
 def test_copies_name_their_bytes(shown, yardstick):
-    frame, touched = copy_subjects(yardstick, [shown])
+    frame, touched = copy_cases(yardstick, [shown])
     assert frame.label.amount == 320 * 240
     assert touched.label.amount == 4 * yardstick.pixels_touched()
     frame.prepare()()
@@ -91,12 +91,12 @@ def test_copies_name_their_bytes(shown, yardstick):
 
 def test_sections_are_known(shown, yardstick):
     all_of_them = [
-        yardstick_subject(yardstick),
-        *copy_subjects(yardstick, [shown]),
-        *step_subjects(shown),
-        *rival_subjects(shown),
-        *spacing_subjects(shown),
-        *frame_subjects([shown], (500,)),
+        yardstick_case(yardstick),
+        *copy_cases(yardstick, [shown]),
+        *step_cases(shown),
+        *rival_cases(shown),
+        *spacing_cases(shown),
+        *frame_cases([shown], (500,)),
     ]
     assert {each.label.section for each in all_of_them} <= set(SECTIONS)
 

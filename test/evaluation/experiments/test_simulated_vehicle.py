@@ -7,7 +7,7 @@ import pytest
 
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.experiments.flights import (
+from cable_tracker.evaluation.experiments.simulated_vehicle import (
     LOOK_AHEAD,
     InstrumentNoise,
     flight_at,

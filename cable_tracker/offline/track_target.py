@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable
 
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.evaluation.targets.frame_messages import FrameMessages
-from cable_tracker.evaluation.targets.target_folder import TargetFolder
-from cable_tracker.evaluation.targets.target_table import TargetRow, metres_row, row_of
 from cable_tracker.metric.recorded_target import RecordedSight
 from cable_tracker.metric.target_facts import target_facts
+from cable_tracker.offline.target_folder import TargetFolder
+from cable_tracker.offline.target_messages import FrameMessages
+from cable_tracker.offline.target_table import TargetRow, metres_row, row_of
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import REFUSED
 from cable_tracker.sequences.frame import Frame

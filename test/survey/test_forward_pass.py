@@ -2,8 +2,8 @@ import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded import RecordedVehicle
-from cable_tracker.metric.vehicle import Vehicle
-from cable_tracker.survey.forwards import ForwardDive, ForwardSettings, _Run
+from cable_tracker.metric.vehicle import VehicleDescription
+from cable_tracker.survey.forward_pass import ForwardDive, ForwardSettings, _Run
 
 SECOND = 1_000_000_000
 
@@ -17,7 +17,7 @@ def run(tmp_path, monkeypatch):
             "cable_tracker.metric.recorded.RecordedMetres.is_aided", property(lambda own: aided)
         )
         settings = ForwardSettings(most_rate=most_rate)
-        vehicle = RecordedVehicle(Vehicle(), None)
+        vehicle = RecordedVehicle(VehicleDescription(), None)
         made = _Run(ForwardDive(tmp_path), settings, vehicle)
         wanted = [time for time in times if made.wants(round(time * SECOND))]
         assert made.passed_over == len(times) - len(wanted)

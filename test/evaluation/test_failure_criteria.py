@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from cable_tracker.evaluation.off_cable import is_off_cable, is_outside_borders
+from cable_tracker.evaluation.failure_criteria import is_off_cable, is_outside_borders
 
 DEGREE = np.pi / 180
 

@@ -10,8 +10,8 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 from cable_tracker.errors import OutputError
-from cable_tracker.evaluation.tracking import result_folder
-from cable_tracker.evaluation.tracking.result_folder import ResultFolder, WantedResults
+from cable_tracker.offline import result_folder
+from cable_tracker.offline.result_folder import ResultFolder, WantedResults
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.estimates import EstimateRow, read_estimates
 
