@@ -41,7 +41,7 @@ class LabelledSequence:
     Attributes
     ----------
     name : str
-        What messages call it.
+        Name in messages to the user.
     frame_count : int or None
         Number of frames; None when it is unknown before all have been read.
     frames : callable
@@ -193,11 +193,11 @@ def count_frames(
     counts : ResponseCounts
         Where they are counted.
     sequence : LabelledSequence
-        What they are from.
+        Sequence that the frames belong to.
     frames : iterable of Frame
         Its frames.
     parameters : TrackerParameters
-        Those that the tables will be used with.
+        Parameters that the tables will be used with.
     plan : LearningPlan
         How they are counted.
     rng : numpy.random.Generator

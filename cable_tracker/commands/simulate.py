@@ -169,7 +169,7 @@ class _CableFrames:
     frames : iterator of Frame
         With their ground truth.
     dive : (Dive, float) or None
-        What is simulated, and frames per second, for the instruments of a bag; None: it has none.
+        Simulated dive and frame rate [Hz], for the instruments of a bag; None: without instruments.
     """
 
     count: int

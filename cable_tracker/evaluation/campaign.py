@@ -123,7 +123,7 @@ def run_campaign(
     Parameters
     ----------
     campaign : Campaign
-        What to run.
+        Methods, sequences and seeds to run.
     workers : int or CampaignSettings
         Number of processes, or all settings; with 1, everything happens in this process.
     advance : callable

@@ -59,12 +59,12 @@ class EvaluationSequence(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is called in reports."""
+        """Name of the sequence in reports."""
         ...
 
     @property
     def description(self) -> str:
-        """What it is, in a sentence."""
+        """One sentence about the sequence."""
         ...
 
     def frame_count(self) -> int | None:
@@ -94,7 +94,7 @@ class SimulatedSequence(ABC):
     @property
     @abstractmethod
     def description(self) -> str:
-        """What it is about."""
+        """One sentence about the sequence."""
 
     def frame_count(self) -> int | None:
         """Return the number of frames.
@@ -127,7 +127,7 @@ class ScenarioSequence(SimulatedSequence):
 
     @property
     def description(self) -> str:
-        """What the scenario is about."""
+        """Description of the scenario."""
         return SCENARIOS[self.name].description
 
     def _whole_count(self) -> int:
@@ -143,7 +143,7 @@ class WorldSequence(SimulatedSequence):
 
     @property
     def description(self) -> str:
-        """What is hard about the world."""
+        """Description of the world."""
         return WORLDS[self.name].description
 
     def _whole_count(self) -> int:
@@ -186,7 +186,7 @@ class RecordingSequence(LabelledRecording):
 
     @property
     def description(self) -> str:
-        """Where the labels are from."""
+        """Origin of the labels."""
         return f"labelled by {self.truth.name}" if self.truth is not None else ""
 
     def frame_count(self) -> int | None:

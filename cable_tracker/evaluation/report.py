@@ -67,7 +67,7 @@ class ReportHeader:
     title : str
         Its first line.
     command : str
-        What was typed.
+        Command line that wrote the report.
     machine : str
         Processor, operating system, versions.
     date : str
@@ -150,9 +150,9 @@ def write_report(
     results : sequence of RunResult
         At least one.
     header : ReportHeader
-        What the report says about itself.
+        Title, command and machine.
     methods, sequences : mapping of str to str
-        What they are, by name.
+        Descriptions of methods and sequences, by name.
 
     Raises
     ------

@@ -45,13 +45,13 @@ class RunResult:
     method, sequence : str
         Their names.
     seed : int
-        Of the simulation and of the method.
+        Seed of the simulation and of the method.
     start : Start
-        What the method was told.
+        How the method was initialised.
     trace : Trace
         All frames.
     metrics : RunMetrics
-        What was measured.
+        Metrics of the run.
     sheet : bytes
         A contact sheet of overlays, JPEG; empty if none was asked for.
     """

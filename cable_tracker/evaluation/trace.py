@@ -34,7 +34,7 @@ class FrameOutcome:
     visibility : float
         Share of the borders that can be seen, 0 to 1; NaN if unknown.
     estimate : CableEstimate
-        What the method said.
+        Estimate of the method.
     ms : float
         Time that it took [ms].
     """
@@ -64,7 +64,7 @@ class Trace:
         The same of the method's mean, whether it was claimed or not, shape (T, 4); written on the
         same side of the wrap as the truth.
     covariances : FloatArray
-        Of d, alpha, w, beta in that way of writing, shape (T, 4, 4).
+        Covariances of d, alpha, w, beta in that chart, shape (T, 4, 4).
     statuses : tuple of TrackingStatus
         Length T.
     ms : FloatArray

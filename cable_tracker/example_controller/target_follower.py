@@ -58,7 +58,7 @@ class FollowSettings:
 
 @dataclass(frozen=True, slots=True)
 class TargetPlace:
-    """Where a target is, from the vehicle.
+    """Position of a target relative to the vehicle.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ class TargetController:
         Parameters
         ----------
         time : float
-            Of the frame [s].
+            Time of the frame [s].
         place : TargetPlace or None
             Where the target is; None while it is lost.
         """

@@ -90,7 +90,7 @@ class FrameChannel:
         websocket : WebSocket
             The connection. Every text that comes from it says that the last packet is drawn.
         closed : type of Exception
-            What it raises when the browser has gone.
+            Exception that the connection raises once the browser has disconnected.
         """
         await websocket.accept()
         viewer = _Viewer(asyncio.get_running_loop())

@@ -59,7 +59,7 @@ def pack(description: Mapping[str, object], sections: Sequence[Section]) -> byte
     description : mapping
         Anything that JSON can say, without NaN; the key `sections` is taken.
     sections : sequence of Section
-        What goes with it.
+        Binary sections that follow the header.
 
     Returns
     -------

@@ -29,7 +29,7 @@ EVERYWHERE = frozenset({"0.0.0.0", "::"})
 
 @dataclass(frozen=True, slots=True)
 class Listening:
-    """Where the server listens.
+    """Address and token of the server.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Listening:
     port : int
         TCP port; 0 is any free one.
     token : str or None
-        What a browser must bring; None on loopback alone.
+        Token that a browser must present; None on loopback alone.
     """
 
     host: str

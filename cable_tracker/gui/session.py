@@ -138,14 +138,14 @@ Listener: TypeAlias = Callable[[AnySnapshot], None]
 
 
 class Session(Protocol):
-    """What is common to both. All methods may be called from any thread, and may take a while.
+    """Interface of all sessions. Methods may be called from any thread, and may block.
 
     Attributes
     ----------
     name : str
-        What is being watched, for the title of the page.
+        Name of the recording or node, for the title of the page.
     subject : Subject
-        What is followed.
+        Description of the tracked object for the page.
     table : sequence of ParameterSpec
         The parameters that can be changed while it runs, in the order of docs/parameters.md.
     """

@@ -36,7 +36,7 @@ class KeyBinding:
     shown : str
         The keys, for people.
     words : str
-        What it does.
+        Description of the command for the help page.
     needs_player : bool
         Whether it makes sense on recordings alone.
     """

@@ -33,7 +33,7 @@ class TrackingDesk:
     Parameters
     ----------
     session : Session or None
-        What is watched to begin with.
+        Initial session.
     request : RecordingRequest
         How recordings are opened from the page; its path is replaced.
     parameters : TrackerParameters, TargetParameters or None
@@ -44,7 +44,7 @@ class TrackingDesk:
     feed : PictureFeed
         Pictures for all browsers.
     subject : Subject
-        What is followed; the same in every session of a desk.
+        Description of the tracked object; the same in every session of a desk.
     references : dict
         Presets and files that were read, values by name.
     version : int

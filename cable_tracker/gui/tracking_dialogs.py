@@ -275,9 +275,9 @@ class HelpDialog:
     Parameters
     ----------
     commands : sequence of KeyBinding
-        Those that work.
+        Key bindings in force.
     pointer : sequence of (str, str)
-        What can be done with a mouse, and what it does.
+        Mouse action and its effect, in words.
     """
 
     def __init__(self, commands: Sequence[KeyBinding], pointer: Sequence[tuple[str, str]]) -> None:

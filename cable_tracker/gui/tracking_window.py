@@ -79,7 +79,7 @@ def serve_tracking_window(
     Parameters
     ----------
     desk : TrackingDesk
-        What is watched.
+        Session and recording that the page shows.
     listening : Listening
         Where to listen.
     started : callable
@@ -105,7 +105,7 @@ class TrackingPage:
     Parameters
     ----------
     desk : TrackingDesk
-        What all of them share.
+        Session and recording that all windows share.
     """
 
     def __init__(self, desk: TrackingDesk) -> None:

@@ -25,7 +25,7 @@ class InstrumentFeed:
     source : InstrumentSource or None
         Where they come from; None: there are none.
     pauses : mapping of Instrument to int
-        What comes sooner after a message of the same instrument is passed over [ns].
+        Shortest interval between used messages of an instrument [ns].
     """
 
     def __init__(

@@ -28,7 +28,7 @@ class InstrumentSettings:
     altimeter : Altimeter
         How altitudes are measured.
     fixed_altitude : float
-        Of base_link where no altimeter speaks [m]; 0 for none.
+        Altitude of base_link used without an altimeter [m]; 0 for none.
     timeout : float
         Measurements older than this, at the time of a frame, do not count [s].
     level_sigma : float

@@ -68,7 +68,7 @@ class RecordedMetres:
     source : InstrumentSource or None
         Instruments of the bag; None where there are none.
     pauses : Pauses
-        What is looked at less often than it comes.
+        Shortest intervals between used messages of each instrument.
     """
 
     def __init__(

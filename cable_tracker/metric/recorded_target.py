@@ -33,7 +33,7 @@ def target_values(vehicle: VehicleDescription, target_size: float = 0.0) -> dict
     Parameters
     ----------
     vehicle : VehicleDescription
-        Of the recording.
+        Vehicle of the recording.
     target_size : float
         Root of the area that the target shows [m]; 0: not known.
     """

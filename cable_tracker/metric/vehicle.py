@@ -42,9 +42,9 @@ class VehicleDescription:
     values : dict
         All of `METRIC_PARAMETERS`, by name.
     calibration : Calibration or None
-        Of the camera, where no topic gives one.
+        Calibration of the camera, where no topic gives one.
     notes : tuple of str
-        What the user should know.
+        Remarks for the user.
     said : frozenset of str
         Names of those values that the bag's frames or the file say; the others are defaults.
     """
@@ -133,7 +133,7 @@ def describe_vehicle(
     camera_frame : str
         `frame_id` of the images: the camera's optical frame.
     file : VehicleFile or None
-        What the user says.
+        Description given by the user, which overrides the recording.
     """
     file = file if file is not None else VehicleFile()
     said: dict[str, object] = {}

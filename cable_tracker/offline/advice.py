@@ -29,7 +29,7 @@ def advice(
     widths : sequence of (float, int)
         Width of the leading hypothesis and of the image, of the frames that have one [px].
     parameters : TrackerParameters
-        What the recording was tracked with.
+        Parameters of the tracker that ran on the recording.
     """
     if not rows or any(row.status == TRACKING for row in rows):
         return []

@@ -84,7 +84,7 @@ class ResultFolder:
     timing : bool
         Write the measured times into the table. Without them, equal runs write equal bytes.
     wanted : WantedResults
-        What it is to hold beside the table.
+        Files to write beside the table.
 
     Attributes
     ----------
@@ -187,13 +187,13 @@ class ResultFolder:
         frame : Frame
             The frame as it was recorded.
         row : EstimateRow
-            What the tracker said.
+            Row of the frame in the table.
         cloud : FloatArray or None
             Its particles, shape (N, 9): eight state columns and the weight.
         hypotheses : sequence of Hypothesis
             Where the cable may be, as far as it is known; for the pictures.
         image_width : int
-            Of the frame [px]; needed with hypotheses.
+            Width of the frame [px]; needed with hypotheses.
         """
         self.rows.append(row if self._timing else replace(row, ms=None))
         if frame.truth is not None:

@@ -74,15 +74,15 @@ class FrameMessages:
         Parameters
         ----------
         estimate : TargetEstimate
-            What was found.
+            Estimate of the frame.
         particles : Particles or None
             The belief.
         picture : Image
-            What the overlay shows.
+            Frame for the overlay, shape (H, W, 3), uint8.
         ms : float
             Time the tracker took [ms].
         facts : mapping
-            What the report says in metres, see `target_facts`.
+            Values of the report in metres, see `target_facts`.
         """
         factory, header = self._factory, self._header
         self._write(node_topics.STATE, make_target_state(factory, header, estimate))

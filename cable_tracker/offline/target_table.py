@@ -35,13 +35,13 @@ class TargetRow:
     status : str
         TRACKING, LOST, INITIALISING, or REFUSED for a frame that could not be used.
     claim : tuple of float or None
-        What is claimed: the columns `x` to `area` of the table; None without a claim.
+        Columns `x` to `area` of the table; None without a claim.
     presence, n_eff : float or None
         None for a refused frame.
     ms : float or None
         Time the tracker took [ms].
     event : str
-        What happened that a person should know.
+        Event of the frame that a user should know of.
     """
 
     frame: int
@@ -86,7 +86,7 @@ def metres_row(frame: Frame, facts: Mapping[str, str]) -> tuple[str, ...]:
     frame : Frame
         The frame.
     facts : mapping
-        What its report says, see `target_facts`.
+        Values of the report in metres, see `target_facts`.
     """
     cells = (facts.get(key, "") for key in TARGET_METRES_KEYS)
     return (str(frame.index), format_stamp(frame.stamp), *cells)

@@ -40,7 +40,7 @@ class CompressedImage:
     Attributes
     ----------
     format : str
-        What the sender says it is, for instance ``jpeg`` or ``rgb8; jpeg compressed bgr8``.
+        Format field of the message, for instance ``jpeg`` or ``rgb8; jpeg compressed bgr8``.
     data : memoryview
         The bytes of the file.
     """

@@ -49,7 +49,7 @@ class FrameAccess:
 
     @property
     def damage(self) -> RecordingError | None:
-        """Where the recording breaks off, once that has been seen."""
+        """Error at which reading of the recording ended; None as long as none was met."""
         return self._damage
 
     def frame(self, index: int) -> Frame:

@@ -57,7 +57,7 @@ class InstrumentChoice:
     Attributes
     ----------
     topics : mapping of Instrument to str
-        What is not in it is found by its type.
+        Topic of each instrument; absent instruments are found by their message type.
     """
 
     topics: Mapping[Instrument, str] = field(default_factory=dict)

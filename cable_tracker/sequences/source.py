@@ -33,7 +33,7 @@ class Source(Protocol):
     Attributes
     ----------
     path : Path
-        What the user asked for.
+        Path given by the user.
     frame_count : int or None
         Number of frames; None when it is unknown before all have been read.
     has_truth : bool

@@ -28,12 +28,12 @@ UNDISTORTION_STEPS = 30
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VehiclePoses:
-    """Where a vehicle is at N instants.
+    """Poses of a vehicle at N instants.
 
     Attributes
     ----------
     positions : FloatArray
-        Of the camera in the world: sway, surge, altitude, shape (N, 3) [m].
+        Position of the camera in the world: sway, surge, altitude, shape (N, 3) [m].
     angles : FloatArray
         Yaw (to the left positive), pitch (nose up positive), roll (right side down positive),
         shape (N, 3) [rad]. They are applied in this order.
@@ -45,7 +45,7 @@ class VehiclePoses:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CameraPoses:
-    """Where a camera is at N instants.
+    """Poses of a camera at N instants.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Where the vehicle of a simulated dive is, and how it moves."""
+"""Poses and velocities of the vehicle of a simulated dive."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ def write_instrumented_bag(
     path : Path
         Folder of the bag; gets a `vehicle.yaml` with what no topic says.
     frames : iterable of Frame
-        Of the dive, from its beginning.
+        Frames of the dive, from its beginning.
     dive : Dive
         Where the vehicle is.
     rate : float

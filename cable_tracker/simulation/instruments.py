@@ -22,13 +22,13 @@ class InstrumentErrors:
     Attributes
     ----------
     velocity, velocity_bias : float
-        Of each linear component of the twist, and what stays the same over a dive [m/s].
+        Standard deviations of noise and constant bias of each linear velocity [m/s].
     turn, turn_bias : float
         The same of its angular components [rad/s].
     attitude : float
-        Of roll, pitch and yaw, for each measurement [rad].
+        Standard deviation of each measured roll, pitch and yaw [rad].
     acceleration : float
-        Of each component [m/s²].
+        Standard deviation of each acceleration component [m/s²].
     altitude : float
         Share of the altitude, for each measurement.
     """
@@ -53,7 +53,7 @@ class OdometryReading:
     angles : FloatArray
         Roll, pitch, yaw, shape (3,) [rad].
     pose_covariance : FloatArray
-        Of position and angles, shape (6, 6).
+        Covariance of position and angles, shape (6, 6) [m, rad].
     twist : FloatArray
         In base_link, shape (6,) [m/s, rad/s].
     twist_covariance : FloatArray

@@ -104,7 +104,7 @@ class LiveSettings:
 
     @property
     def buried_from(self) -> float:
-        """Where along the course the sand begins [m]."""
+        """Position along the course at which the sand begins [m]."""
         return (self.length - self.buried) / 2
 
 
@@ -138,7 +138,7 @@ class LiveWorld:
     Parameters
     ----------
     settings : LiveSettings
-        What there is.
+        Settings of course, burial and vehicle.
     errors : InstrumentErrors or None
         How wrong the instruments are; None for what is usual.
     """

@@ -121,13 +121,13 @@ class Scenario:
     name : str
         In the table of scenarios.
     description : str
-        What is hard about it.
+        Difficulty of the scenario, in a few words.
     frame_count : int
         At 25 frames per second.
     motion : Motion
-        Of the cable in the image.
+        Motion of the cable in the image.
     look : Look
-        Of the scene.
+        Appearance of the scene.
     curvature : float
         The cable never bends more than this [1/m].
     mounting : float

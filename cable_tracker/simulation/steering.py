@@ -1,4 +1,4 @@
-"""Where a vehicle must be for its camera to see a cable in a given place of the image.
+"""Vehicle poses for which a cable appears at a given place of the image.
 
 The two borders are two planes through the camera. They meet in a line parallel to the cable, the
 angle between them tells how far the cable is, and the lean of the vehicle says which way is up:

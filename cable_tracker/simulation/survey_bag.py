@@ -127,7 +127,7 @@ def write_survey_bag(
     path : Path
         Folder of the bag.
     settings : SurveyDiveSettings
-        What there is.
+        Settings of the dive.
     storage : "mcap" or "sqlite3"
         Format of the storage file.
     overwrite : bool

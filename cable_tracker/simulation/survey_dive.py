@@ -211,7 +211,7 @@ class SurveyDive:
     Parameters
     ----------
     settings : SurveyDiveSettings
-        What there is.
+        Settings of the dive.
     errors : InstrumentErrors or None
         How wrong the instruments are; None for what is usual.
     """

@@ -138,9 +138,9 @@ class Signal:
     mean : float
         The level it starts from.
     harmonics : Harmonics
-        What goes on all the time.
+        Periodic components.
     moves : tuple of Move
-        What happens once.
+        Single manoeuvres.
     strength : tuple of Move
         How the harmonics' strength departs from 1 in the course of time.
     """

@@ -105,7 +105,7 @@ class Current:
     mean : FloatArray
         x, y in the world, shape (2,) [m/s].
     wavering : Harmonics
-        What is added to its strength, as a share.
+        Variation of the strength over time, relative to the mean.
     """
 
     mean: FloatArray
@@ -126,12 +126,12 @@ class Current:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VehicleState:
-    """Where a vehicle is at one instant, and how it moves over the ground.
+    """Pose and velocity of a vehicle at one instant.
 
     Attributes
     ----------
     position : FloatArray
-        Of base_link in the world, shape (3,) [m]; z is the altitude.
+        Position of base_link in the world, shape (3,) [m]; z is the altitude.
     angles : FloatArray
         Roll, pitch, yaw as REP 103 has them, yaw from the world's x, shape (3,) [rad].
     twist : FloatArray
@@ -197,7 +197,7 @@ class Vehicle:
         command : VelocityCommand
             Held for all of the time.
         altitude : float
-            What the altimeter says, for the autopilot [m].
+            Measured altitude, for the autopilot [m].
         seconds : float
             How long.
         """

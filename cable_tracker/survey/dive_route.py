@@ -72,7 +72,7 @@ class DiveRoute:
     sigmas : FloatArray
         Standard deviation across the cable [m], in the dive's frame.
     frame_variances : FloatArray
-        What the frame adds to it [m²]; 0 in the frame of odometry.
+        Variance that georeferencing adds [m²]; 0 in the frame of odometry.
     bends : FloatArray
         Curvature, to the left [1/m].
     bend_sigmas : FloatArray
@@ -86,7 +86,7 @@ class DiveRoute:
     asides : FloatArray
         Lateral distance of the cable from the vehicle's middle, to the left [m].
     profile : Profile
-        What can be seen along the way.
+        Visibility of the cable along the route.
     """
 
     start: float

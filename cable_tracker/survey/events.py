@@ -39,7 +39,7 @@ class Event:
     Attributes
     ----------
     kind : EventKind
-        What it is.
+        Kind of the event.
     along, end : float
         From where to where along the route [m]; the same for a point.
     place : (float, float)

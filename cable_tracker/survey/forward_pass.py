@@ -79,7 +79,7 @@ class ForwardSettings:
     Attributes
     ----------
     parameters : TrackerParameters
-        Of the filter.
+        Parameters of the filter.
     topic : str or None
         Image topic; None if there is just one.
     rate : float
@@ -123,11 +123,11 @@ class ForwardDive:
     table : FrameTable
         One row a frame.
     poses : Samples
-        Of odometry, `POSE_WIDTH` numbers each.
+        Poses from odometry, `POSE_WIDTH` numbers each.
     fixes : Samples
         `FIX_WIDTH` numbers each.
     notes : list of str
-        What the user should know: what is missing, where the recording broke off.
+        Remarks for the user: missing topics, where the recording broke off.
     flight : Overflight or None
         The camera over the cable, when metres were known last; None if they never were.
     given_name : str

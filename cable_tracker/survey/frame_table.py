@@ -81,11 +81,11 @@ class CrossingSight:
     Attributes
     ----------
     row : int
-        Of the table.
+        Row of the table.
     ahead : float
         x of the place where they cross, in the vehicle's level frame [m].
     angle : float
-        Of the other line against the vehicle, in (-pi/2, pi/2] [rad].
+        Angle of the crossing line in the vehicle's frame, in (-pi/2, pi/2] [rad].
     """
 
     row: int
@@ -114,7 +114,7 @@ class FrameTable:
     reasons : list of str
         Why there are no metres; the first is "".
     crossings : list of CrossingSight
-        What lay across.
+        Detected lines across the cable.
     """
 
     def __init__(self, disk: Disk | None = None) -> None:

@@ -40,13 +40,13 @@ class Georeference:
     turn : float
         From the dive's x to east [rad].
     shift : FloatArray
-        Of the dive's origin, shape (2,) [m].
+        Position of the dive's origin, shape (2,) [m].
     stamps : FloatArray
-        Of the fixes, shape (F,) [ns].
+        Stamps of the fixes, shape (F,) [ns].
     drift : FloatArray
         By how much odometry is off then, shape (F, 2) [m].
     variances : FloatArray
-        Of each component of it, shape (F,) [m²].
+        Variance of each component of the drift, shape (F,) [m²].
     left_out : int
         Fixes that did not count.
     """

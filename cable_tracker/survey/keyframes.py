@@ -35,7 +35,7 @@ something else [m]: a cable that comes out of the sand is mostly seen for longer
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Keyframes:
-    """Where the camera looked, step by step, and what it claimed.
+    """S keyframes: pose of the look line and claim of the cable at each.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Keyframes:
     claims : FloatArray
         Place beside the look line and direction from it, shape (S, 2) [m, rad]; NaN without.
     covariances : FloatArray
-        Of place, both, direction, shape (S, 3).
+        Variance of place, covariance, variance of direction, shape (S, 3).
     doubtful : BoolArray
         Whether a claim may be of something else than the cable, shape (S,): its diameter is out of
         the ordinary, its borders are hardly seen, or it is one of a few between silences.
@@ -81,7 +81,7 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> K
     Parameters
     ----------
     rows : Rows
-        Of a `FrameTable`, shape (N,).
+        Rows of a `FrameTable`, shape (N,).
     poses : FloatArray
         x, y, yaw of the vehicle in each frame, shape (N, 3); NaN where it is not known.
     disk : Disk or None

@@ -31,7 +31,7 @@ AnyArray = npt.NDArray[Any]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Disk:
-    """Where the arrays of a dive are.
+    """Allocator of memory-mapped arrays.
 
     They take no room when they are no longer used, nor after a process that was killed.
 
@@ -142,7 +142,7 @@ class Growing:
     disk : Disk
         Where the others are.
     empty : ndarray
-        What a new row holds, shape ().
+        Initial value of a new row, shape ().
     """
 
     def __init__(self, disk: Disk, empty: AnyArray) -> None:
@@ -227,7 +227,7 @@ class Unwrapping:
     before : float or None
         The last angle as it came [rad].
     correction : float
-        What was added to it [rad].
+        Multiple of 2 pi added to the last angle [rad].
     """
 
     before: float | None = None

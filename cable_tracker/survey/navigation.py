@@ -1,4 +1,4 @@
-"""Where the vehicle was: odometry without its jumps."""
+"""Poses of the vehicle: odometry with its jumps removed."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class SurveySettings:
     forward : ForwardSettings
         How to track.
     limits : Limits
-        What is worth an event.
+        Thresholds of the events.
     datum : (float, float) or None
         Latitude and longitude of the local frame's origin [deg]; None: the frame of odometry.
     pictures : bool

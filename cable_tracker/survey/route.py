@@ -51,7 +51,7 @@ class Course:
     Attributes
     ----------
     poses : Poses
-        Of the vehicle.
+        Poses of the vehicle.
     keyframes : Keyframes
         Where its camera looked.
     cable : SmoothedCable
@@ -80,9 +80,9 @@ def make_routes(  # noqa: PLR0917
     Parameters
     ----------
     keyframes, cable
-        Of `smoothing`.
+        Keyframes, and their smoothed states, of `smoothing`.
     rows : Rows
-        Of the `FrameTable`.
+        Rows of the `FrameTable`, shape (N,).
     placing : callable or None
         Takes places of the dive's frame to the frame of the route; None leaves them.
     turn : float

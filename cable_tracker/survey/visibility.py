@@ -1,4 +1,4 @@
-"""Where along the cable in a picture its borders can be seen.
+"""Visibility of the cable's borders along the cable in a picture.
 
 The tracker says whether there is a cable; where the sand begins it does not say. So the cable is
 cut out of the picture and straightened, and at several places along it the steps of brightness at

@@ -60,9 +60,9 @@ class AblationExperiment:
     seeds : tuple of int
         Each makes another dive of the same kind.
     rows : tuple of str
-        What to run, keys of `ROW_NAMES`.
+        Rows to run, keys of `ROW_NAMES`.
     sequences : tuple of EvaluationSequence
-        What to follow.
+        Sequences to run on.
     """
 
     seeds: tuple[int, ...]

@@ -92,7 +92,7 @@ class AidedMethod(ParticleFilterMethod):
     vehicle : SimulatedVehicle
         Whose odometry it hears.
     fault : OdometryFault
-        What is wrong with that.
+        Fault of the odometry.
     """
 
     def __init__(
@@ -131,13 +131,13 @@ class AidedFilter:
     Attributes
     ----------
     name : str
-        What it is called in results.
+        Name of the method in results.
     parameters : TrackerParameters
         All of them; the seed is that of the run.
     scenario : str
         Whose vehicle.
     fault : OdometryFault
-        What is wrong with its odometry.
+        Fault of the odometry.
     noise : InstrumentNoise
         How wrong its instruments are otherwise.
     """

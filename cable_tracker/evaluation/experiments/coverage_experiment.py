@@ -63,11 +63,11 @@ class SequenceGroup:
     Attributes
     ----------
     name : str
-        What they are called together.
+        Name of the group of sequences.
     sequences : tuple of EvaluationSequence
         At least one.
     notes : tuple of str
-        What the reader is to know of them.
+        Remarks below the table.
     """
 
     name: str

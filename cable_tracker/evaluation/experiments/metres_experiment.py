@@ -118,7 +118,7 @@ class MetresExperiment:
     seeds : tuple of int
         Each makes another dive of the same kind.
     sequences : tuple of ScenarioSequence
-        What to follow.
+        Sequences to run on.
     noise : InstrumentNoise
         How wrong altimeter and imu are.
     """

@@ -119,7 +119,7 @@ class MotionExperiment:
     seeds : tuple of int
         Each makes another dive of the same kind.
     sequences : tuple of ScenarioSequence
-        What to follow.
+        Sequences to run on.
     settings : tuple of MotionSetting
         The rows.
     """

@@ -41,15 +41,15 @@ class InstrumentNoise:
     Attributes
     ----------
     velocity, velocity_bias : float
-        Of each twist's linear components, and what stays the same over a dive [m/s].
+        Standard deviations of noise and constant bias of each linear velocity [m/s].
     turn, turn_bias : float
         The same of its angular components [rad/s].
     scale : float
-        Of the factor on all linear velocities.
+        Standard deviation of the scale factor on all linear velocities.
     altitude : float
         Share of the altitude, for each measurement.
     attitude : float
-        Of roll and pitch, for each measurement [rad].
+        Standard deviation of each measured roll and pitch [rad].
     """
 
     velocity: float = 0.02
@@ -106,11 +106,11 @@ class SimulatedVehicle:
     instruments : Instruments
         Calibration, altitude, attitude.
     twists : FloatArray
-        What odometry says, shape (M, 6), at `twist_stamps` [ns].
+        Measured twists, shape (M, 6), at `twist_stamps` [ns].
     twist_stamps : list of int
         Length M.
     covariance : FloatArray
-        What odometry says about its errors, shape (6, 6).
+        Covariance that odometry states of its twists, shape (6, 6).
     """
 
     truths: FloatArray

@@ -44,7 +44,7 @@ class StripsExperiment:
     methods : tuple of str
         Keys of `METHODS`.
     sequence : StripSequence
-        What is shown.
+        Sequence of strips to run on.
     strips_per_seed : int
         Strips drawn for each seed.
     """

@@ -87,7 +87,7 @@ class SequenceExperiment:
     methods : tuple of str
         Keys of `METHODS`.
     sequences : tuple of EvaluationSequence
-        What to follow.
+        Sequences to run on.
     """
 
     seeds: tuple[int, ...]
@@ -263,9 +263,9 @@ class SpeedExperiment:
     seeds : tuple of int
         Each makes another dive of the same kind.
     sequence : EvaluationSequence
-        What to follow.
+        Sequence to run on.
     particles, taps : tuple of int
-        What to combine.
+        Numbers of particles and of filter taps; all combinations are run.
     """
 
     seeds: tuple[int, ...]

@@ -25,7 +25,7 @@ class ErrorStatistics:
     bias, rmse : FloatArray
         Mean and root mean square of estimate minus truth.
     median, percentile_95 : FloatArray
-        Of the absolute errors.
+        Median and 95th percentile of the absolute errors, shape (4,) [px, rad].
     """
 
     bias: FloatArray
@@ -43,7 +43,7 @@ class ErrorSummary:
     labelled : int
         Frames with ground truth.
     claimed : int
-        Those of them in which the tracker claimed a cable.
+        Number of these frames with a claimed cable.
     errors : ErrorStatistics
         Over the latter.
     share_off : float

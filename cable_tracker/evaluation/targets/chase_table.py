@@ -38,7 +38,7 @@ class ChaseRow:
     is_claimed : bool
         Whether the tracker claims it.
     range, range_sigma : float
-        What it says of the distance; NaN where it says nothing [m].
+        Estimated distance and its standard deviation; NaN without an estimate [m].
     off : float
         Distance between the place that is told and the true one [m]; NaN likewise.
     """

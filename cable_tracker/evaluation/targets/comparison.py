@@ -47,7 +47,7 @@ class OwnTracker:
     Parameters
     ----------
     parameters : TargetParameters
-        Of the tracker.
+        Parameters of the tracker.
     """
 
     def __init__(self, parameters: TargetParameters) -> None:
@@ -93,7 +93,7 @@ class RunFigures:
     scenario : str
         Name of the scenario, or of the recording.
     seed : int
-        Of the run.
+        Seed of the run.
     method : str
         Name.
     values : tuple of float
@@ -154,9 +154,9 @@ class TargetTask:
     Attributes
     ----------
     sequence : TargetSequence
-        What is followed.
+        Sequence to run on.
     seed : int
-        Of the simulation and of our filters.
+        Seed of the simulation and of our filters.
     methods : tuple of str
         Names, see `method_names`, or of `tuned`.
     tuned : tuple of (str, TargetParameters)

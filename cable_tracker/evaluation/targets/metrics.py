@@ -27,11 +27,11 @@ class EvaluatedClaim:
     Attributes
     ----------
     truth : Box or None
-        Of what can be seen of the target; None while it is out of view.
+        True box of the visible part of the target [px]; None while it is out of view.
     claim : Box or None
         None where no target is claimed.
     twin : Box or None
-        Of another target that looks the same.
+        True box of a second target of the same appearance [px].
     ms : float
         Processor time [ms].
     """

@@ -27,9 +27,9 @@ class TargetEvaluationFrame:
     stamp : int
         Time of the frame [ns].
     truth : Box or None
-        Of what can be seen of the target; None while it is out of view, or not known.
+        True box of the visible part of the target [px]; None while out of view, or unknown.
     twin : Box or None
-        Of another target that looks the same.
+        True box of a second target of the same appearance [px].
     is_judged : bool
         Whether claims of this frame count.
     """
@@ -46,7 +46,7 @@ class TargetSequence(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is called in reports."""
+        """Name of the sequence in reports."""
         ...
 
     def frame_count(self) -> int | None:
@@ -65,7 +65,7 @@ class SimulatedTarget:
     Attributes
     ----------
     name : str
-        Of the scenario.
+        Name of the scenario.
     length : int
         Number of frames.
     """

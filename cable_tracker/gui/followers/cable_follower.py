@@ -40,7 +40,7 @@ class CableFollower(Follower):
     init : str
         Where to start in it.
     parameters : TrackerParameters
-        Those to begin with.
+        Initial parameters of the tracker.
     metres : RecordedMetres or None
         The recording's instruments; None: everything stays in pixels.
 

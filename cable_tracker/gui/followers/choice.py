@@ -37,7 +37,7 @@ def make_follower(
     request : RecordingRequest
         How it was opened.
     parameters : TrackerParameters or TargetParameters
-        Those to begin with.
+        Initial parameters of the tracker.
     vehicle : RecordedVehicle or None
         Its instruments, for a cable in metres.
 

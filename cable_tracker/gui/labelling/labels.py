@@ -34,7 +34,7 @@ LARGEST_LENGTH = 1e5
 
 
 class Origin(str, Enum):
-    """Where the state of a label comes from."""
+    """Origin of a label's state."""
 
     HAND = "hand"
     """A person has drawn or corrected it."""
@@ -197,7 +197,7 @@ def filled_gap(labels: Labels, gap: Gap, stamps: Mapping[int, int]) -> dict[int,
     labels : Labels
         Where the key frames are.
     gap : Gap
-        What is to be filled.
+        Gap between labelled frames to interpolate.
     stamps : mapping
         Times of frames [ns]. Where one is missing, or time stands still, the frames count as
         equally far apart.

@@ -127,7 +127,7 @@ class EntryNames:
     sequence : Path
         The sequence file.
     entries : sequence of Label
-        What it lists.
+        Entries of the sequence file.
     """
 
     def __init__(self, sequence: Path, entries: Sequence[Label]) -> None:

@@ -1,4 +1,4 @@
-"""Where the tracker, or a detector, believes the cable to be in a frame."""
+"""Proposed labels: the tracker's or a detector's estimate in a frame."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Proposer:
     read : callable
         Returns a frame by its number; see `FrameAccess.frame`.
     parameters : TrackerParameters
-        Of the tracker.
+        Parameters of the tracker.
     """
 
     def __init__(self, read: Callable[[int], Frame], parameters: TrackerParameters) -> None:
@@ -80,7 +80,7 @@ class Proposer:
         frame : int
             Number of the frame.
         labels : Labels
-            What is labelled.
+            Labels so far.
         stopped : callable
             Tells whether the answer is no longer wanted.
 

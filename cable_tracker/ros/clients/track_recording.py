@@ -70,7 +70,7 @@ def track_recording_over_ros(
     source : Source
         The same recording, open in this process, for the pictures and the ground truth.
     request : CableTrackingRequest
-        What the nodes are told.
+        Recording, parameters and start, as the nodes' parameters.
     results : ResultFolder
         Where the results go.
     advance : callable

@@ -85,7 +85,7 @@ def track_target_over_ros(
     source : Source
         The same recording, open in this process.
     request : TargetTrackingRequest
-        What the nodes are told.
+        Recording, parameters and start, as the nodes' parameters.
     results : TargetFolder
         Where the results go.
     advance : callable

@@ -116,7 +116,7 @@ class ImageInput:
         message : bytes
             As it came over the wire.
         info : mapping
-            What rclpy passes beside the message.
+            Message info from rclpy: `received_timestamp` and sequence number.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""What trackers' nodes have in common that listen to the vehicle's instruments."""
+"""Subscriptions to the vehicle's instruments, shared by the tracker nodes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
 class InstrumentConsumer(Protocol):
-    """What takes the messages: `CableSight` or `TargetSight`."""
+    """Consumer of instrument messages: `CableSight` or `TargetSight`."""
 
     def configure(self, values: Mapping[str, object]) -> None:
         """Take other values of all its parameters, by name."""
@@ -44,9 +44,9 @@ class InstrumentInputs(Generic[AnySight]):
     make_sight : callable
         Makes the sight, given the default values of its parameters.
     instruments : collection of Instrument
-        What is listened to: the calibration, and instruments whose measurements have a time.
+        Instruments to subscribe to: the calibration, and those with stamped measurements.
     required : collection of Instrument
-        Those of the latter for which a frame waits also before they have spoken.
+        Stamped instruments that a frame waits for even before their first message.
     """
 
     def __init__(

@@ -120,7 +120,7 @@ class CameraNode(ProcessNode):
         stamp : int
             Time of the frame [ns].
         picture : Image
-            What `_decode` returned.
+            Decoded pixels, as returned by `_decode`.
         arrival : float
             When the frame came, on the clock of `time.perf_counter` [s].
 
@@ -264,7 +264,7 @@ class CameraNode(ProcessNode):
         message : bytes
             A sensor_msgs/Image or CompressedImage, serialised, as the middleware hands it over.
         info : mapping
-            What rclpy passes beside the message: time of arrival, number of the message.
+            Message info from rclpy: `received_timestamp` and sequence number.
         """
         try:
             frame = self._input.read(message, info)

@@ -108,7 +108,7 @@ class VehicleNode(ProcessNode):
     Parameters
     ----------
     name : str
-        Of the node.
+        Name of the node.
     **node_arguments
         Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
 

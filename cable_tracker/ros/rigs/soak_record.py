@@ -59,7 +59,7 @@ class LatencyWindow:
     frames : int
         Frames in lockstep in it.
     median, percentile_99, longest : float
-        Of those [ms].
+        Median, 99th percentile and maximum of these latencies [ms].
     """
 
     minutes: float

@@ -26,7 +26,7 @@ def make_joint_state(
     header : Message
         Its stamp and its frame.
     names : sequence of str
-        Of K scalars.
+        Names of the K scalars.
     values : FloatArray
         Shape (K,), or (0,) if they are not known; so are the others.
     rates : FloatArray

@@ -78,7 +78,7 @@ def make_stamped_pose(
     yaw : float
         Rotation about z [rad].
     covariance : FloatArray
-        Of x, y, z, roll, pitch, yaw, shape (6, 6).
+        Covariance of x, y, z, roll, pitch, yaw, shape (6, 6) [m, rad].
 
     Returns
     -------

@@ -35,12 +35,12 @@ class Patch:
 
 @dataclass(frozen=True, slots=True)
 class ImagePose:
-    """Where a body is in the image.
+    """Pose of a body in the image.
 
     Attributes
     ----------
     x, y : float
-        Of its origin, from the top left corner, y downwards [px].
+        Position of the body's origin, from the top left corner, y downwards [px].
     size : float
         Length of its unit [px].
     angle : float
@@ -48,7 +48,7 @@ class ImagePose:
     shortening : float
         Factor on its x: it turns towards the camera.
     phase : float
-        Of its own movement [rad].
+        Phase of the body's own movement [rad].
     """
 
     x: float

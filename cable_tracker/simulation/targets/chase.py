@@ -125,7 +125,7 @@ class ChaseWorld:
     Parameters
     ----------
     settings : ChaseSettings
-        What it is like.
+        Settings of the chase.
     """
 
     def __init__(self, settings: ChaseSettings) -> None:

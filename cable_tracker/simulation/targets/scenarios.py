@@ -55,7 +55,7 @@ class TargetScenario:
     name, purpose : str
         For people.
     body : Body
-        What the target looks like.
+        Body of the target.
     cast : callable
         Makes the ways from the size of the pictures, the duration [s] and random numbers.
     clearness : float

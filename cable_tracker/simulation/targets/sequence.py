@@ -40,7 +40,7 @@ class TargetFrame:
     stamp : int
         Time [ns].
     mask : BoolArray
-        What can be seen of the target, shape (H, W); empty while it is out of view.
+        Visible pixels of the target, shape (H, W); empty while it is out of view.
     twin_mask : BoolArray
         The same of the other one.
     size : float
@@ -99,7 +99,7 @@ def simulate_target(
     Parameters
     ----------
     name : str
-        Of `TARGET_SCENARIOS`.
+        Name of the scenario, one of `TARGET_SCENARIOS`.
     seed : int
         The same arguments give the same frames, bit for bit.
     frame_count : int

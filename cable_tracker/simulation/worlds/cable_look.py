@@ -59,7 +59,7 @@ class CableLook:
     Attributes
     ----------
     step : float
-        Of its borders, positive if it is bright [standard deviations of the bottom].
+        Brightness step at the borders, positive if bright [standard deviations of the bottom].
     turn_length, turn_phase : float
         Way from bright to dark and back [radii], 0 if it does not change, and where on it it is at
         the start [rad].

@@ -50,7 +50,7 @@ class LampMotion:
     reach : (float, float)
         Largest way to the right and up [px].
     rates, phases : (float, float)
-        Of both [rad/s, rad].
+        Angular rates and phases of the motions to the right and up [rad/s, rad].
     """
 
     reach: tuple[float, float]

@@ -26,11 +26,11 @@ class Thing:
     Attributes
     ----------
     kind : str
-        What it looks like: a key of `PROFILES`.
+        Profile of the object: a key of `PROFILES`.
     x, y : float
         Its middle [texels].
     angle : float
-        Of its length from the y axis [rad].
+        Angle of the long axis from the y axis [rad].
     half_width, half_length : float
         [texels].
     strength : float

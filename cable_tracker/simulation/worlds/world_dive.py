@@ -85,7 +85,7 @@ class WorldDive:
     Parameters
     ----------
     world : World
-        What it is like.
+        World to draw the dive from.
     seed : int
         Not negative. The same seed gives the same frames, bit for bit.
     image_size : (int, int)

@@ -54,7 +54,7 @@ class SurveyMap:
     names : tuple of str
         One for each route.
     events_in_time : tuple of Event
-        Of recordings without metres.
+        Events of recordings without metres.
     """
 
     routes: tuple[MergedRoute, ...]
