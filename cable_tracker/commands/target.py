@@ -126,7 +126,7 @@ def target(  # noqa: PLR0917
             replayed = need_ros("clients.lockstep").replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            request = client.TargetRequest(
+            request = client.TargetTrackingRequest(
                 replayed, parameters, init, node_values(described, target_size)
             )
             damage = client.track_target_over_ros(

@@ -118,7 +118,7 @@ def track(  # noqa: PLR0917
             replayed = need_ros("clients.lockstep").replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            request = client.RecordingRequest(replayed, parameters, state, described)
+            request = client.CableTrackingRequest(replayed, parameters, state, described)
             damage = client.track_recording_over_ros(
                 recording, request, results, lambda: advance(progress)
             )

@@ -7,15 +7,12 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.atomic_output import PartialOutput, holds
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import FrameError, write_failure
-from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessages
+from cable_tracker.errors import FrameError
+from cable_tracker.offline.results import BAG, CONTACT_SHEET, ESTIMATES, VIDEO, Results
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
 from cable_tracker.sequences.frame import Frame
@@ -27,11 +24,7 @@ from cable_tracker.visualisation.palette import status_colour
 from cable_tracker.visualisation.plots import plot_estimates
 from cable_tracker.visualisation.video import VideoWriter
 
-ESTIMATES = "estimates.csv"
-VIDEO = "overlay.webm"
-CONTACT_SHEET = "overlay.png"
 PLOTS = "estimates.png"
-BAG = "bag"
 
 SMALLEST_PICTURE, LARGEST_PICTURE = 480, 960
 """Narrower frames are enlarged, and wider ones shrunk, to these widths in the video [px]."""
@@ -70,39 +63,22 @@ class WantedResults:
 EVERYTHING = WantedResults()
 
 
-class ResultFolder:
-    """Collects the results of a run; to be used as a context manager.
-
-    The folder appears at its path when the context ends without an exception.
+class ResultFolder(Results):
+    """Results of a tracked cable, see `Results`.
 
     Parameters
     ----------
-    path : Path
-        Where it is to appear.
-    overwrite : bool
-        Replace the results of an earlier run. Nothing else is ever replaced.
-    timing : bool
-        Write the measured times into the table. Without them, equal runs write equal bytes.
     wanted : WantedResults
         Files to write beside the table.
 
     Attributes
     ----------
-    path : Path
-        Where it is to appear.
     rows : StoredRows of EstimateRow
         The table so far.
     truths : dict
         Ground truth by frame number, of the frames that have one.
     widths : StoredRows of (float, int)
         Widths of the leading hypothesis and of the image, of the frames that have one [px].
-    bag : BagWriter or NoMessages
-        Where to write messages.
-
-    Raises
-    ------
-    OutputError
-        The path is taken, or the disk does not let us write.
     """
 
     def __init__(
@@ -113,64 +89,19 @@ class ResultFolder:
         timing: bool = True,
         wanted: WantedResults = EVERYTHING,
     ) -> None:
-        self.path = path
+        super().__init__(path, overwrite=overwrite, timing=timing, with_bag=wanted.bag)
         self.wanted = wanted
-        self._timing = timing
         self.truths: dict[int, CableState] = {}
-        self._overwrite = overwrite
         self._sheet = ContactSheet() if wanted.pictures else None
         self._video: VideoWriter | None = None
 
-    def __enter__(self) -> Self:
-        self._folder = PartialOutput(self.path, overwrite=self._overwrite, is_ours=holds(ESTIMATES))
-        self._writers = ExitStack()
-        try:
-            self._content.mkdir()
-            self.rows: StoredRows[EstimateRow] = StoredRows(self._content)
-            self.widths: StoredRows[tuple[float, int]] = StoredRows(self._content)
-            self.bag: MessageSink = NoMessages()
-            if self.wanted.bag:
-                self.bag = self._writers.enter_context(BagWriter(self._content / BAG))
-            if self.wanted.video:
-                self._video = self._writers.enter_context(VideoWriter(self._content / VIDEO))
-            # Entered last, so that all is drawn before the video is closed.
-            self._drawing = self._writers.enter_context(DrawingThread())
-        except OSError as error:
-            self._abandon(error)
-            raise write_failure(self.path, error) from error
-        except BaseException as error:
-            self._abandon(error)
-            raise
-        return self
-
-    def _abandon(self, error: BaseException) -> None:
-        """Close all writers with the error as their reason, so that none raises another one."""
-        try:
-            self._writers.__exit__(type(error), error, error.__traceback__)
-        finally:
-            self._folder.discard()
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        try:
-            self._writers.__exit__(kind, error, traceback)
-            if error is None:
-                self._write_summaries()
-        except BaseException:
-            self._folder.discard()
-            raise
-        if error is None:
-            self._folder.commit()
-        else:
-            self._folder.discard()
-
-    @property
-    def _content(self) -> Path:
-        return self._folder.content
+    def _open_writers(self, stack: ExitStack) -> None:
+        self.rows: StoredRows[EstimateRow] = StoredRows(self._content)
+        self.widths: StoredRows[tuple[float, int]] = StoredRows(self._content)
+        if self.wanted.video:
+            self._video = stack.enter_context(VideoWriter(self._content / VIDEO))
+        # Entered last, so that all is drawn before the video is closed.
+        self._drawing = stack.enter_context(DrawingThread())
 
     def add(
         self,
@@ -238,10 +169,7 @@ class ResultFolder:
             self._sheet.add(overlay, frame.index, words, status_colour(row.status))
 
     def _write_summaries(self) -> None:
-        try:
-            write_estimates(self._content / ESTIMATES, self.rows)
-            if self._sheet is not None:
-                self._sheet.write(self._content / CONTACT_SHEET)
-                plot_estimates(self._content / PLOTS, self.rows, self.truths)
-        except OSError as error:
-            raise write_failure(self.path, error) from error
+        write_estimates(self._content / ESTIMATES, self.rows)
+        if self._sheet is not None:
+            self._sheet.write(self._content / CONTACT_SHEET)
+            plot_estimates(self._content / PLOTS, self.rows, self.truths)

@@ -1,4 +1,4 @@
-"""The folder with what came of following a target through a recording."""
+"""Result folder of a target followed through a recording."""
 
 from __future__ import annotations
 
@@ -7,51 +7,23 @@ from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import cv2
 
 from cable_tracker.arrays import Image
-from cable_tracker.atomic_output import output_folder
 from cable_tracker.errors import OutputError
-from cable_tracker.offline.target_table import (
-    ESTIMATES,
-    HEADER,
-    METRES,
-    METRES_HEADER,
-    TargetRow,
-)
-from cable_tracker.sequences.bag_writer import BagWriter, MessageSink, NoMessages
+from cable_tracker.offline.results import BAG, CONTACT_SHEET, ESTIMATES, VIDEO, Results
+from cable_tracker.offline.target_table import HEADER, METRES, METRES_HEADER, TargetRow
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.video import VideoWriter
-
-VIDEO = "overlay.webm"
-
-CONTACT_SHEET = "overlay.png"
-
-BAG = "bag"
 
 SMALLEST_PICTURE = 480
 """Narrower frames are enlarged to this width in the pictures [px]."""
 
 
-class TargetFolder:
-    """Collects the results of a run; to be used as a context manager.
-
-    The folder appears at its path when the context ends without an exception.
-
-    Parameters
-    ----------
-    path : Path
-        Where it is to appear.
-    overwrite : bool
-        Replace the results of an earlier run. Nothing else is ever replaced.
-    timing : bool
-        Fill the column `ms`; without it, equal runs write equal tables.
-    with_bag : bool
-        Write the messages of the node.
+class TargetFolder(Results):
+    """Results of a followed target, see `Results`.
 
     Attributes
     ----------
@@ -59,51 +31,22 @@ class TargetFolder:
         The table so far.
     metres : list of tuple of str
         The table in metres so far; it is written if it has rows.
-    bag : MessageSink
-        Where to write messages.
-
-    Raises
-    ------
-    OutputError
-        The path is taken, or the disk does not let us write.
     """
 
     def __init__(self, path: Path, *, overwrite: bool, timing: bool, with_bag: bool) -> None:
-        self.path = path
+        super().__init__(path, overwrite=overwrite, timing=timing, with_bag=with_bag)
         self.rows: list[TargetRow] = []
         self.metres: list[tuple[str, ...]] = []
-        self.bag: MessageSink = NoMessages()
-        self._overwrite = overwrite
-        self._timing = timing
-        self._with_bag = with_bag
         self._sheet = ContactSheet()
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of what it holds."""
+        """Names of the written files."""
         metres = (METRES,) if self.metres else ()
         return (ESTIMATES, *metres, VIDEO, CONTACT_SHEET, *((BAG,) if self._with_bag else ()))
 
-    def __enter__(self) -> Self:
-        with ExitStack() as stack:
-            self._content = stack.enter_context(
-                output_folder(self.path, ESTIMATES, overwrite=self._overwrite)
-            )
-            # What is entered last is closed first: the table is written when all else is there.
-            stack.push(self._write_table)
-            self._video = stack.enter_context(VideoWriter(self._content / VIDEO))
-            if self._with_bag:
-                self.bag = stack.enter_context(BagWriter(self._content / BAG))
-            self._stack = stack.pop_all()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self._stack.__exit__(kind, error, traceback)
+    def _open_writers(self, stack: ExitStack) -> None:
+        self._video = stack.enter_context(VideoWriter(self._content / VIDEO))
 
     def add(self, frame: Frame, row: TargetRow, picture: Image | None) -> None:
         """Add one frame, with the picture that shows what was found; None for a refused frame."""
@@ -117,14 +60,7 @@ class TargetFolder:
         self._video.add(picture, frame.stamp)
         self._sheet.add(picture if self._sheet.wants_next() else None, frame.index)
 
-    def _write_table(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        if error is not None:
-            return
+    def _write_summaries(self) -> None:
         _write_csv(self._content / ESTIMATES, HEADER, (row.cells() for row in self.rows))
         if self.metres:
             _write_csv(self._content / METRES, METRES_HEADER, self.metres)

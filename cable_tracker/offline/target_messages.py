@@ -9,13 +9,11 @@ from cable_tracker.metric.recorded_target import RecordedSight
 from cable_tracker.metric.relative_state import RelativeState
 from cable_tracker.metric.target_metres import TargetMetres
 from cable_tracker.metric.withheld import Withheld
+from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.estimates import REFUSED
-from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.jpeg import encode_jpeg
-from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image
@@ -29,30 +27,11 @@ from cable_tracker.sequences.messages.target import (
 )
 from cable_tracker.sequences.messages.target_markers import make_target_markers
 from cable_tracker.sequences.messages.target_particles import make_target_particles
-from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.target.model.estimate import TargetEstimate, box_corners, is_claimed
 
 
-class FrameMessages:
-    """Writes the messages that the node would publish about one frame.
-
-    Parameters
-    ----------
-    bag : MessageSink
-        Takes them.
-    frame : Frame
-        The frame.
-    """
-
-    def __init__(self, bag: MessageSink, frame: Frame) -> None:
-        self._bag = bag
-        self._stamp = frame.stamp
-        self._factory = RosbagsMessages()
-        self._header = make_header(self._factory, frame.stamp, frame.frame_id)
-
-    def _write(self, topic: NodeTopic, message: Message) -> None:
-        self._bag.write(topic.global_name, topic.type_name, message, self._stamp)
+class TargetMessages(FrameMessages):
+    """Writes the messages that the node would publish about one frame."""
 
     def write_refusal(self, reason: str) -> None:
         """Write that there is no estimate."""

@@ -11,7 +11,7 @@ from cable_tracker.sequences.frame import Frame
 from cable_tracker.target.model.estimate import TargetEstimate, is_claimed
 from cable_tracker.target.model.state import PoseColumn
 
-ESTIMATES, METRES = "estimates.csv", "metres.csv"
+METRES = "metres.csv"
 
 HEADER = (
     "frame", "stamp", "status", "x", "y", "scale", "angle", "v_x", "v_y", "sigma_x", "sigma_y",

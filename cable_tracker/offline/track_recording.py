@@ -18,6 +18,7 @@ from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import report_metres
 from cable_tracker.metric.recorded import RecordedMetres
 from cable_tracker.metric.withheld import Withheld
+from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import MessageSink
@@ -29,12 +30,8 @@ from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
 from cable_tracker.sequences.messages.cable_markers import make_markers
 from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
-from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_report
-from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image
-from cable_tracker.sequences.node_topics import NodeTopic
-from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source
 from cable_tracker.visualisation.overlay import draw_overlay
 
@@ -174,7 +171,7 @@ def start_from(tracker: CableTracker, state: CableState | None) -> None:
 def _track_frame(
     frame: Frame, tracker: CableTracker, results: ResultFolder, metres: RecordedMetres | None
 ) -> None:
-    output = _FrameOutput(results.bag, frame) if results.wanted.bag else None
+    output = _CableMessages(results.bag, frame) if results.wanted.bag else None
     if metres is not None:
         metres.advance(frame)
     try:
@@ -200,18 +197,12 @@ def _track_frame(
     results.add(frame, row, cloud, estimate.hypotheses, estimate.image_size[0])
 
 
-class _FrameOutput:
+class _CableMessages(FrameMessages):
     """Writes the messages that the node would publish about one frame."""
 
     def __init__(self, bag: MessageSink, frame: Frame) -> None:
-        self._bag = bag
-        self._stamp = frame.stamp
-        self._factory = RosbagsMessages()
-        self._header = make_header(self._factory, frame.stamp, frame.frame_id)
+        super().__init__(bag, frame)
         write_truth(bag, frame)
-
-    def _write(self, topic: NodeTopic, message: Message) -> None:
-        self._bag.write(topic.global_name, topic.type_name, message, self._stamp)
 
     def write_refusal(self, reason: str) -> None:
         """Write that there is no estimate."""

@@ -9,7 +9,7 @@ from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.metric.recorded_target import RecordedSight
 from cable_tracker.metric.target_facts import target_facts
 from cable_tracker.offline.target_folder import TargetFolder
-from cable_tracker.offline.target_messages import FrameMessages
+from cable_tracker.offline.target_messages import TargetMessages
 from cable_tracker.offline.target_table import TargetRow, metres_row, row_of
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.estimates import REFUSED
@@ -73,7 +73,7 @@ def track_target(
 def _follow(
     frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedSight | None
 ) -> None:
-    messages = FrameMessages(results.bag, frame)
+    messages = TargetMessages(results.bag, frame)
     if sight is not None:
         sight.advance(frame)
     try:

@@ -16,7 +16,8 @@ from cable_tracker.gui.tracked_recording import LONGEST_RUN
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
-from cable_tracker.offline.result_folder import ESTIMATES, ResultFolder
+from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.results import ESTIMATES
 from cable_tracker.offline.track_recording import (
     initial_state_for,
     start_from,

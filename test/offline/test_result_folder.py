@@ -10,7 +10,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 from cable_tracker.errors import OutputError
-from cable_tracker.offline import result_folder
+from cable_tracker.offline import result_folder, results
 from cable_tracker.offline.result_folder import ResultFolder, WantedResults
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.estimates import EstimateRow, read_estimates
@@ -195,9 +195,11 @@ def test_a_disk_that_is_full_at_the_end_is_told_in_one_line(tmp_path, dive, monk
     assert names_in(tmp_path) == set()
 
 
-@pytest.mark.parametrize("name", ["BagWriter", "VideoWriter"])
-def test_a_disk_that_is_full_at_the_start_is_told_in_one_line(tmp_path, monkeypatch, name):
-    monkeypatch.setattr(result_folder, name, full_disk)
+@pytest.mark.parametrize(
+    ("module", "name"), [(results, "BagWriter"), (result_folder, "VideoWriter")]
+)
+def test_a_disk_that_is_full_at_the_start_is_told_in_one_line(tmp_path, monkeypatch, module, name):
+    monkeypatch.setattr(module, name, full_disk)
     with (
         pytest.raises(OutputError, match="No space left on device"),
         ResultFolder(tmp_path / "out"),

@@ -16,7 +16,8 @@ from rosbags.rosbag2 import Reader
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
-from cable_tracker.offline.result_folder import BAG, ESTIMATES, ResultFolder
+from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.results import BAG, ESTIMATES
 from cable_tracker.offline.track_recording import (
     TRUTH,
     initial_state_for,
