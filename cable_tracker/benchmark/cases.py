@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -266,8 +265,3 @@ class FilterSteps:
 def _worked_out(image: WorkingImage, name: str) -> object:
     # A replaced picture has nothing worked out yet.
     return getattr(replace(image), name)
-
-
-def pixels_of(size: tuple[int, int]) -> int:
-    """Return the number of pixels of a frame."""
-    return math.prod(size)

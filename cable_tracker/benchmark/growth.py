@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from cable_tracker.benchmark.cases import REFERENCE_PARTICLES, pixels_of
+from cable_tracker.benchmark.cases import REFERENCE_PARTICLES
 from cable_tracker.benchmark.footage import RENDERED_SIZE
 from cable_tracker.benchmark.round_robin import CaseLabel, Measurement
 from cable_tracker.benchmark.statistics import fit_line
@@ -54,7 +55,7 @@ VARIABLES = (
     _Variable(
         "image pixel",
         lambda label: label.section == "frame" and label.particles == REFERENCE_PARTICLES,
-        lambda label: float(pixels_of(label.size)),
+        lambda label: float(math.prod(label.size)),
     ),
     _Variable("sample point", lambda label: label.section == "spacing", lambda label: label.amount),
 )

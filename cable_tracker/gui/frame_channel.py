@@ -61,12 +61,6 @@ class FrameChannel:
         self._latest: bytes | None = None
 
     @property
-    def viewer_count(self) -> int:
-        """How many browsers look at it."""
-        with self._lock:
-            return len(self._viewers)
-
-    @property
     def is_wanted(self) -> bool:
         """Whether any browser could draw a picture now. If not, none need be made."""
         with self._lock:

@@ -139,11 +139,9 @@ class LiveWorld:
     ----------
     settings : LiveSettings
         Settings of course, burial and vehicle.
-    errors : InstrumentErrors or None
-        How wrong the instruments are; None for what is usual.
     """
 
-    def __init__(self, settings: LiveSettings, errors: InstrumentErrors | None = None) -> None:
+    def __init__(self, settings: LiveSettings) -> None:
         self._settings = settings
         seeds = Seeds.of(settings.seed)
         course_rng = np.random.default_rng(seeds.course)
@@ -164,9 +162,7 @@ class LiveWorld:
         self._renderer = SceneRenderer(self._camera, scene, LOOK, picture_rng)
         current = Current.random(settings.current, course_rng)
         self._vehicle = Vehicle(VehicleModel(), current, self._start(motion_rng), motion_rng)
-        self._instruments = InstrumentSet(
-            errors or InstrumentErrors(), self._vehicle.motion(), own_rng
-        )
+        self._instruments = InstrumentSet(InstrumentErrors(), self._vehicle.motion(), own_rng)
         self._time = 0.0
 
     def _stretches(self) -> tuple[BuriedStretch, ...]:

@@ -212,13 +212,9 @@ class SurveyDive:
     ----------
     settings : SurveyDiveSettings
         Settings of the dive.
-    errors : InstrumentErrors or None
-        How wrong the instruments are; None for what is usual.
     """
 
-    def __init__(
-        self, settings: SurveyDiveSettings, errors: InstrumentErrors | None = None
-    ) -> None:
+    def __init__(self, settings: SurveyDiveSettings) -> None:
         self._settings = settings
         own, cables = Seeds.of(settings.seed), Seeds.of(settings.cable_seed)
         motion_rng, reading_rng = (np.random.default_rng(seed) for seed in own.route.spawn(2))
@@ -240,7 +236,7 @@ class SurveyDive:
         self._wander = Harmonics.random(settings.wander, WANDER_BANDS, motion_rng)
         current = Current.random(settings.current, np.random.default_rng(own.course))
         self._vehicle = Vehicle(VehicleModel(), current, self._start(), motion_rng)
-        self._errors = errors or InstrumentErrors()
+        self._errors = InstrumentErrors()
         self._instruments = InstrumentSet(self._errors, self._vehicle.motion(), reading_rng)
         self._rng = reading_rng
         self._altitude = settings.altitude

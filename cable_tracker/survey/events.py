@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
@@ -330,8 +330,3 @@ def _navigation(maker: _Maker, course: Course) -> list[Event]:
         detail = "odometry began anew or its clock jumped; the way was joined here"
         events.append(maker.at(EventKind.NAVIGATION, float(route.along[point]), detail))
     return events
-
-
-def moved(event: Event, along: float, end: float, place: tuple[float, float]) -> Event:
-    """Return an event at another place of another route."""
-    return replace(event, along=along, end=end, place=place)

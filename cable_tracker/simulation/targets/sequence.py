@@ -26,6 +26,9 @@ LEAST_AREA = 40
 HAZE = np.array([140.0, 118.0, 58.0], np.float32)
 """Colour of the water between target and camera: blue, green, red."""
 
+NOISE = 3.0
+"""Standard deviation of the sensor's noise [grey levels]."""
+
 STALK = np.array([52.0, 74.0, 58.0], np.float32)
 
 
@@ -92,7 +95,6 @@ def simulate_target(
     *,
     rate: float = 25.0,
     size: tuple[int, int] = (320, 240),
-    noise: float = 3.0,
 ) -> Iterator[TargetFrame]:
     """Yield the frames of one run of a scenario.
 
@@ -108,8 +110,6 @@ def simulate_target(
         Frames per second.
     size : (int, int)
         Width and height [px].
-    noise : float
-        Standard deviation of the sensor's noise [grey levels].
 
     Raises
     ------
@@ -128,7 +128,7 @@ def simulate_target(
         offset = drift[0] * zoom * np.sin(drift[1] * time + drift[2])
         picture = surroundings.view(size, (float(offset[0]), float(offset[1])), time)
         stamp = FIRST_STAMP + round(index * 1e9 / rate)
-        yield _frame(scenario, cast, surroundings, picture, time, stamp, zoom, noise, rng)
+        yield _frame(scenario, cast, surroundings, picture, time, stamp, zoom, rng)
 
 
 def _frame(  # noqa: PLR0917
@@ -139,7 +139,6 @@ def _frame(  # noqa: PLR0917
     time: float,
     stamp: int,
     zoom: float,
-    noise: float,
     rng: np.random.Generator,
 ) -> TargetFrame:
     height, width = picture.shape[:2]
@@ -158,7 +157,7 @@ def _frame(  # noqa: PLR0917
     twin_hidden = hidden if cast.twin_in_front else np.maximum(hidden, own[1])
     surroundings.snow(picture, time)
     picture = cv2.GaussianBlur(picture, (0, 0), 0.7)
-    picture += rng.normal(0.0, noise, picture.shape).astype(np.float32)
+    picture += rng.normal(0.0, NOISE, picture.shape).astype(np.float32)
     mask = _visible(own[1], own_hidden, cast.way(time), zoom)
     pose = cast.way(time)
     return TargetFrame(
