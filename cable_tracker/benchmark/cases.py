@@ -155,7 +155,7 @@ class Moment:
     Attributes
     ----------
     particles : Particles
-        Its belief.
+        Particles before the step.
     frame : Image
         The frame that it has seen last.
     image : WorkingImage

@@ -39,7 +39,7 @@ class Footage:
     images : tuple of Image
         Grey levels, uint8, shape (H, W).
     truths : tuple of CableState
-        Where the cable runs in each [px, rad].
+        True state of the cable in each frame [px, rad].
     """
 
     images: tuple[Image, ...]

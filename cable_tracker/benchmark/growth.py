@@ -29,7 +29,7 @@ class Growth:
     each : float
         Time for one more [ns].
     points : int
-        How many measurements the line goes through.
+        Number of measurements that the line is fitted to.
     """
 
     name: str

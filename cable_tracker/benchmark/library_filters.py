@@ -169,7 +169,7 @@ class LibraryMethod:
     library : str
         A key of `LIBRARY_LOOPS`; it must be installed.
     particle_count : int
-        How many.
+        Number of particles.
     seed : int
         Seed of its random numbers.
     """

@@ -54,7 +54,7 @@ class Plan:
     particles : tuple of int
         Numbers of particles; 500 among them.
     effort : Effort
-        How long each case is timed.
+        Rounds and time spent on each case.
     profiled : int
         Frames under the profiler.
     memory : int

@@ -49,13 +49,13 @@ class BenchmarkResult:
     Attributes
     ----------
     circumstances : Circumstances
-        Where and when.
+        Machine, date and versions.
     measurements : tuple of Measurement
         All times of functions and frames.
     accuracies : tuple of Accuracy
-        How well the methods follow the same frames.
+        Errors of the methods on the same frames.
     growths : tuple of Growth
-        How the time of a frame grows.
+        Linear fits of the time of a frame.
     profile : tuple of ProfileRow
         Profile of the preset's functions.
     memory : tuple of MemoryUse
@@ -63,7 +63,7 @@ class BenchmarkResult:
     nodes : tuple of NodeTiming
         Node to node; empty if that was not asked for.
     starts : tuple of StartTime
-        How long each preset takes to be ready; empty if that was not asked for.
+        Start time of each preset; empty if it was not asked for.
     contours : tuple of ContourTiming
         Times of contour evolution; empty if they were not asked for.
     """

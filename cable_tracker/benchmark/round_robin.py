@@ -182,7 +182,7 @@ def measure_in_turns(
     yardstick : callable
         Reference operation that is timed beside each case.
     effort : Effort
-        How long.
+        Rounds and time spent on each case.
     advance : callable
         Told how many more turns are over, ``effort.rounds`` for each case in the end.
 

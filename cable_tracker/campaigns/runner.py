@@ -93,9 +93,9 @@ def run_campaign(
     tasks : sequence of FolderTask
         Tasks to run.
     root : Path
-        Where their folders go; with workers on other machines, on a disk that all of them share.
+        Folder of the tasks' folders; with workers on other machines, on a shared disk.
     settings : ClusterSettings
-        Where they run. One worker and no scheduler: in this process.
+        Machines that run the tasks. One worker and no scheduler: this process.
     resume : bool
         Keep what is there of the same input, parameters and version.
     advance : callable

@@ -55,7 +55,7 @@ class CampaignSettings:
     Attributes
     ----------
     cluster : ClusterSettings
-        Where they run.
+        Machines that run the tasks.
     store : Path or None
         Folder for the result of each task; None: they are not kept.
     resume : bool

@@ -191,15 +191,15 @@ def count_frames(
     Parameters
     ----------
     counts : ResponseCounts
-        Where they are counted.
+        Counts that are added to.
     sequence : LabelledSequence
         Sequence that the frames belong to.
     frames : iterable of Frame
-        Its frames.
+        Frames of the sequence.
     parameters : TrackerParameters
         Parameters that the tables will be used with.
     plan : LearningPlan
-        How they are counted.
+        Plan of the learning.
     rng : numpy.random.Generator
         Draws how much harder frames are made.
 

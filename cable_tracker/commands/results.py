@@ -29,7 +29,7 @@ def need_usable_frames(
     statuses : sequence of str
         Status of each frame.
     damage : RecordingError or None
-        Why it broke off.
+        Error at which the recording broke off.
 
     Raises
     ------

@@ -165,7 +165,7 @@ class _CableFrames:
     Attributes
     ----------
     count : int
-        How many there are.
+        Number of frames.
     frames : iterator of Frame
         With their ground truth.
     dive : (Dive, float) or None

@@ -42,7 +42,7 @@ class EvaluationFrame:
     image : Image
         Grey levels, uint8, shape (H, W).
     truth : CableState or None
-        Where the cable really runs; None if there is none, or that is unknown.
+        True state of the cable; None if there is none, or it is unknown.
     visibility : float
         Share of the borders that can be seen, 0 to 1; NaN if unknown.
     """

@@ -65,7 +65,7 @@ class KalmanNoise:
     diffusion : FourSigmas
         Process noise of d, alpha, w, beta per frame at 25 frames per second.
     rate_diffusion : FourSigmas
-        How much the rates, per frame at 25 frames per second, change in such a frame.
+        Process noise of the rates, per frame at 25 frames per second.
     initial_rate : FourSigmas
         The rates of a cable seen for the first time, per frame at 25 frames per second.
     """

@@ -65,13 +65,13 @@ class ReportHeader:
     Attributes
     ----------
     title : str
-        Its first line.
+        Title of the report.
     command : str
         Command line that wrote the report.
     machine : str
         Processor, operating system, versions.
     date : str
-        When it was made.
+        Date of the report.
     """
 
     title: str
@@ -91,7 +91,7 @@ class Cell:
     detail : str
         Smallest and largest; empty if there is no spread.
     shade : float
-        How dark its ground is, 0 to 1.
+        Darkness of the background, 0 to 1.
     """
 
     text: str

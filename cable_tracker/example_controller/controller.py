@@ -134,7 +134,7 @@ class Controller:
         time : float
             Time of the measurements [s]; later than that of the step before.
         cable : Cable or None
-            Where the cable is; None if the tracker does not say.
+            Line of the cable; None if the tracker does not say.
         pose : Pose or None
             From odometry; None without. Then a lost cable is not searched for.
         """

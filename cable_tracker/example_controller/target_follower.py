@@ -114,7 +114,7 @@ class TargetController:
     Parameters
     ----------
     settings : FollowSettings
-        How to follow.
+        Settings of distance, gains and search.
     """
 
     def __init__(self, settings: FollowSettings) -> None:
@@ -138,7 +138,7 @@ class TargetController:
         time : float
             Time of the frame [s].
         place : TargetPlace or None
-            Where the target is; None while it is lost.
+            Position of the target; None while it is lost.
         """
         dt = 0.0 if self._time is None else min(max(time - self._time, 0.0), 1.0)
         self._time = time

@@ -26,7 +26,7 @@ class Section:
     Attributes
     ----------
     name : str
-        How the browser finds it.
+        Key of the section in the packet.
     kind : str
         ``jpeg`` or ``float32``.
     shape : tuple of int

@@ -162,9 +162,9 @@ def serve(
     page : callable
         Builds the page, anew for each browser.
     channels : Channels
-        Where the pictures come from.
+        Channels of the pictures.
     listening : Listening
-        Where to listen; see `claim_port`.
+        Address to listen on; see `claim_port`.
     title : str
         Title of the page.
     started, stopped : callable

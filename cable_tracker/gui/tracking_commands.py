@@ -30,7 +30,7 @@ class KeyBinding:
     Attributes
     ----------
     name : str
-        How the page calls it.
+        Name of the command in the page.
     keys : tuple of str
         Keys, as browsers name them.
     shown : str

@@ -28,7 +28,7 @@ class FormDialog:
     Parameters
     ----------
     title : str
-        Its heading.
+        Heading of the dialog.
     action : str
         Words of the button.
     """
@@ -90,7 +90,7 @@ class OpenDialog(FormDialog):
     opening : callable
         Opens a request.
     start_words : str
-        Where one can start.
+        Text about the possible initialisations.
     """
 
     def __init__(

@@ -81,7 +81,7 @@ def serve_tracking_window(
     desk : TrackingDesk
         Session and recording that the page shows.
     listening : Listening
-        Where to listen.
+        Address to listen on.
     started : callable
         Called when the server has begun to listen.
     """

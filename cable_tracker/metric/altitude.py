@@ -21,7 +21,7 @@ class Altitude:
     metres : float
         [m].
     sigma : float
-        Its standard deviation [m].
+        Standard deviation of the altitude [m].
     """
 
     metres: float

@@ -41,7 +41,7 @@ class Overflight:
     height : float
         Height of base_link above the cable's axis [m].
     height_sigma : float
-        Its standard deviation [m].
+        Standard deviation of the height [m].
     """
 
     camera: CameraModel

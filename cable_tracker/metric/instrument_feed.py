@@ -23,7 +23,7 @@ class InstrumentFeed:
     Parameters
     ----------
     source : InstrumentSource or None
-        Where they come from; None: there are none.
+        Source of the messages; None: there are none.
     pauses : mapping of Instrument to int
         Shortest interval between used messages of an instrument [ns].
     """

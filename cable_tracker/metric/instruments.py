@@ -26,7 +26,7 @@ class InstrumentSettings:
     metric : MetricSettings
         Mounting and what else does not change.
     altimeter : Altimeter
-        How altitudes are measured.
+        Mounting and errors of the altimeter.
     fixed_altitude : float
         Altitude of base_link used without an altimeter [m]; 0 for none.
     timeout : float
@@ -48,7 +48,7 @@ class Instruments:
     Parameters
     ----------
     settings : InstrumentSettings
-        How to read them.
+        Settings of the instruments.
     """
 
     def __init__(self, settings: InstrumentSettings) -> None:

@@ -167,7 +167,7 @@ class RecordedVehicle:
     Attributes
     ----------
     vehicle : VehicleDescription
-        As tf_static and the vehicle file describe it.
+        Description by tf_static and the vehicle file.
     source : InstrumentSource or None
         Instruments of the bag; None for a recording that is no bag.
     """

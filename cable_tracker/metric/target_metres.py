@@ -195,7 +195,7 @@ class TargetRange:
         camera : CameraModel or Withheld
             Camera that took the frame.
         moved : tuple or NoMotion
-            How the vehicle has moved since the frame before, as `VehicleMotion.between` says.
+            Motion of the vehicle since the frame before, see `VehicleMotion.between`.
         """
         self._age(estimate.stamp, moved)
         if estimate.status is not TrackingStatus.TRACKING:

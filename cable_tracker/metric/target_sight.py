@@ -44,7 +44,7 @@ class TargetSight:
     calibration : Calibration or None
         Calibration given by the user, which overrides messages; None: use messages.
     count : int
-        How many targets are followed.
+        Number of targets.
     """
 
     def __init__(

@@ -120,9 +120,9 @@ class ResultFolder(Results):
         row : EstimateRow
             Row of the frame in the table.
         cloud : FloatArray or None
-            Its particles, shape (N, 9): eight state columns and the weight.
+            Particles of the frame, shape (N, 9): eight state columns and the weight.
         hypotheses : sequence of Hypothesis
-            Where the cable may be, as far as it is known; for the pictures.
+            Hypotheses of the frame, as far as they are known; for the pictures.
         image_width : int
             Width of the frame [px]; needed with hypotheses.
         """

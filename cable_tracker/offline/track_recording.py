@@ -142,7 +142,7 @@ def track_recording(
     tracker : CableTracker
         The tracker, initialised as wanted.
     results : ResultFolder
-        Where the results go.
+        Folder of results.
     advance : callable
         Called after each frame.
     metres : RecordedMetres or None

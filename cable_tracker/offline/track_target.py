@@ -50,7 +50,7 @@ def track_target(
     tracker : TargetTracker
         Ready to begin.
     results : TargetFolder
-        Where the results go.
+        Folder of results.
     advance : callable
         Called after every frame.
     sight : RecordedSight or None

@@ -30,7 +30,7 @@ class FrameAccess:
     source : Source
         An open recording.
     kept_bytes : int
-        How many bytes of pixels are kept.
+        Capacity of the cache of pixels [bytes].
     """
 
     def __init__(self, source: Source, kept_bytes: int = KEPT_BYTES) -> None:

@@ -26,11 +26,11 @@ class InstrumentMessage:
     instrument : Instrument
         Which one.
     message : Message
-        As rosbags reads it.
+        Message decoded by rosbags.
     stamp : int
         Stamp of the header; without a header, time of reception [ns].
     received : int
-        When it was written into the bag [ns].
+        Time of reception by the recorder [ns].
     """
 
     instrument: Instrument

@@ -74,7 +74,7 @@ class FoundInstruments:
     Attributes
     ----------
     topics : dict of Instrument to str
-        As the bag calls them.
+        Topic of each instrument in the bag.
     notes : tuple of str
         One sentence for each instrument that could not be chosen.
     """

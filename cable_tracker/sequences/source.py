@@ -198,7 +198,7 @@ def open_source(
     Parameters
     ----------
     path : Path
-        Where the recording lies.
+        Path of the recording.
     topic : str or None
         Image topic of a bag; None if it has just one.
     rate : float or None

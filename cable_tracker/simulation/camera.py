@@ -77,7 +77,7 @@ class Camera:
     focal : float
         Focal length [px].
     mounting : float
-        How far it looks forward: 0 straight down, pi/2 straight ahead [rad].
+        Forward tilt of the camera: 0 straight down, pi/2 straight ahead [rad].
     distortion : tuple of 5 float
         k1, k2, p1, p2, k3 of the model "plumb_bob", with y down as everywhere else; all 0 is none.
     """

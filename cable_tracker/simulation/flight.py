@@ -22,7 +22,7 @@ class Flight:
     Attributes
     ----------
     times : FloatArray
-        Since the first frame, shape (N,) [s].
+        Times since the first frame, shape (N,) [s].
     positions : FloatArray
         In the world of the simulation, shape (N, 3) [m]; z is the altitude.
     angles : FloatArray

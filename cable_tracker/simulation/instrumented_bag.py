@@ -44,7 +44,7 @@ def write_instrumented_bag(
     frames : iterable of Frame
         Frames of the dive, from its beginning.
     dive : Dive
-        Where the vehicle is.
+        Dive with the vehicle's poses.
     rate : float
         Frames per second.
     seed : int

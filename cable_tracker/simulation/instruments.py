@@ -24,7 +24,7 @@ class InstrumentErrors:
     velocity, velocity_bias : float
         Standard deviations of noise and constant bias of each linear velocity [m/s].
     turn, turn_bias : float
-        The same of its angular components [rad/s].
+        Standard deviations of noise and constant bias of each angular velocity [rad/s].
     attitude : float
         Standard deviation of each measured roll, pitch and yaw [rad].
     acceleration : float
@@ -96,7 +96,7 @@ class InstrumentSet:
     Parameters
     ----------
     errors : InstrumentErrors
-        How wrong they are.
+        Noise of the instruments.
     start : VehicleState
         Where the vehicle starts; odom lies where the vehicle believes the world to be then.
     rng : numpy.random.Generator

@@ -115,7 +115,7 @@ class TrueCrossTrack:
     Attributes
     ----------
     along : float
-        Where along the cable's course its nearest point is [m].
+        Position of the nearest point along the cable's course [m].
     error : float
         Distance to that point; positive: the cable is to the left of the vehicle, seen in the
         cable's direction [m].

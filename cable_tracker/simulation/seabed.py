@@ -88,11 +88,11 @@ class Stone:
     Attributes
     ----------
     row, column : float
-        Its middle in the tile [texels].
+        Centre in the tile [texels].
     radius : float
         Radius along the longer axis [units].
     tone : float
-        Its reflected light, relative to the bottom's.
+        Reflectance relative to the bottom's.
     turn : float
         Direction of its longer axis [rad].
     stretch : float

@@ -38,9 +38,9 @@ def steer(
     states : FloatArray
         d, alpha, w, beta wanted, shape (N, 4) or (N, 8) [px, rad]; |alpha| below about 80 deg.
     lean : FloatArray
-        How far the image's right side hangs down, shape (N,) [rad].
+        Roll of the image, right side down, shape (N,) [rad].
     travel : FloatArray
-        Where along the cable the camera is, shape (N,) [m].
+        Position of the camera along the cable, shape (N,) [m].
     """
     wanted = np.zeros((states.shape[0], STATE_SIZE))
     wanted[:, :4] = states[:, :4]

@@ -186,11 +186,11 @@ class InstrumentWriter:
     Parameters
     ----------
     bag : BagWriter
-        Where to; gets the mounting of camera and altimeter at once.
+        Bag to write to; gets the mounting of camera and altimeter at once.
     camera : Camera
         The vehicle's.
     errors : InstrumentErrors
-        How wrong the instruments are.
+        Noise of the instruments.
     """
 
     def __init__(self, bag: BagWriter, camera: Camera, errors: InstrumentErrors) -> None:

@@ -78,7 +78,7 @@ def cloud_response(
     smallest : float
         Size of the smallest structures.
     slope : float
-        How fast the amplitude falls with frequency; larger is smoother.
+        Decay of the amplitude with frequency; larger is smoother.
     """
     across, along = frequencies(shape, resolution)
     radius = np.hypot(across * largest[0], along * largest[1])

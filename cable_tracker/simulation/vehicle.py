@@ -54,9 +54,9 @@ class VehicleModel:
     thrust_lag : float
         Time constant of the thrusters [s].
     stiffness : FloatArray
-        How fast the autopilot takes deviations of velocity back [1/s].
+        Gain of the autopilot on deviations of velocity [1/s].
     altitude_stiffness, most_heave : float
-        The same of the altitude [1/s], and how fast it climbs or sinks at most [m/s].
+        Gain on deviations of altitude [1/s], and limit of the vertical speed [m/s].
     tilt : float
         Roll and pitch stay within +- this [rad].
     """
@@ -152,11 +152,11 @@ class Vehicle:
     Parameters
     ----------
     model : VehicleModel
-        How heavy and strong it is.
+        Mass, drag, thrust and autopilot of the vehicle.
     current : Current
         The water around it.
     pose : FloatArray
-        Where it starts: x, y, z, yaw, shape (4,) [m, rad]. It keeps the altitude z.
+        Initial x, y, z, yaw, shape (4,) [m, rad]. The vehicle keeps the altitude z.
     rng : numpy.random.Generator
         Draws how it rolls and pitches.
     """
@@ -199,7 +199,7 @@ class Vehicle:
         altitude : float
             Measured altitude, for the autopilot [m].
         seconds : float
-            How long.
+            Duration [s].
         """
         steps = max(1, math.ceil(seconds / LONGEST_STEP - 1e-9))
         for _ in range(steps):

@@ -62,7 +62,7 @@ class DiveRoute:
     Attributes
     ----------
     start : float
-        Where it begins along the way of `SmoothedCable` [m].
+        Start of the route along the way of `SmoothedCable` [m].
     along : FloatArray
         Way along the cable from there [m].
     places : FloatArray
@@ -76,9 +76,9 @@ class DiveRoute:
     bends : FloatArray
         Curvature, to the left [1/m].
     bend_sigmas : FloatArray
-        Its standard deviation [1/m].
+        Standard deviation of the bends, shape (N,) [1/m].
     stamps : IndexArray
-        When the vehicle was there [ns].
+        Time at which the vehicle passed each point, shape (N,) [ns].
     rows : IndexArray
         Which row of the table is of that time.
     diameters : FloatArray

@@ -45,7 +45,7 @@ class Event:
     place : (float, float)
         x, y of its beginning in the route's frame [m].
     stamp : int
-        When the vehicle was there [ns]; 0 where no one dive can say.
+        Time at which the vehicle passed [ns]; 0 for events of several dives.
     frame : int
         Number of the frame in the recording; -1 without one.
     detail : str

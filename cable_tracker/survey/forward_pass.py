@@ -119,7 +119,7 @@ class ForwardDive:
     path : Path
         The recording.
     disk : Disk
-        Where what follows is.
+        Allocator of the arrays.
     table : FrameTable
         One row a frame.
     poses : Samples

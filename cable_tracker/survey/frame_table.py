@@ -107,12 +107,12 @@ class FrameTable:
     Parameters
     ----------
     disk : Disk
-        Where the rows are.
+        Allocator of the rows.
 
     Attributes
     ----------
     reasons : list of str
-        Why there are no metres; the first is "".
+        Reasons for missing metres; the first is "".
     crossings : list of CrossingSight
         Detected lines across the cable.
     """
@@ -149,7 +149,7 @@ class Samples:
     width : int
         Numbers of a reading.
     disk : Disk
-        Where they are.
+        Allocator of the rows.
     """
 
     def __init__(self, width: int, disk: Disk | None = None) -> None:

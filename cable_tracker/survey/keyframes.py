@@ -40,7 +40,7 @@ class Keyframes:
     Attributes
     ----------
     places : FloatArray
-        Where the look line is in the dive's frame, and its direction, shape (S, 3) [m, rad].
+        Position and direction of the look line in the dive's frame, shape (S, 3) [m, rad].
     stamps : FloatArray
         Int64, shape (S,) [ns].
     claims : FloatArray
@@ -85,7 +85,7 @@ def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> K
     poses : FloatArray
         x, y, yaw of the vehicle in each frame, shape (N, 3); NaN where it is not known.
     disk : Disk or None
-        Where the keyframes go; None: among the temporary files.
+        Allocator of the keyframes' arrays; None: temporary files.
     """
     disk = disk or Disk()
     look = filled(rows["look"], disk)

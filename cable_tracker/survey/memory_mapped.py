@@ -38,7 +38,7 @@ class Disk:
     Attributes
     ----------
     folder : Path
-        Where the files lie.
+        Folder of the files.
     block : int
         Rows that are worked on together; arrays of not more rows stay in memory.
     """
@@ -140,7 +140,7 @@ class Growing:
     Parameters
     ----------
     disk : Disk
-        Where the others are.
+        Allocator of the final array.
     empty : ndarray
         Initial value of a new row, shape ().
     """

@@ -73,7 +73,7 @@ class MergedRoute:
     diameters, asides : FloatArray
         Means over the dives [m]; NaN where none can say.
     dives : FloatArray
-        How many dives tell of the point.
+        Number of dives that observed each point, shape (N,).
     events : tuple of Event
         Along it.
     recordings : tuple of str

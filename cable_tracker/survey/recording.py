@@ -45,7 +45,7 @@ class SurveySettings:
     Attributes
     ----------
     forward : ForwardSettings
-        How to track.
+        Settings of the forward pass.
     limits : Limits
         Thresholds of the events.
     datum : (float, float) or None

@@ -53,9 +53,9 @@ class Course:
     poses : Poses
         Poses of the vehicle.
     keyframes : Keyframes
-        Where its camera looked.
+        Keyframes of the dive.
     cable : SmoothedCable
-        Where the cable is there.
+        Smoothed states of the cable at the keyframes.
     """
 
     poses: Poses
@@ -88,7 +88,7 @@ def make_routes(  # noqa: PLR0917
     turn : float
         By how much directions turn with it [rad].
     disk : Disk or None
-        Where what is needed meanwhile goes; None: among the temporary files.
+        Allocator of intermediate arrays; None: temporary files.
     """
     dive = _Smoothed(keyframes, cable, rows, (placing, turn), disk or Disk())
     starts = np.flatnonzero(np.diff(cable.piece, prepend=-1))

@@ -74,9 +74,9 @@ def find_beside(image: Image, state: CableState, reach: float) -> tuple[float, f
     image : Image
         Grey levels, shape (H, W).
     state : CableState
-        Where it should be, and how wide [px, rad].
+        Expected state of the cable [px, rad].
     reach : float
-        How far to look to either side [widths].
+        Search range to either side [widths].
 
     Returns
     -------

@@ -37,11 +37,11 @@ class LoopRow:
     Attributes
     ----------
     time : float
-        Since the first frame [s].
+        Time since the first frame [s].
     x, y, altitude, yaw : float
         True pose of the vehicle in the world [m, rad]; x runs along the cable's course.
     speed : float
-        Over the ground [m/s].
+        Speed over the ground [m/s].
     status : str
         The tracker's; empty if it was given no answer.
     mode : str
@@ -167,7 +167,7 @@ def summarise_loop(
     length : float
         Length of the cable's course [m].
     burial : Burial or None
-        Where it is under sand.
+        Buried stretch of the cable.
     """
     x = np.array([row.x for row in rows])
     errors = np.array([row.error for row in rows])

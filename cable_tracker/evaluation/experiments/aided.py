@@ -139,7 +139,7 @@ class AidedFilter:
     fault : OdometryFault
         Fault of the odometry.
     noise : InstrumentNoise
-        How wrong its instruments are otherwise.
+        Noise of its instruments.
     """
 
     name: str

@@ -120,7 +120,7 @@ class MetresExperiment:
     sequences : tuple of ScenarioSequence
         Sequences to run on.
     noise : InstrumentNoise
-        How wrong altimeter and imu are.
+        Noise of altimeter and imu.
     """
 
     seeds: tuple[int, ...]

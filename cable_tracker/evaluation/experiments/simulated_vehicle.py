@@ -43,7 +43,7 @@ class InstrumentNoise:
     velocity, velocity_bias : float
         Standard deviations of noise and constant bias of each linear velocity [m/s].
     turn, turn_bias : float
-        The same of its angular components [rad/s].
+        Standard deviations of noise and constant bias of each angular velocity [rad/s].
     scale : float
         Standard deviation of the scale factor on all linear velocities.
     altitude : float

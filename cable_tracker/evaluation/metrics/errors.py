@@ -45,7 +45,7 @@ class ErrorSummary:
     claimed : int
         Number of these frames with a claimed cable.
     errors : ErrorStatistics
-        Over the latter.
+        Errors of the claimed frames.
     share_off : float
         Share of the claimed frames in which the estimate `is_outside_borders`; NaN if none was
         claimed.

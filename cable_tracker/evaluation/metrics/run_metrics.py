@@ -29,7 +29,7 @@ class RunMetrics:
     errors : ErrorStatistics
         Over all visible frames, also those in which the mean is off or not claimed.
     held_errors : ErrorStatistics
-        Over the visible frames in which the mean is not off, claimed or not.
+        Errors of the visible frames in which the mean is not off, claimed or not.
     loss, claims, consistency, returns, start : see there
         `start` is None where the method was told where the cable is.
     ms_median, ms_95 : float

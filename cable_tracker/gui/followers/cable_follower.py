@@ -38,7 +38,7 @@ class CableFollower(Follower):
     source : Source
         The recording.
     init : str
-        Where to start in it.
+        Initialisation: `random`, `truth`, a detector's name, or `d,alpha,w,beta` [px, rad].
     parameters : TrackerParameters
         Initial parameters of the tracker.
     metres : RecordedMetres or None

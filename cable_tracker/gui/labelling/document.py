@@ -74,7 +74,7 @@ class LabelDocument:
         Parameters
         ----------
         frame : int
-            Where the user is; undo leads back here.
+            Current frame; undo leads back to it.
         changes : Changes
             New labels.
         merges : bool

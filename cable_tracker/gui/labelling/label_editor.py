@@ -48,7 +48,7 @@ class LabelEditor(FrameCanvas, component="label_editor.js"):
     Parameters
     ----------
     channel : FrameChannel
-        Where its pictures come from.
+        Source of the pictures.
     recording : str
         Name of the recording; key under which the browser stores the current frame.
     """

@@ -197,7 +197,7 @@ def write_atomically(path: Path, text: str, *, waits: bool = True) -> None:
     Parameters
     ----------
     path : Path
-        Where it is to lie; a link is followed.
+        Path to write to; a link is followed.
     text : str
         Content to write.
     waits : bool
@@ -243,7 +243,7 @@ class LabelFile:
     Parameters
     ----------
     path : Path
-        Where it lies, or will.
+        Path of the label file, which may not exist yet.
     names : FrameNames
         File name and number of each frame of the recording.
     allow_outside : bool

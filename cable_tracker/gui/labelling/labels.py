@@ -55,7 +55,7 @@ class FrameLabel:
     state : CableState or None
         d, alpha, w, beta [px, rad], the rates zero; None: no cable is in view.
     origin : Origin
-        Where that comes from.
+        Origin of the state.
     """
 
     state: CableState | None
@@ -195,7 +195,7 @@ def filled_gap(labels: Labels, gap: Gap, stamps: Mapping[int, int]) -> dict[int,
     Parameters
     ----------
     labels : Labels
-        Where the key frames are.
+        Labels with the key frames at both ends of the gap.
     gap : Gap
         Gap between labelled frames to interpolate.
     stamps : mapping

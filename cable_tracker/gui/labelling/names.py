@@ -96,7 +96,7 @@ class PictureNames:
     Parameters
     ----------
     folder : Path
-        Where the pictures lie.
+        Folder of the pictures.
     pictures : sequence of str
         Their names, in the order of the frames.
     """

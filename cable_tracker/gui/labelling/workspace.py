@@ -52,7 +52,7 @@ class Workspace:
     source : Source
         An open recording.
     path : Path
-        Its label file, which may not exist yet.
+        Label file, which may not exist yet.
     allow_outside : bool
         Whether label files may name files outside their folder.
 
@@ -61,7 +61,7 @@ class Workspace:
     autosaved : Labels or None
         Unsaved labels of an earlier run, until the user has said what is to become of them.
     trouble : str
-        Why labels cannot be kept safe at the moment; empty if they can.
+        Reason why labels cannot be saved at the moment; empty if they can.
 
     Raises
     ------

@@ -43,7 +43,7 @@ class CableTrackingRequest:
     parameters : TrackerParameters
         Parameters of the filter.
     initial_state : CableState or None
-        Where to start; None for random.
+        Initial state; None: random initialisation.
     vehicle : RecordedVehicle or None
         With its instruments; None: everything stays in pixels.
     """
@@ -72,7 +72,7 @@ def track_recording_over_ros(
     request : CableTrackingRequest
         Recording, parameters and start, as the nodes' parameters.
     results : ResultFolder
-        Where the results go.
+        Folder of results.
     advance : callable
         Called after each frame.
 

@@ -87,7 +87,7 @@ def track_target_over_ros(
     request : TargetTrackingRequest
         Recording, parameters and start, as the nodes' parameters.
     results : TargetFolder
-        Where the results go.
+        Folder of results.
     advance : callable
         Called after each frame.
 

@@ -122,7 +122,7 @@ class CameraNode(ProcessNode):
         picture : Image
             Decoded pixels, as returned by `_decode`.
         arrival : float
-            When the frame came, on the clock of `time.perf_counter` [s].
+            Time of reception, on the clock of `time.perf_counter` [s].
 
         Raises
         ------

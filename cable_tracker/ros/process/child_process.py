@@ -29,7 +29,7 @@ class NodeProcess:
     Parameters
     ----------
     node : str
-        Its name among `cable_tracker.ros.entry.NODES`.
+        Name of the node in `cable_tracker.ros.entry.NODES`.
     arguments : sequence of str
         Command line arguments after ``--ros-args``.
     environment : mapping

@@ -61,7 +61,7 @@ class NodeGroup:
         name : str
             Name of the node, unique in its group.
         parameters : mapping
-            Its parameters; others keep their defaults.
+            Parameters of the node; others keep their defaults.
         remappings : mapping
             Other names of topics, for this node.
         may_end : bool

@@ -32,7 +32,7 @@ class MemorySample:
     Attributes
     ----------
     minutes : float
-        Since the beginning of the soak test.
+        Time since the beginning of the soak test [min].
     frames : int
         Number of answers of this process.
     process : int

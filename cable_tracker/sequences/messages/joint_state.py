@@ -24,7 +24,7 @@ def make_joint_state(
     factory : MessageFactory
         Makes the message.
     header : Message
-        Its stamp and its frame.
+        Header with stamp and frame.
     names : sequence of str
         Names of the K scalars.
     values : FloatArray

@@ -72,7 +72,7 @@ def make_stamped_pose(
     factory : MessageFactory
         Makes the messages.
     header : Message
-        Its stamp and its frame.
+        Header with stamp and frame.
     place : (float, float, float)
         In the unit of the frame, [px] or [m].
     yaw : float

@@ -105,7 +105,7 @@ def simulate_target(
     seed : int
         The same arguments give the same frames, bit for bit.
     frame_count : int
-        How many; the way is the same, in more or fewer steps of time.
+        Number of frames; the way is the same, in more or fewer steps of time.
     rate : float
         Frames per second.
     size : (int, int)

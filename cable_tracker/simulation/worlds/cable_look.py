@@ -66,11 +66,11 @@ class CableLook:
     growth : float
         Share that growth covers.
     silt : float
-        How far silt takes the contrast away.
+        Share of the contrast that silt takes away.
     drifts : tuple of Drift
         Sand on it.
     place : (float, float)
-        Where in the textures the cable begins [texels].
+        Start of the cable in the textures [texels].
     """
 
     step: float

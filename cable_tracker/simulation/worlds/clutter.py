@@ -28,7 +28,7 @@ class Thing:
     kind : str
         Profile of the object: a key of `PROFILES`.
     x, y : float
-        Its middle [texels].
+        Centre [texels].
     angle : float
         Angle of the long axis from the y axis [rad].
     half_width, half_length : float
@@ -115,7 +115,7 @@ def strew(
     way : (float, float)
         From where to where along the y axis [texels].
     lines, pairs : float
-        How many single and double ones lie in a view on average.
+        Mean number of single and double lines in a view.
     """
     views = (way[1] - way[0]) / SPACING
     counts = rng.poisson(lines * views), rng.poisson(pairs * views)

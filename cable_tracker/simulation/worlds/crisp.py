@@ -88,7 +88,7 @@ def simulate_strip(seed: int, frame_count: int = 10) -> Iterator[SimulatedFrame]
     seed : int
         Not negative; each is another strip.
     frame_count : int
-        How many.
+        Number of frames.
     """
     image_size = 640, 480
     rng = np.random.default_rng((3, seed))

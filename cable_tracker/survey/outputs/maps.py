@@ -50,7 +50,7 @@ class SurveyMap:
     routes : tuple of MergedRoute
         In metres.
     frame : LocalFrame or None
-        Where their origin lies on the earth; None: in the frame of odometry.
+        Earth frame of the routes; None: frame of odometry.
     names : tuple of str
         One for each route.
     events_in_time : tuple of Event

@@ -153,7 +153,7 @@ def distances_at(
     Parameters
     ----------
     template : array
-        Its distances, shape (SIDE, SIDE).
+        Distances of the template from its outline, shape (SIDE, SIDE).
     column, row : float
         Pixel of the template's origin [px].
     size : float
