@@ -14,8 +14,8 @@ from cable_tracker.atomic_output import write_bytes
 from cable_tracker.evaluation.failure_criteria import LOST_DISTANCE
 from cable_tracker.evaluation.figures import as_svg, calibration_figure, loss_figure, trace_figure
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, MetricSpec, metric_spread
-from cable_tracker.evaluation.metrics.returns import CLEARLY_BACK, RETURN_SECONDS
-from cable_tracker.evaluation.metrics.starts import START_FRAMES
+from cable_tracker.evaluation.metrics.initialisation import START_FRAMES
+from cable_tracker.evaluation.metrics.redetection import CLEARLY_BACK, RETURN_SECONDS
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.spread import Spread
 from cable_tracker.evaluation.tables import (

@@ -33,7 +33,7 @@ from cable_tracker.evaluation.experiments.strips_experiment import StripsExperim
 from cable_tracker.evaluation.figures import as_png, curves_figure, trace_figure
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
-from cable_tracker.evaluation.metrics.starts import (
+from cable_tracker.evaluation.metrics.initialisation import (
     START_FRAMES,
     StartOutcome,
     StartStatistics,

@@ -12,9 +12,9 @@ from cable_tracker.evaluation.metrics.consistency import (
     consistency_statistics,
 )
 from cable_tracker.evaluation.metrics.errors import ErrorStatistics, error_statistics
+from cable_tracker.evaluation.metrics.initialisation import StartStatistics, start_statistics
 from cable_tracker.evaluation.metrics.losses import LossStatistics, loss_statistics
-from cable_tracker.evaluation.metrics.returns import ReturnStatistics, return_statistics
-from cable_tracker.evaluation.metrics.starts import StartStatistics, start_statistics
+from cable_tracker.evaluation.metrics.redetection import ReturnStatistics, return_statistics
 from cable_tracker.evaluation.trace import Trace
 
 

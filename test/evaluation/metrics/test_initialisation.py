@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from cable_tracker.evaluation.metrics.starts import StartOutcome, start_statistics
+from cable_tracker.evaluation.metrics.initialisation import StartOutcome, start_statistics
 from cable_tracker.evaluation.trace import trace_of
 
 

@@ -1,4 +1,4 @@
-"""How soon a cable that came back into view was found again."""
+"""Re-detection: how soon a cable that came back into view was claimed again."""
 
 from __future__ import annotations
 

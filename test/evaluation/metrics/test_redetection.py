@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from cable_tracker.evaluation.metrics.returns import cable_returns, return_statistics
+from cable_tracker.evaluation.metrics.redetection import cable_returns, return_statistics
 from cable_tracker.evaluation.trace import trace_of
 
 

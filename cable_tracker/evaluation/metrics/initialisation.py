@@ -1,4 +1,4 @@
-"""How a start without knowledge of the cable went."""
+"""Initialisation without knowledge of the cable: whether and how soon it was found."""
 
 from __future__ import annotations
 
