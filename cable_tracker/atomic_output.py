@@ -83,6 +83,10 @@ class PartialOutput:
             self._partial.mkdir(parents=True)
         except OSError as error:
             raise write_failure(path, error) from error
+        except BaseException:
+            # A signal may come as soon as the folder is there, before a caller can discard it.
+            self.discard()
+            raise
 
     def commit(self) -> None:
         """Move the content into place.

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from cable_tracker import __version__
-from cable_tracker.commands.late import LateCommands, with_optional_hints
+from cable_tracker.commands.lazy_group import LazyGroup, with_optional_hints
 from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError
 
 GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
@@ -63,7 +63,7 @@ FORMER_NAMES: Mapping[str, str] = MappingProxyType(
 """Commands that stand under `dev` now; these names are not listed and go with the next release."""
 
 
-class Commands(LateCommands):
+class Commands(LazyGroup):
     """The commands of `cable-tracker`."""
 
     groups = GROUPS

@@ -25,9 +25,9 @@ from cable_tracker.campaigns.folder_tasks import TaskState, run_in_folder
 from cable_tracker.campaigns.runner import run_campaign
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveySettings as Simulated
+from cable_tracker.simulation.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.survey.campaign import SurveyTask
-from cable_tracker.survey.forwards import ForwardSettings
+from cable_tracker.survey.forward_pass import ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
 
 RATE = 25.0

@@ -20,7 +20,7 @@ from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.presets import PRESETS, preset
-from cable_tracker.evaluation.judged_sequences import ScenarioSequence
+from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.trackers import make_tracker
 
 DIVES = ("S1", "S2", "S3", "S4", "S5", "S6")

@@ -27,11 +27,11 @@ from cable_tracker.simulation.survey_dive import (
     SurveyDive,
     usual_survey,
 )
-from cable_tracker.simulation.survey_dive import SurveySettings as Simulated
+from cable_tracker.simulation.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.simulation.tube import Tube
 from cable_tracker.survey.dive_route import DiveRoute
 from cable_tracker.survey.events import Event, EventKind
-from cable_tracker.survey.forwards import read_pose, track_forwards
+from cable_tracker.survey.forward_pass import read_pose, track_forwards
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.route import Course
 from cable_tracker.survey.smoothing import SmoothedCable, smooth
@@ -131,14 +131,14 @@ def measure(path: Path, settings: Simulated) -> Measured:
         raise SystemExit(f"{path}: no route; {surveyed.notes}")
     truth = Truth(path, settings)
     rows = dive.table.rows
-    looks, cable = course.looks, course.cable
-    look = rows["look"][looks.first]
+    keyframes, cable = course.keyframes, course.cable
+    look = rows["look"][keyframes.first]
     look = np.where(np.isfinite(look), look, np.nanmedian(look))
-    along, beside = truth.looked_at(looks.stamps.astype(float), look)
+    along, beside = truth.looked_at(keyframes.stamps.astype(float), look)
     on_route = _on_routes(cable, [each.route for each in surveyed.routes])
     errors = (cable.states[:, 0] - beside) * np.cos(cable.states[:, 1])
     sigmas = np.sqrt(cable.covariances[:, 0, 0]) * np.cos(cable.states[:, 1])
-    forwards = smooth(looks, way_back=False)
+    forwards = smooth(keyframes, way_back=False)
     errors_forwards = (forwards.states[:, 0] - beside) * np.cos(forwards.states[:, 1])
     where = _Where(course, along)
     events = [

@@ -47,8 +47,12 @@ MAY_IMPORT = {
         "campaigns", "trackers", "simulation", "detection", "visualisation", "sequences", "metric",
         "cable", "target", "tracking", "particle_filter",
     },
+    "offline": {
+        "detection", "visualisation", "sequences", "metric", "cable", "target", "tracking",
+        "particle_filter",
+    },
     "gui": {
-        "trackers", "evaluation", "detection", "visualisation", "metric",
+        "trackers", "offline", "evaluation", "detection", "visualisation", "metric",
         "sequences", "node_parameter_tables", "cable", "target", "tracking", "particle_filter",
     },
     "benchmark": {
@@ -57,16 +61,16 @@ MAY_IMPORT = {
     },
     "example_controller": set(),
     "ros": {
-        "benchmark", "gui", "evaluation", "trackers", "simulation", "detection",
+        "benchmark", "gui", "offline", "evaluation", "trackers", "simulation", "detection",
         "example_controller",
         "visualisation", "sequences",
         "node_parameter_tables", "metric", "cable", "target", "tracking", "particle_filter",
         "resources",
     },
     "commands": {
-        "ros", "benchmark", "gui", "evaluation", "survey", "campaigns", "trackers", "simulation",
-        "detection", "metric", "sequences", "node_parameter_tables", "cable", "target", "tracking",
-        "resources",
+        "ros", "benchmark", "gui", "offline", "evaluation", "survey", "campaigns", "trackers",
+        "simulation", "detection", "metric", "sequences", "node_parameter_tables", "cable",
+        "target", "tracking", "resources",
     },
     "cli": {"commands"},
 }  # fmt: skip

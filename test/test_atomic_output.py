@@ -159,3 +159,19 @@ def test_a_folder_in_its_place_is_reported_and_nothing_left(tmp_path):
     with pytest.raises(OutputError, match=r"a\.bin: cannot be written"):
         write_bytes(tmp_path / "a.bin", b"abc")
     assert [path.name for path in tmp_path.iterdir()] == ["a.bin"]
+
+
+def test_a_signal_while_the_folder_is_made_leaves_nothing_behind(tmp_path, monkeypatch):
+    make = Path.mkdir
+
+    def make_and_stop(self, *words, **named):
+        make(self, *words, **named)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "mkdir", make_and_stop)
+    with (
+        pytest.raises(KeyboardInterrupt),
+        output_folder(tmp_path / "out", "marker", overwrite=False),
+    ):
+        pass
+    assert list(tmp_path.iterdir()) == []

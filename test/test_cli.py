@@ -421,7 +421,7 @@ def test_a_command_whose_packages_do_not_fit_keeps_none_from_help(run, monkeypat
             raise ImportError("pyarrow requires NumPy 2.0 or newer")
         return import_module(name)
 
-    monkeypatch.setattr("cable_tracker.commands.late.import_module", fails)
+    monkeypatch.setattr("cable_tracker.commands.lazy_group.import_module", fails)
     shown = run("--help")
     assert shown.code == 0
     assert "survey (a package that it needs is missing" in " ".join(shown.out.split())
@@ -495,7 +495,7 @@ def test_the_dds_profile_is_found(run):
 HALTING = """
 import time
 from cable_tracker.cli import main
-from cable_tracker.evaluation.tracking.result_folder import ResultFolder
+from cable_tracker.offline.result_folder import ResultFolder
 
 add = ResultFolder.add
 

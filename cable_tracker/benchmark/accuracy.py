@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from cable_tracker.benchmark.cases import REFERENCE_PARTICLES
 from cable_tracker.benchmark.footage import SEED, rendered_frames
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
-from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
 from cable_tracker.evaluation.methods import METHODS, Method
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME
 from cable_tracker.evaluation.runs import MethodRun, Start, run_together
@@ -20,7 +20,7 @@ class Accuracy:
     Attributes
     ----------
     name : str
-        Of the method or library.
+        Name of the method or library.
     lost : float
         Share of the frames in which the estimate is beside the cable [%].
     rmse_d, rmse_alpha : float

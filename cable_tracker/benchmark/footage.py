@@ -15,7 +15,7 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.judged_sequences import JudgedFrame, ScenarioSequence
+from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame, ScenarioSequence
 from cable_tracker.evaluation.methods import Method
 
 SCENARIO = "S1"
@@ -39,7 +39,7 @@ class Footage:
     images : tuple of Image
         Grey levels, uint8, shape (H, W).
     truths : tuple of CableState
-        Where the cable runs in each [px, rad].
+        True state of the cable in each frame [px, rad].
     """
 
     images: tuple[Image, ...]
@@ -63,7 +63,7 @@ class Footage:
 
 
 @functools.cache
-def rendered_frames(count: int) -> tuple[JudgedFrame, ...]:
+def rendered_frames(count: int) -> tuple[EvaluationFrame, ...]:
     """Render the first frames of the dive."""
     frames = tuple(ScenarioSequence(SCENARIO, count).frames(SEED))
     assert all(frame.truth is not None for frame in frames)

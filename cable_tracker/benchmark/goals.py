@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from cable_tracker.benchmark.cases import REFERENCE_PARTICLES, TIMED_PRESETS
 from cable_tracker.benchmark.footage import RENDERED_SIZE
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.result import BenchmarkResult
-from cable_tracker.benchmark.round_robin import Label
+from cable_tracker.benchmark.round_robin import CaseLabel
 from cable_tracker.benchmark.statistics import Percentiles
-from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES, TIMED_PRESETS
 
 FULL_HD, VGA = (1920, 1080), (640, 480)
 FLAT_MEMORY = 64.0
@@ -29,15 +29,15 @@ class Goal:
     Attributes
     ----------
     text : str
-        What is measured.
+        Measured quantity, in words.
     limit : float
-        What it is to be.
+        Limit that the quantity must keep.
     at_least : bool
         Whether the limit is a lower one.
     measured : float or None
-        What it is; None if that was not measured.
+        Measured value; None if it was not measured.
     unit : str
-        Of both; empty for ratios.
+        Unit of limit and value; empty for ratios.
     """
 
     text: str
@@ -85,7 +85,7 @@ def _ratio(
     size: tuple[int, int],
     particles: int,
 ) -> float | None:
-    found = result.find(Label("frame", name, size, particles))
+    found = result.find(CaseLabel("frame", name, size, particles))
     return found.ratio.median if found is not None and found.ratio is not None else None
 
 
@@ -99,7 +99,7 @@ def _rival_goals(result: BenchmarkResult) -> list[Goal]:
         name: _ratio(result, name, RENDERED_SIZE, REFERENCE_PARTICLES) for name in TIMED_PRESETS
     }
     for rival in ("particles", "filterpy"):
-        found = result.find(Label("library", rival, RENDERED_SIZE, REFERENCE_PARTICLES))
+        found = result.find(CaseLabel("library", rival, RENDERED_SIZE, REFERENCE_PARTICLES))
         theirs = found.ratio.median if found is not None and found.ratio is not None else None
         faster = _over(theirs, ours["thesis"])
         goals.append(Goal(f"`thesis`: the same on {rival} over ours", 5.0, True, faster))

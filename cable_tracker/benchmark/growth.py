@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from cable_tracker.benchmark.cases import REFERENCE_PARTICLES
 from cable_tracker.benchmark.footage import RENDERED_SIZE
-from cable_tracker.benchmark.round_robin import Label, Measurement
+from cable_tracker.benchmark.round_robin import CaseLabel, Measurement
 from cable_tracker.benchmark.statistics import fit_line
-from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES, pixels_of
 
 NANOSECONDS_PER_MS = 1e6
 
@@ -22,13 +23,13 @@ class Growth:
     name : str
         The preset.
     variable : str
-        What differs: particle, image pixel, sample point.
+        Independent variable: particle, image pixel, sample point.
     base : float
         Time of a frame with none of it [ms].
     each : float
         Time for one more [ns].
     points : int
-        How many measurements the line goes through.
+        Number of measurements that the line is fitted to.
     """
 
     name: str
@@ -41,8 +42,8 @@ class Growth:
 @dataclass(frozen=True, slots=True)
 class _Variable:
     name: str
-    belongs: Callable[[Label], bool]
-    amount: Callable[[Label], float]
+    belongs: Callable[[CaseLabel], bool]
+    amount: Callable[[CaseLabel], float]
 
 
 VARIABLES = (
@@ -54,7 +55,7 @@ VARIABLES = (
     _Variable(
         "image pixel",
         lambda label: label.section == "frame" and label.particles == REFERENCE_PARTICLES,
-        lambda label: float(pixels_of(label.size)),
+        lambda label: float(math.prod(label.size)),
     ),
     _Variable("sample point", lambda label: label.section == "spacing", lambda label: label.amount),
 )

@@ -44,7 +44,7 @@ class CableModels:
     Parameters
     ----------
     parameters : TrackerParameters
-        Of the bootstrap filter; inner loops in NumPy.
+        Parameters of the bootstrap filter; inner loops in NumPy.
     image_width : int
         Width of the frames [px].
     rng : numpy.random.Generator
@@ -169,9 +169,9 @@ class LibraryMethod:
     library : str
         A key of `LIBRARY_LOOPS`; it must be installed.
     particle_count : int
-        How many.
+        Number of particles.
     seed : int
-        Of its random numbers.
+        Seed of its random numbers.
     """
 
     def __init__(self, library: str, particle_count: int, seed: int = 0) -> None:

@@ -18,7 +18,7 @@ class NodeTiming:
     size : (int, int)
         Width and height of the frames, mono8 [px].
     particles : int
-        How many.
+        Number of particles.
     rate : float
         Frames per second.
     state, centreline : Percentiles or None

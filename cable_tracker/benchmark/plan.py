@@ -6,6 +6,15 @@ from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 
 from cable_tracker.benchmark.accuracy import Accuracy, measure_accuracy
+from cable_tracker.benchmark.cases import (
+    TIMED_PRESETS,
+    copy_cases,
+    frame_cases,
+    rival_cases,
+    spacing_cases,
+    step_cases,
+    yardstick_case,
+)
 from cable_tracker.benchmark.contours import ContourTiming, measure_contour
 from cable_tracker.benchmark.footage import RENDERED_SIZE, Footage, footage
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, is_installed
@@ -13,21 +22,12 @@ from cable_tracker.benchmark.memory import MemoryUse, measure_memory_apart
 from cable_tracker.benchmark.profiling import ProfileRow, profile_preset
 from cable_tracker.benchmark.round_robin import (
     Advance,
+    BenchmarkCase,
     Effort,
     Measurement,
-    Subject,
     measure_in_turns,
 )
 from cable_tracker.benchmark.start_time import StartTime, measure_start
-from cable_tracker.benchmark.subjects import (
-    TIMED_PRESETS,
-    copy_subjects,
-    frame_subjects,
-    rival_subjects,
-    spacing_subjects,
-    step_subjects,
-    yardstick_subject,
-)
 from cable_tracker.benchmark.yardstick import make_yardstick
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
@@ -54,7 +54,7 @@ class Plan:
     particles : tuple of int
         Numbers of particles; 500 among them.
     effort : Effort
-        How long each subject is timed.
+        Rounds and time spent on each case.
     profiled : int
         Frames under the profiler.
     memory : int
@@ -106,7 +106,7 @@ class Benchmark:
     Parameters
     ----------
     plan : Plan
-        What to measure.
+        Cases and effort of the benchmark.
 
     Raises
     ------
@@ -125,28 +125,28 @@ class Benchmark:
         self._yardstick = make_yardstick(shown.images[0], shown.truths[0])
         for name in TIMED_PRESETS:
             warm_up(preset(name))
-        self._subjects = self._make_subjects(shown)
+        self._cases = self._make_cases(shown)
 
-    def _make_subjects(self, shown: Footage) -> list[Subject]:
+    def _make_cases(self, shown: Footage) -> list[BenchmarkCase]:
         return [
-            yardstick_subject(self._yardstick),
-            *copy_subjects(self._yardstick, self._footages),
-            *step_subjects(shown),
-            *rival_subjects(shown),
-            *spacing_subjects(shown),
-            *frame_subjects(self._footages, self._plan.particles),
+            yardstick_case(self._yardstick),
+            *copy_cases(self._yardstick, self._footages),
+            *step_cases(shown),
+            *rival_cases(shown),
+            *spacing_cases(shown),
+            *frame_cases(self._footages, self._plan.particles),
         ]
 
     def turn_count(self) -> int:
         """Return how often `advance` is told of one more turn or one more frame."""
         memory = self._plan.memory * len(TIMED_PRESETS)
-        return len(self._subjects) * self._plan.effort.rounds + memory
+        return len(self._cases) * self._plan.effort.rounds + memory
 
     def run(self, advance: Advance = lambda count: None) -> Measured:
         """Measure all; OpenCV uses one thread meanwhile."""
         plan, shown = self._plan, self._footages[0]
         with one_thread():
-            measurements = measure_in_turns(self._subjects, self._yardstick, plan.effort, advance)
+            measurements = measure_in_turns(self._cases, self._yardstick, plan.effort, advance)
             accuracies = measure_accuracy(plan.frames)
             profile = [
                 row for name in TIMED_PRESETS for row in profile_preset(name, shown, plan.profiled)

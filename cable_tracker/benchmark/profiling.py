@@ -27,7 +27,7 @@ class ProfileRow:
     function : str
         Module and function; compiled ones count as part of the function that calls them.
     share : float
-        Of the time of all functions [%].
+        Share of the time of all functions [%].
     ms : float
         Per frame, under the profiler [ms].
     calls : float

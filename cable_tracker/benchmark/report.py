@@ -7,12 +7,12 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from cable_tracker.atomic_output import write_bytes
+from cable_tracker.benchmark.cases import REFERENCE_PARTICLES
 from cable_tracker.benchmark.footage import RENDERED_SIZE
 from cable_tracker.benchmark.goals import Goal, goals_of
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
 from cable_tracker.benchmark.round_robin import Measurement
 from cable_tracker.benchmark.statistics import Percentiles, Quartiles
-from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
 from cable_tracker.errors import OutputError
 from cable_tracker.evaluation.experiments.experiment_result import ResultTable, table_markdown
 

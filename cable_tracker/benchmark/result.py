@@ -13,7 +13,7 @@ from cable_tracker.benchmark.growth import Growth
 from cable_tracker.benchmark.memory import MemoryUse
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.profiling import ProfileRow
-from cable_tracker.benchmark.round_robin import Label, Measurement
+from cable_tracker.benchmark.round_robin import CaseLabel, Measurement
 from cable_tracker.benchmark.start_time import StartTime
 
 FORMAT = "cable_tracker benchmark 1"
@@ -49,23 +49,23 @@ class BenchmarkResult:
     Attributes
     ----------
     circumstances : Circumstances
-        Where and when.
+        Machine, date and versions.
     measurements : tuple of Measurement
         All times of functions and frames.
     accuracies : tuple of Accuracy
-        How well the methods follow the same frames.
+        Errors of the methods on the same frames.
     growths : tuple of Growth
-        How the time of a frame grows.
+        Linear fits of the time of a frame.
     profile : tuple of ProfileRow
-        What bounds the rest.
+        Profile of the preset's functions.
     memory : tuple of MemoryUse
         Whether memory grows.
     nodes : tuple of NodeTiming
         Node to node; empty if that was not asked for.
     starts : tuple of StartTime
-        How long each preset takes to be ready; empty if that was not asked for.
+        Start time of each preset; empty if it was not asked for.
     contours : tuple of ContourTiming
-        What a contour takes; empty if that was not asked for.
+        Times of contour evolution; empty if they were not asked for.
     """
 
     circumstances: Circumstances
@@ -82,7 +82,7 @@ class BenchmarkResult:
         """Return the measurements of a section."""
         return [m for m in self.measurements if m.label.section == section]
 
-    def find(self, label: Label) -> Measurement | None:
+    def find(self, label: CaseLabel) -> Measurement | None:
         """Return the measurement of this; None if there is none, or it was left out."""
         for measurement in self.measurements:
             if measurement.label == label and measurement.cpu is not None:

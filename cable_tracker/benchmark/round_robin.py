@@ -25,7 +25,7 @@ MOST_CALLS = 20
 """Calls in a block, at most."""
 
 SECTIONS = ("yardstick", "copy", "step", "frame", "spacing", "method", "library")
-"""Sections of the timed subjects: the yardstick itself, copies of memory, steps of the filters,
+"""Sections of the timed cases: the yardstick itself, copies of memory, steps of the filters,
 whole frames, whole frames at other distances between sample points, detectors with a Kalman filter,
 and one filter on libraries."""
 
@@ -34,13 +34,13 @@ Advance = Callable[[int], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Label:
-    """Label of a timed subject.
+class CaseLabel:
+    """Label of a timed case.
 
     Attributes
     ----------
     section : str
-        Section of the subject: one of `SECTIONS`.
+        Section of the case: one of `SECTIONS`.
     name : str
         The preset, the method, or the step.
     size : (int, int)
@@ -59,34 +59,34 @@ class Label:
 
     @property
     def family(self) -> tuple[object, ...]:
-        """What it shares with those that differ by the number of particles alone."""
+        """Label without the number of particles: section, name, size, amount."""
         return self.section, self.name, self.size, self.amount
 
 
 @dataclass(frozen=True, slots=True)
-class Subject:
-    """Something to be timed.
+class BenchmarkCase:
+    """Operation to be timed.
 
     Attributes
     ----------
-    label : Label
-        What it is.
+    label : CaseLabel
+        Label of the case in tables.
     prepare : callable
-        Returns what is called again and again. Not called before its turn to warm up comes.
+        Returns the step that is called repeatedly; called when the case is warmed up.
     """
 
-    label: Label
+    label: CaseLabel
     prepare: Callable[[], Step]
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """Measured time of a subject.
+    """Measured time of a case.
 
     Attributes
     ----------
-    label : Label
-        Label of the subject.
+    label : CaseLabel
+        Label of the case in tables.
     cpu : Quartiles or None
         Time of the processor per call [ms]; None if it was left out.
     wall : Quartiles or None
@@ -97,7 +97,7 @@ class Measurement:
         Reason why it was left out.
     """
 
-    label: Label
+    label: CaseLabel
     cpu: Quartiles | None = None
     wall: Quartiles | None = None
     ratio: Quartiles | None = None
@@ -111,13 +111,13 @@ class Effort:
     Attributes
     ----------
     rounds : int
-        Blocks of each subject.
+        Blocks of each case.
     block : float
         Wanted length of a block [s]; at least one call.
     budget : float
-        Time after which a subject takes part in no further round, but for the first three [s].
+        Time after which a case takes part in no further round, but for the first three [s].
     longest : float
-        Longest time of a call of a subject that is not left out [s].
+        Longest time of a call of a case that is not left out [s].
     """
 
     rounds: int = 20
@@ -128,9 +128,9 @@ class Effort:
 
 @dataclass(slots=True)
 class _Turns:
-    """One subject, the times that it took so far, and the calls in its blocks."""
+    """One case, the times that it took so far, and the calls in its blocks."""
 
-    subject: Subject
+    case: BenchmarkCase
     step: Step
     calls: int
     cpu: list[float] = field(default_factory=list)
@@ -149,7 +149,7 @@ class _Turns:
 
     def measurement(self) -> Measurement:
         return Measurement(
-            self.subject.label,
+            self.case.label,
             Quartiles.of(1e3 * np.array(self.cpu)),
             Quartiles.of(1e3 * np.array(self.wall)),
             Quartiles.of(self.ratios),
@@ -168,34 +168,34 @@ def timed_block(step: Step, calls: int) -> tuple[list[float], list[float]]:
 
 
 def measure_in_turns(
-    subjects: Sequence[Subject],
+    cases: Sequence[BenchmarkCase],
     yardstick: Step,
     effort: Effort,
     advance: Advance = lambda count: None,
 ) -> list[Measurement]:
-    """Time all subjects in turns.
+    """Time all cases in turns.
 
     Parameters
     ----------
-    subjects : sequence of Subject
-        Those that differ by the number of particles alone stand with the fewest first.
+    cases : sequence of BenchmarkCase
+        Cases; within a family, ordered by increasing number of particles.
     yardstick : callable
-        What they are held against.
+        Reference operation that is timed beside each case.
     effort : Effort
-        How long.
+        Rounds and time spent on each case.
     advance : callable
-        Told how many more turns are over, ``effort.rounds`` for each subject in the end.
+        Told how many more turns are over, ``effort.rounds`` for each case in the end.
 
     Returns
     -------
     list of Measurement
-        One for each subject, in their order.
+        One for each case, in their order.
     """
     timed_block(yardstick, WARM_UP_CALLS)
     running: list[_Turns | Measurement] = []
     seen: dict[tuple[object, ...], tuple[int, float]] = {}
-    for subject in subjects:
-        ready = _warm_up(subject, seen, effort)
+    for case in cases:
+        ready = _warm_up(case, seen, effort)
         running.append(ready)
         if isinstance(ready, Measurement):
             advance(effort.rounds)
@@ -210,20 +210,20 @@ def measure_in_turns(
 
 
 def _warm_up(
-    subject: Subject, seen: dict[tuple[object, ...], tuple[int, float]], effort: Effort
+    case: BenchmarkCase, seen: dict[tuple[object, ...], tuple[int, float]], effort: Effort
 ) -> _Turns | Measurement:
-    """Make a subject ready, or say why it is left out; `seen` holds what its family took."""
-    label = subject.label
+    """Make a case ready, or say why it is left out; `seen` holds what its family took."""
+    label = case.label
     if label.particles and label.family in seen:
         fewer, before = seen[label.family]
         expected = before * label.particles / fewer
         if expected > effort.longest:
             return Measurement(label, skipped=f"left out: about {expected:.1f} s")
-    step = subject.prepare()
+    step = case.prepare()
     _, wall = timed_block(step, WARM_UP_CALLS)
     shortest = min(wall)
     if label.particles:
         seen[label.family] = (label.particles, shortest)
     if shortest > effort.longest:
         return Measurement(label, skipped=f"left out: {shortest:.1f} s")
-    return _Turns(subject, step, int(np.clip(effort.block / max(shortest, 1e-9), 1, MOST_CALLS)))
+    return _Turns(case, step, int(np.clip(effort.block / max(shortest, 1e-9), 1, MOST_CALLS)))

@@ -19,7 +19,7 @@ class Quartiles:
     low, median, high : float
         Quantiles 1/4, 1/2 and 3/4.
     count : int
-        How many numbers.
+        Number of values.
     """
 
     low: float
@@ -43,7 +43,7 @@ class Percentiles:
     median, p95, p99 : float
         Quantiles 0.5, 0.95 and 0.99.
     count : int
-        How many latencies.
+        Number of latencies.
     """
 
     median: float

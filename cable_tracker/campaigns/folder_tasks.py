@@ -17,7 +17,7 @@ MARKER = "task.json"
 
 
 class FolderTask(Protocol):
-    """What one worker does at a time. It is sent to other processes, perhaps on other machines.
+    """Unit of work of one worker. It is pickled to other processes, perhaps on other machines.
 
     Attributes
     ----------

@@ -20,7 +20,7 @@ Result = TypeVar("Result")
 
 
 class ResultTask(Protocol[Result_co]):
-    """What one worker does at a time, and sends back. It is sent to other processes itself."""
+    """Unit of work of one worker, with a result. It is pickled to other processes."""
 
     def run(self, advance: Callable[[], None]) -> Result_co:
         """Do it; `advance` is to be called after each frame."""
@@ -75,7 +75,7 @@ def run_all(
     Parameters
     ----------
     tasks : sequence of ResultTask
-        What to do.
+        Tasks to run.
     workers : int or CampaignSettings
         The number of processes, or all settings.
     advance : callable

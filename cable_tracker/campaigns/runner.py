@@ -91,11 +91,11 @@ def run_campaign(
     Parameters
     ----------
     tasks : sequence of FolderTask
-        What to do.
+        Tasks to run.
     root : Path
-        Where their folders go; with workers on other machines, on a disk that all of them share.
+        Folder of the tasks' folders; with workers on other machines, on a shared disk.
     settings : ClusterSettings
-        Where they run. One worker and no scheduler: in this process.
+        Machines that run the tasks. One worker and no scheduler: this process.
     resume : bool
         Keep what is there of the same input, parameters and version.
     advance : callable
@@ -206,7 +206,7 @@ def _result_in_worker(
 
 
 class _Progress:
-    """What has been told of each task; what comes after its end is known already.
+    """Progress reported so far of each task; reports after a task's end are ignored.
 
     Tasks tell in a thread of the client, and their end comes in another.
     """

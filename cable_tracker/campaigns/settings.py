@@ -1,4 +1,4 @@
-"""Where the tasks of a campaign run, and where their results are kept."""
+"""Settings of a campaign: the machines that run its tasks, and the folder of results."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DASHBOARD = "127.0.0.1:8787"
 
 @dataclass(frozen=True, slots=True)
 class ClusterSettings:
-    """Where tasks run.
+    """Machines that run tasks.
 
     Attributes
     ----------
@@ -50,12 +50,12 @@ class ClusterSettings:
 
 @dataclass(frozen=True, slots=True)
 class CampaignSettings:
-    """Where tasks run whose results come back, and where these are kept.
+    """Machines that run tasks with results, and the folder that keeps these.
 
     Attributes
     ----------
     cluster : ClusterSettings
-        Where they run.
+        Machines that run the tasks.
     store : Path or None
         Folder for the result of each task; None: they are not kept.
     resume : bool

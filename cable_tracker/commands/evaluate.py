@@ -39,8 +39,8 @@ from cable_tracker.commands.target_campaign import (
 from cable_tracker.commands.tuning import ValueOption
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign
-from cable_tracker.evaluation.judged_sequences import (
-    JudgedSequence,
+from cable_tracker.evaluation.evaluation_sequences import (
+    EvaluationSequence,
     RecordingSequence,
     simulated_sequences,
 )
@@ -148,7 +148,7 @@ def evaluate(  # noqa: PLR0917
         )
         evaluate_targets(followed, output, cluster, force=force, resume=resume)
         return
-    sequences: Sequence[JudgedSequence]
+    sequences: Sequence[EvaluationSequence]
     if chosen is not None:
         sequences = (_labelled(RecordingSequence, chosen, unlabelled_is_empty),)
     else:
@@ -174,7 +174,7 @@ def _labelled(
 
 def _cable_campaign(
     methods: Sequence[str] | None,
-    sequences: Sequence[JudgedSequence],
+    sequences: Sequence[EvaluationSequence],
     seeds: tuple[int, ...],
     start: Start,
     filters: tuple[ConfiguredFilter, ...],

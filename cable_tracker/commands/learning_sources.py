@@ -14,7 +14,7 @@ from cable_tracker.cable.measure.learning import ResponseCounts
 from cable_tracker.cable.measure.working_image import check_frame, working_image_for
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
-from cable_tracker.evaluation.judged_sequences import (
+from cable_tracker.evaluation.evaluation_sequences import (
     WorldSequence,
     check_labels,
     simulated_sequences,
@@ -41,7 +41,7 @@ class LabelledSequence:
     Attributes
     ----------
     name : str
-        What messages call it.
+        Name in messages to the user.
     frame_count : int or None
         Number of frames; None when it is unknown before all have been read.
     frames : callable
@@ -191,15 +191,15 @@ def count_frames(
     Parameters
     ----------
     counts : ResponseCounts
-        Where they are counted.
+        Counts that are added to.
     sequence : LabelledSequence
-        What they are from.
+        Sequence that the frames belong to.
     frames : iterable of Frame
-        Its frames.
+        Frames of the sequence.
     parameters : TrackerParameters
-        Those that the tables will be used with.
+        Parameters that the tables will be used with.
     plan : LearningPlan
-        How they are counted.
+        Plan of the learning.
     rng : numpy.random.Generator
         Draws how much harder frames are made.
 

@@ -72,7 +72,7 @@ class LoopTask:
     method, seed
         Name of the method that tracks, and seed of the world.
     arguments : tuple of str
-        Of `cable-tracker loop`.
+        Arguments of `cable-tracker loop`.
     """
 
     method: str
@@ -161,7 +161,7 @@ def run_loops(
     Parameters
     ----------
     campaign : LoopCampaign
-        What to run.
+        Loops to run.
     folder : Path
         Gets a folder METHOD_SEED for each run that comes to its end.
     advance : callable

@@ -27,9 +27,9 @@ def need_usable_frames(
     source : Path
         The recording.
     statuses : sequence of str
-        Of its frames.
+        Status of each frame.
     damage : RecordingError or None
-        Why it broke off.
+        Error at which the recording broke off.
 
     Raises
     ------

@@ -37,7 +37,7 @@ from cable_tracker.simulation.scenario_description import SCENARIO_RATE
 from cable_tracker.simulation.scenarios import SCENARIOS, find_scenario
 from cable_tracker.simulation.setting_checks import check_size
 from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveySettings, usual_survey
+from cable_tracker.simulation.survey_dive import SurveyDiveSettings, usual_survey
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.simulation.targets.sequence import find_target_scenario, simulate_target
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
@@ -165,11 +165,11 @@ class _CableFrames:
     Attributes
     ----------
     count : int
-        How many there are.
+        Number of frames.
     frames : iterator of Frame
         With their ground truth.
     dive : (Dive, float) or None
-        What is simulated, and frames per second, for the instruments of a bag; None: it has none.
+        Simulated dive and frame rate [Hz], for the instruments of a bag; None: without instruments.
     """
 
     count: int
@@ -259,7 +259,9 @@ def _simulate_target(
     console.print(f"{count} frames: {output}", soft_wrap=True)
 
 
-def _simulate_survey(output: Path, settings: SurveySettings, storage: Storage, force: bool) -> None:
+def _simulate_survey(
+    output: Path, settings: SurveyDiveSettings, storage: Storage, force: bool
+) -> None:
     """Let a vehicle inspect a cable, and write everything that its bag holds."""
     way = [0.0]
     with progress_bar("simulating, in m", round(settings.length)) as progress:

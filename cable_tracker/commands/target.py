@@ -39,9 +39,9 @@ from cable_tracker.commands.results import (
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, messages, progress_bar
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.targets.target_folder import TargetFolder
-from cable_tracker.evaluation.targets.track_target import parse_start, track_target
 from cable_tracker.metric.recorded_target import RecordedSight, node_values
+from cable_tracker.offline.target_folder import TargetFolder
+from cable_tracker.offline.track_target import parse_start, track_target
 from cable_tracker.sequences.instruments import NO_TOPIC
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.target.model.start import TargetStart
@@ -126,7 +126,7 @@ def target(  # noqa: PLR0917
             replayed = need_ros("clients.lockstep").replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            request = client.TargetRequest(
+            request = client.TargetTrackingRequest(
                 replayed, parameters, init, node_values(described, target_size)
             )
             damage = client.track_target_over_ros(

@@ -47,7 +47,7 @@ class TargetCampaign:
     sequences : tuple of TargetSequence
         Scenarios or recordings.
     seeds : tuple of int
-        Of the runs.
+        Seeds of the runs.
     methods : tuple of str
         Names.
     tuned : tuple of (str, TargetParameters)

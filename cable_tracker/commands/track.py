@@ -45,9 +45,9 @@ from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.commands.tuning import ValueOption, chosen_parameters, chosen_start, given_values
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
-from cable_tracker.evaluation.tracking.advice import advice
-from cable_tracker.evaluation.tracking.result_folder import ResultFolder, WantedResults
-from cable_tracker.evaluation.tracking.track_recording import (
+from cable_tracker.offline.advice import advice
+from cable_tracker.offline.result_folder import ResultFolder, WantedResults
+from cable_tracker.offline.track_recording import (
     initial_state_for,
     start_from,
     track_recording,
@@ -118,7 +118,7 @@ def track(  # noqa: PLR0917
             replayed = need_ros("clients.lockstep").replay_parameters(
                 chosen, choice, vehicle, has_instruments=described.has_instruments
             )
-            request = client.RecordingRequest(replayed, parameters, state, described)
+            request = client.CableTrackingRequest(replayed, parameters, state, described)
             damage = client.track_recording_over_ros(
                 recording, request, results, lambda: advance(progress)
             )

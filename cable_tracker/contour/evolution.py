@@ -1,9 +1,8 @@
-"""Fast contours: Chan-Vese's energy lowered by switching single points, in a window if wanted."""
+"""Fast contours: Chan-Vese's energy lowered by switching single points."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +11,6 @@ from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.contour.levels import Levels, levels_of_mask
 from cable_tracker.contour.switching import FEWEST, SwitchingSettings, switch_points
 from cable_tracker.errors import FrameError
-
-Window: TypeAlias = tuple[int, int, int, int]
-"""First column, first row, and the column and row after the last [px]."""
 
 SEVERAL = 1000
 """Default limit of the iterations: hardly any contour needs as many."""
@@ -89,7 +85,6 @@ def evolve_by_means(
     image: NDArray[np.float32],
     start: BoolArray,
     settings: ContourSettings,
-    window: Window | None = None,
     recorded: int = 0,
 ) -> Contour:
     """Separate two regions of different mean intensity: Table 1 of the thesis.
@@ -102,24 +97,21 @@ def evolve_by_means(
         Inside at the start, of the same shape.
     settings : ContourSettings
         Settings of the contour.
-    window : Window or None
-        Points beyond it keep their side and do not count; None: the whole picture.
     recorded : int
         Number of changes of energy to return.
 
     Raises
     ------
     FrameError
-        The shapes differ, or one of the regions has fewer than two points in the window.
+        The shapes differ, or one of the regions has fewer than two points.
     """
-    return _evolve(image, start, settings, window, by_means=True, recorded=recorded)
+    return _evolve(image, start, settings, by_means=True, recorded=recorded)
 
 
 def evolve_by_ratio(
     log_ratio: NDArray[np.float32],
     start: BoolArray,
     settings: ContourSettings,
-    window: Window | None = None,
     recorded: int = 0,
 ) -> Contour:
     """Separate what is likelier target from what is likelier background.
@@ -129,7 +121,7 @@ def evolve_by_ratio(
     log_ratio : array
         log p(pixel | target) / p(pixel | background), plus the log-odds of a shape prior where
         there is one (`shape_prior.log_odds`); shape (H, W), float32.
-    start, settings, window, recorded
+    start, settings, recorded
         As for `evolve_by_means`.
 
     Raises
@@ -137,59 +129,40 @@ def evolve_by_ratio(
     FrameError
         As there.
     """
-    return _evolve(log_ratio, start, settings, window, by_means=False, recorded=recorded)
+    return _evolve(log_ratio, start, settings, by_means=False, recorded=recorded)
 
 
 def _evolve(
     data: NDArray[np.float32],
     start: BoolArray,
     settings: ContourSettings,
-    window: Window | None,
     *,
     by_means: bool,
     recorded: int,
 ) -> Contour:
     if data.ndim != 2 or data.shape != start.shape:
         raise FrameError(f"a contour of shape {start.shape} cannot evolve on data {data.shape}")
-    left, top, right, bottom = _inside_picture(window, data.shape)
     levels = levels_of_mask(start)
-    cut = np.ascontiguousarray(levels[top:bottom, left:right])
-    inside = int(np.count_nonzero(cut < 0))
-    if min(inside, cut.size - inside) < FEWEST:
+    inside = int(np.count_nonzero(levels < 0))
+    if min(inside, levels.size - inside) < FEWEST:
         raise FrameError(
-            f"a contour needs {FEWEST} points on either side, not {inside} and {cut.size - inside}"
+            f"a contour needs {FEWEST} points on either side,"
+            f" not {inside} and {levels.size - inside}"
         )
     changes = np.zeros(recorded)
-    part = np.ascontiguousarray(data[top:bottom, left:right], dtype=np.float32)
+    pixels = np.ascontiguousarray(data, dtype=np.float32)
     switching = SwitchingSettings(
         by_means, settings.regulariser, settings.balance, settings.flooding
     )
     iterations, converged, inside, inside_sum, outside_sum, switches = switch_points(
-        part, cut, switching, settings.iterations, changes
+        pixels, levels, switching, settings.iterations, changes
     )
-    if cut.shape == levels.shape:
-        levels = cut
-    else:
-        mask = levels < 0
-        mask[top:bottom, left:right] = cut < 0
-        levels = levels_of_mask(mask)
     return Contour(
         levels=levels,
         iterations=iterations,
         converged=converged,
         inside_count=inside,
         inside_mean=inside_sum / inside,
-        outside_mean=outside_sum / (cut.size - inside),
+        outside_mean=outside_sum / (levels.size - inside),
         changes=changes[:switches],
     )
-
-
-def _inside_picture(window: Window | None, shape: tuple[int, ...]) -> Window:
-    if window is None:
-        return 0, 0, shape[1], shape[0]
-    left, top, right, bottom = window
-    left, top = max(left, 0), max(top, 0)
-    right, bottom = min(right, shape[1]), min(bottom, shape[0])
-    if right <= left or bottom <= top:
-        raise FrameError(f"the window {window} lies outside the picture of shape {shape}")
-    return left, top, right, bottom

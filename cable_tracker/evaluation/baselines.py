@@ -72,9 +72,9 @@ class DetectorTracker:
     detector : CableDetector
         Looks at every frame: at the region of interest while a cable is claimed, else everywhere.
     noise : KalmanNoise
-        How the cable moves, and how well the detector measures it.
+        Process noise of the cable, and measurement noise of the detector.
     settings : BaselineSettings
-        When to claim, when to give up, where to look.
+        Thresholds for claiming and giving up, and size of the region of interest.
     """
 
     def __init__(

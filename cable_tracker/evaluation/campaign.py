@@ -10,7 +10,7 @@ from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.judged_sequences import JudgedSequence
+from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
 
@@ -23,7 +23,7 @@ class Campaign:
     ----------
     methods : tuple of str
         Keys of `METHODS`.
-    sequences : tuple of JudgedSequence
+    sequences : tuple of EvaluationSequence
         Sequences of the runs.
     seeds : tuple of int
         Seeds; each makes one run of every method on every sequence.
@@ -38,7 +38,7 @@ class Campaign:
     """
 
     methods: tuple[str, ...]
-    sequences: tuple[JudgedSequence, ...]
+    sequences: tuple[EvaluationSequence, ...]
     seeds: tuple[int, ...]
     start: Start = Start.TRUTH
     restart_every: int | None = None
@@ -75,7 +75,7 @@ class _Task:
     """One sequence with one seed: what one process does at a time."""
 
     campaign: Campaign
-    sequence: JudgedSequence
+    sequence: EvaluationSequence
     seed: int
 
     def fingerprint(self) -> str:
@@ -104,7 +104,7 @@ class _Task:
         return run_together(runs, frames, self.sequence.name, advance)
 
 
-def files_of(sequence: JudgedSequence) -> list[Path]:
+def files_of(sequence: EvaluationSequence) -> list[Path]:
     """Return the files that a sequence is read from; none of a simulated one."""
     found = (getattr(sequence, name, None) for name in ("path", "truth"))
     return [each for each in found if isinstance(each, Path)]
@@ -123,7 +123,7 @@ def run_campaign(
     Parameters
     ----------
     campaign : Campaign
-        What to run.
+        Methods, sequences and seeds to run.
     workers : int or CampaignSettings
         Number of processes, or all settings; with 1, everything happens in this process.
     advance : callable

@@ -61,11 +61,11 @@ class KalmanNoise:
     Attributes
     ----------
     measurement : FourSigmas
-        Of one detection.
+        Measurement noise of one detection.
     diffusion : FourSigmas
-        What the parameters do by themselves in a frame at 25 frames per second.
+        Process noise of d, alpha, w, beta per frame at 25 frames per second.
     rate_diffusion : FourSigmas
-        How much the rates, per frame at 25 frames per second, change in such a frame.
+        Process noise of the rates, per frame at 25 frames per second.
     initial_rate : FourSigmas
         The rates of a cable seen for the first time, per frame at 25 frames per second.
     """
@@ -87,7 +87,7 @@ class CableKalmanFilter:
     covariance : FloatArray
         Shape (8, 8).
     noise : KalmanNoise
-        Of movement and measurement.
+        Process and measurement noise.
     image_width : int
         Width of the frames [px]; lengths of the noise scale with it.
     """
@@ -106,7 +106,7 @@ class CableKalmanFilter:
         state : CableState
             The first measurement [px, rad].
         noise : KalmanNoise
-            Of movement and measurement.
+            Process and measurement noise.
         image_width : int
             Width of the frames [px].
         """

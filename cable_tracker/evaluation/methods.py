@@ -42,9 +42,9 @@ class MethodSpec:
     Attributes
     ----------
     name : str
-        What it is called in reports and on the command line.
+        Name in reports and on the command line.
     description : str
-        What it does, in a few words.
+        Description in a few words.
     make : callable
         Makes a fresh tracker from a seed. The same seed gives the same results; methods without
         random numbers do not mind it.
@@ -83,7 +83,7 @@ class ConfiguredFilter:
     Attributes
     ----------
     name : str
-        What it is called in results.
+        Name of the method in results.
     parameters : TrackerParameters
         All of them; the seed is that of the run.
     """

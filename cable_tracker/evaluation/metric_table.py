@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.evaluation.metrics.errors import ErrorStatistics
+from cable_tracker.evaluation.metrics.initialisation import StartOutcome
 from cable_tracker.evaluation.metrics.run_metrics import RunMetrics
-from cable_tracker.evaluation.metrics.starts import StartOutcome
 from cable_tracker.evaluation.spread import Spread, spread_of
 
 

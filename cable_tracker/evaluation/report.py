@@ -11,11 +11,11 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from cable_tracker.atomic_output import write_bytes
+from cable_tracker.evaluation.failure_criteria import LOST_DISTANCE
 from cable_tracker.evaluation.figures import as_svg, calibration_figure, loss_figure, trace_figure
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, MetricSpec, metric_spread
-from cable_tracker.evaluation.metrics.returns import CLEARLY_BACK, RETURN_SECONDS
-from cable_tracker.evaluation.metrics.starts import START_FRAMES
-from cable_tracker.evaluation.off_cable import LOST_DISTANCE
+from cable_tracker.evaluation.metrics.initialisation import START_FRAMES
+from cable_tracker.evaluation.metrics.redetection import CLEARLY_BACK, RETURN_SECONDS
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.spread import Spread
 from cable_tracker.evaluation.tables import (
@@ -65,13 +65,13 @@ class ReportHeader:
     Attributes
     ----------
     title : str
-        Its first line.
+        Title of the report.
     command : str
-        What was typed.
+        Command line that wrote the report.
     machine : str
         Processor, operating system, versions.
     date : str
-        When it was made.
+        Date of the report.
     """
 
     title: str
@@ -91,7 +91,7 @@ class Cell:
     detail : str
         Smallest and largest; empty if there is no spread.
     shade : float
-        How dark its ground is, 0 to 1.
+        Darkness of the background, 0 to 1.
     """
 
     text: str
@@ -150,9 +150,9 @@ def write_report(
     results : sequence of RunResult
         At least one.
     header : ReportHeader
-        What the report says about itself.
+        Title, command and machine.
     methods, sequences : mapping of str to str
-        What they are, by name.
+        Descriptions of methods and sequences, by name.
 
     Raises
     ------

@@ -12,7 +12,7 @@ import cv2
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.evaluation.judged_sequences import JudgedFrame
+from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame
 from cable_tracker.evaluation.methods import Method
 from cable_tracker.evaluation.metrics.run_metrics import RunMetrics, run_metrics
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
@@ -45,13 +45,13 @@ class RunResult:
     method, sequence : str
         Their names.
     seed : int
-        Of the simulation and of the method.
+        Seed of the simulation and of the method.
     start : Start
-        What the method was told.
+        How the method was initialised.
     trace : Trace
         All frames.
     metrics : RunMetrics
-        What was measured.
+        Metrics of the run.
     sheet : bytes
         A contact sheet of overlays, JPEG; empty if none was asked for.
     """
@@ -105,7 +105,7 @@ class MethodRun:
             ContactSheet(SHEET_STRIDE, SHEET_PICTURES, SHEET_PICTURE_WIDTH) if with_sheet else None
         )
 
-    def process(self, frame: JudgedFrame) -> None:
+    def process(self, frame: EvaluationFrame) -> None:
         """Show the method one more frame.
 
         Raises
@@ -127,7 +127,7 @@ class MethodRun:
         if self._sheet is not None:
             self._add_picture(self._sheet, frame, estimate)
 
-    def _begin_if_due(self, frame: JudgedFrame) -> None:
+    def _begin_if_due(self, frame: EvaluationFrame) -> None:
         count = len(self._outcomes)
         restart = self._restart_every is not None and count % self._restart_every == 0
         if count and not restart:
@@ -142,7 +142,7 @@ class MethodRun:
             )
 
     def _add_picture(
-        self, sheet: ContactSheet, frame: JudgedFrame, estimate: CableEstimate
+        self, sheet: ContactSheet, frame: EvaluationFrame, estimate: CableEstimate
     ) -> None:
         if not sheet.wants_next():
             sheet.add(None, frame.index)
@@ -178,7 +178,7 @@ class MethodRun:
 
 def run_together(
     runs: Sequence[MethodRun],
-    frames: Iterable[JudgedFrame],
+    frames: Iterable[EvaluationFrame],
     sequence: str,
     advance: Callable[[], None] = lambda: None,
 ) -> list[RunResult]:
@@ -188,7 +188,7 @@ def run_together(
     ----------
     runs : sequence of MethodRun
         Methods at their beginning.
-    frames : iterable of JudgedFrame
+    frames : iterable of EvaluationFrame
         At least one frame.
     sequence : str
         Name of the sequence.

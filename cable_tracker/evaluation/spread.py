@@ -20,7 +20,7 @@ class Spread:
     mean, median, minimum, maximum : float
         NaN over no runs.
     standard_error : float
-        Of the mean; NaN below two runs.
+        Standard error of the mean; NaN below two runs.
     """
 
     count: int

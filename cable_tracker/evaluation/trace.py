@@ -12,7 +12,7 @@ from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.geometry import SIGN_CHANGING_COLUMNS, unwrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
-from cable_tracker.evaluation.off_cable import is_off_cable
+from cable_tracker.evaluation.failure_criteria import is_off_cable
 
 COMPONENTS = 4
 """d, alpha, w, beta: what there is truth for."""
@@ -30,11 +30,11 @@ class FrameOutcome:
     index : int
         Number of the frame in its sequence.
     truth : CableState or None
-        Where the cable really runs; None if there is none, or that is unknown.
+        True state of the cable; None if there is none, or it is unknown.
     visibility : float
         Share of the borders that can be seen, 0 to 1; NaN if unknown.
     estimate : CableEstimate
-        What the method said.
+        Estimate of the method.
     ms : float
         Time that it took [ms].
     """
@@ -64,7 +64,7 @@ class Trace:
         The same of the method's mean, whether it was claimed or not, shape (T, 4); written on the
         same side of the wrap as the truth.
     covariances : FloatArray
-        Of d, alpha, w, beta in that way of writing, shape (T, 4, 4).
+        Covariances of d, alpha, w, beta in that chart, shape (T, 4, 4).
     statuses : tuple of TrackingStatus
         Length T.
     ms : FloatArray

@@ -1,4 +1,4 @@
-"""Where the cable was seen last, in the frame of the vehicle's odometry."""
+"""Last known line of the cable in the frame of the vehicle's odometry."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ REWEIGHTINGS = 4
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where the vehicle is in the frame odom.
+    """Pose of the vehicle in the frame odom.
 
     Attributes
     ----------

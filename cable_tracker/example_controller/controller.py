@@ -132,9 +132,9 @@ class Controller:
         Parameters
         ----------
         time : float
-            Of the measurements [s]; later than that of the step before.
+            Time of the measurements [s]; later than that of the step before.
         cable : Cable or None
-            Where the cable is; None if the tracker does not say.
+            Line of the cable; None if the tracker does not say.
         pose : Pose or None
             From odometry; None without. Then a lost cable is not searched for.
         """

@@ -81,7 +81,7 @@ class LineOfSight:
     Parameters
     ----------
     settings : GuidanceSettings
-        How to steer.
+        Settings of the guidance law.
     """
 
     def __init__(self, settings: GuidanceSettings) -> None:
@@ -99,9 +99,9 @@ class LineOfSight:
         Parameters
         ----------
         cable : Cable
-            Where the cable is now.
+            Current line of the cable.
         seconds : float
-            Since the command before.
+            Time since the command before [s].
         speed : float or None
             Instead of that of the settings [m/s].
         """

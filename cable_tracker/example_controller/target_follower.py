@@ -58,7 +58,7 @@ class FollowSettings:
 
 @dataclass(frozen=True, slots=True)
 class TargetPlace:
-    """Where a target is, from the vehicle.
+    """Position of a target relative to the vehicle.
 
     Attributes
     ----------
@@ -108,13 +108,13 @@ class FollowMode(str, Enum):
     GIVEN_UP = "GIVEN UP"
 
 
-class TargetFollower:
+class TargetController:
     """Turns places of a target into commands.
 
     Parameters
     ----------
     settings : FollowSettings
-        How to follow.
+        Settings of distance, gains and search.
     """
 
     def __init__(self, settings: FollowSettings) -> None:
@@ -136,9 +136,9 @@ class TargetFollower:
         Parameters
         ----------
         time : float
-            Of the frame [s].
+            Time of the frame [s].
         place : TargetPlace or None
-            Where the target is; None while it is lost.
+            Position of the target; None while it is lost.
         """
         dt = 0.0 if self._time is None else min(max(time - self._time, 0.0), 1.0)
         self._time = time

@@ -47,10 +47,10 @@ class AccessGuard:
     Parameters
     ----------
     application : Application
-        What is guarded (ASGI).
+        ASGI application to guard.
     token : str or None
-        What a request must bring. None: the server listens on loopback alone, and the name of the
-        host must be one of this machine's own.
+        Token that a request must carry. None: the server listens on loopback alone, and the Host
+        header must name this machine.
     """
 
     def __init__(self, application: Application, token: str | None = None) -> None:

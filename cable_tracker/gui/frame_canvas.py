@@ -13,7 +13,7 @@ class FrameCanvas(Element, component="frame_canvas.js", esm={"cable-tracker-brow
     Parameters
     ----------
     channel : FrameChannel
-        Where they come from.
+        Source of the packets.
     """
 
     def __init__(self, channel: FrameChannel) -> None:

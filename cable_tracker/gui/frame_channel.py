@@ -61,12 +61,6 @@ class FrameChannel:
         self._latest: bytes | None = None
 
     @property
-    def viewer_count(self) -> int:
-        """How many browsers look at it."""
-        with self._lock:
-            return len(self._viewers)
-
-    @property
     def is_wanted(self) -> bool:
         """Whether any browser could draw a picture now. If not, none need be made."""
         with self._lock:
@@ -90,7 +84,7 @@ class FrameChannel:
         websocket : WebSocket
             The connection. Every text that comes from it says that the last packet is drawn.
         closed : type of Exception
-            What it raises when the browser has gone.
+            Exception that the connection raises once the browser has disconnected.
         """
         await websocket.accept()
         viewer = _Viewer(asyncio.get_running_loop())

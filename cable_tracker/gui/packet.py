@@ -26,7 +26,7 @@ class Section:
     Attributes
     ----------
     name : str
-        How the browser finds it.
+        Key of the section in the packet.
     kind : str
         ``jpeg`` or ``float32``.
     shape : tuple of int
@@ -59,7 +59,7 @@ def pack(description: Mapping[str, object], sections: Sequence[Section]) -> byte
     description : mapping
         Anything that JSON can say, without NaN; the key `sections` is taken.
     sections : sequence of Section
-        What goes with it.
+        Binary sections that follow the header.
 
     Returns
     -------

@@ -129,7 +129,7 @@ class ParameterGroup:
     Attributes
     ----------
     title : str
-        What they are about.
+        Heading of the group.
     rows : tuple of ParameterSpec
         The parameters.
     """

@@ -82,11 +82,11 @@ def values_from_text(
     Parameters
     ----------
     text : str or None
-        What is in the file; None if it is too large for one with parameters.
+        Content of the file; None if it is too large for a parameter file.
     name : str
-        What the user calls it.
+        File name, for messages to the user.
     subject : Subject
-        What is followed.
+        Kind of tracked object, which decides the parameter table.
 
     Returns
     -------

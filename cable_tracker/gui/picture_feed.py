@@ -31,7 +31,7 @@ class PictureFeed:
     Attributes
     ----------
     channel : FrameChannel
-        Where the packets come out.
+        Channel that sends the packets.
     """
 
     def __init__(self) -> None:

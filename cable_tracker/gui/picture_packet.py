@@ -141,7 +141,7 @@ def make_packet(
     Parameters
     ----------
     snapshot : Snapshot or TargetSnapshot
-        What the filter made of it.
+        Filter output for the picture.
     history : FloatArray
         See `TrackingHistory.table`.
     is_whole : bool

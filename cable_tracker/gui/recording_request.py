@@ -17,7 +17,7 @@ class RecordingRequest(ChosenRecording):
     Attributes
     ----------
     init : str
-        Where to start: `random`, `truth`, the name of a detector, or `d,alpha,w,beta` [px, rad].
+        Initialisation: `random`, `truth`, a detector's name, or `d,alpha,w,beta` [px, rad].
     choice : InstrumentChoice
         Topics of the instruments.
     vehicle : Path or None

@@ -41,12 +41,12 @@ class RecordingSession(SnapshotFeed):
     request : RecordingRequest
         The recording.
     parameters : TrackerParameters or TargetParameters
-        Those to begin with; they say what is followed.
+        Initial parameters; their type decides between cable and target.
 
     Attributes
     ----------
     notes : tuple of str
-        What the user should know about the recording.
+        Remarks on the recording for the user.
 
     Raises
     ------

@@ -29,7 +29,7 @@ EVERYWHERE = frozenset({"0.0.0.0", "::"})
 
 @dataclass(frozen=True, slots=True)
 class Listening:
-    """Where the server listens.
+    """Address and token of the server.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Listening:
     port : int
         TCP port; 0 is any free one.
     token : str or None
-        What a browser must bring; None on loopback alone.
+        Token that a browser must present; None on loopback alone.
     """
 
     host: str
@@ -162,9 +162,9 @@ def serve(
     page : callable
         Builds the page, anew for each browser.
     channels : Channels
-        Where the pictures come from.
+        Channels of the pictures.
     listening : Listening
-        Where to listen; see `claim_port`.
+        Address to listen on; see `claim_port`.
     title : str
         Title of the page.
     started, stopped : callable

@@ -35,9 +35,9 @@ class Snapshot:
     grey : Image
         The frame, uint8, shape (H, W).
     status : str
-        As in diagnostics: TRACKING, LOST, INITIALISING, REFUSED, DISABLED, ...
+        Status as in diagnostics: TRACKING, LOST, INITIALISING, REFUSED, DISABLED, ...
     reason : str
-        Why the frame was refused, or why the filter started anew; empty on ordinary frames.
+        Reason of a refused frame or of a restart; empty on ordinary frames.
     state : CableState or None
         The estimate [px, rad, per second]; None while no cable is claimed.
     sigma : FloatArray or None
@@ -47,15 +47,15 @@ class Snapshot:
         Particles and their weights, shape (N, 9): columns of `StateColumn`, then the weight. None
         if there are none.
     hypotheses : tuple of Hypothesis
-        Where the cable may be, likeliest first; empty if it is not known.
+        Hypotheses, likeliest first; empty if they are not known.
     hypothesis_count : int or None
-        How many there are, where more is not known; None otherwise.
+        Number of hypotheses where they are not known themselves; None otherwise.
     presence : float or None
         Probability that a cable is in view.
     evidence, n_eff, ms : float or None
         As in `estimates.csv`; None if not known.
     truth : CableState or None
-        Where the cable really runs, if the frame is labelled.
+        True state of the cable, if the frame is labelled.
     metres : CrossTrack, Withheld or None
         The cable beside the vehicle, or why it is not known there; None where there are no
         instruments.
@@ -106,7 +106,7 @@ class TargetSnapshot:
     score : float or None
         Score of the fit of the estimated region.
     truth : Box or None
-        Where the target really is, if the frame is labelled.
+        True box of the target [px], if the frame is labelled.
     """
 
     number: int
@@ -138,14 +138,14 @@ Listener: TypeAlias = Callable[[AnySnapshot], None]
 
 
 class Session(Protocol):
-    """What is common to both. All methods may be called from any thread, and may take a while.
+    """Interface of all sessions. Methods may be called from any thread, and may block.
 
     Attributes
     ----------
     name : str
-        What is being watched, for the title of the page.
+        Name of the recording or node, for the title of the page.
     subject : Subject
-        What is followed.
+        Description of the tracked object for the page.
     table : sequence of ParameterSpec
         The parameters that can be changed while it runs, in the order of docs/parameters.md.
     """

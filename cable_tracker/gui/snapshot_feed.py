@@ -10,7 +10,7 @@ from cable_tracker.gui.session import AnySnapshot, Listener
 
 
 class SnapshotFeed:
-    """What every session does with its snapshots: keeps the newest, and tells of each."""
+    """Keeps a session's newest snapshot, and notifies listeners of each."""
 
     def __init__(self) -> None:
         self._latest: AnySnapshot | None = None

@@ -44,7 +44,7 @@ class Subject:
     node : str
         Name of the node that follows it, and of its section in files.
     shape : str
-        What the user draws on the picture: a `line` or a `box`.
+        Shape that the user draws as a start: `line` or `box`.
     names, units : tuple of str
         Names and units of the components of the state.
     least_spans : tuple of float

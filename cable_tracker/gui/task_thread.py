@@ -27,7 +27,7 @@ class TaskThread:
         When `work` is due, as of `time.monotonic`; None if there is nothing to do. Called with
         every change.
     work : callable
-        Its own work.
+        Unit of work, called when due.
     """
 
     def __init__(

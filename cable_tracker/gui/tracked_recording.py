@@ -24,7 +24,7 @@ class TrackedRecording:
     Parameters
     ----------
     frames : FrameAccess
-        Of the recording.
+        Frames of the recording.
     follower : Follower
         Tracks.
     publish : callable

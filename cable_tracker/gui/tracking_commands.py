@@ -24,19 +24,19 @@ LEAP = 10
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class KeyBinding:
     """Something that a key does.
 
     Attributes
     ----------
     name : str
-        How the page calls it.
+        Name of the command in the page.
     keys : tuple of str
         Keys, as browsers name them.
     shown : str
         The keys, for people.
     words : str
-        What it does.
+        Description of the command for the help page.
     needs_player : bool
         Whether it makes sense on recordings alone.
     """
@@ -49,23 +49,23 @@ class Command:
 
 
 COMMANDS = (
-    Command("toggle", (" ", "k"), "space, k", "play or pause", True),
-    Command("forward", ("ArrowRight",), "→", "one frame on", True),
-    Command("back", ("ArrowLeft",), "←", "one frame back", True),
-    Command("leap", ("Shift+ArrowRight",), "Shift →", f"{LEAP} frames on", True),
-    Command("leap_back", ("Shift+ArrowLeft",), "Shift ←", f"{LEAP} frames back", True),
-    Command("first", ("Home",), "Home", "first frame", True),
-    Command("last", ("End",), "End", "last frame", True),
-    Command("faster", ("+", "="), "+", "play faster", True),
-    Command("slower", ("-", "_"), "−", "play more slowly", True),
-    Command("reset", ("r",), "r", "forget everything: search anew"),
-    Command("enable", ("e",), "e", "switch the tracker off or on"),
-    Command("start", ("i",), "i", "type where the cable is"),
-    Command("whole", ("0",), "0", "show the whole picture"),
-    Command("search", ("/",), "/", "search a parameter"),
-    Command("save", ("s",), "s", "save the parameters"),
-    Command("open", ("o",), "o", "open a recording", True),
-    Command("help", ("?", "h"), "?, h", "show these keys"),
+    KeyBinding("toggle", (" ", "k"), "space, k", "play or pause", True),
+    KeyBinding("forward", ("ArrowRight",), "→", "one frame on", True),
+    KeyBinding("back", ("ArrowLeft",), "←", "one frame back", True),
+    KeyBinding("leap", ("Shift+ArrowRight",), "Shift →", f"{LEAP} frames on", True),
+    KeyBinding("leap_back", ("Shift+ArrowLeft",), "Shift ←", f"{LEAP} frames back", True),
+    KeyBinding("first", ("Home",), "Home", "first frame", True),
+    KeyBinding("last", ("End",), "End", "last frame", True),
+    KeyBinding("faster", ("+", "="), "+", "play faster", True),
+    KeyBinding("slower", ("-", "_"), "−", "play more slowly", True),
+    KeyBinding("reset", ("r",), "r", "forget everything: search anew"),
+    KeyBinding("enable", ("e",), "e", "switch the tracker off or on"),
+    KeyBinding("start", ("i",), "i", "type where the cable is"),
+    KeyBinding("whole", ("0",), "0", "show the whole picture"),
+    KeyBinding("search", ("/",), "/", "search a parameter"),
+    KeyBinding("save", ("s",), "s", "save the parameters"),
+    KeyBinding("open", ("o",), "o", "open a recording", True),
+    KeyBinding("help", ("?", "h"), "?, h", "show these keys"),
 )
 
 DIALOGS = ("start", "save", "open", "help")
@@ -88,7 +88,7 @@ POINTER_HELP = {
 """Help on the pointer for each shape that the user draws."""
 
 
-def commands_for(*, is_player: bool, noun: str = "cable") -> tuple[Command, ...]:
+def commands_for(*, is_player: bool, noun: str = "cable") -> tuple[KeyBinding, ...]:
     """Return the commands of a recording or of a live node; `noun` is what is followed."""
     return tuple(
         replace(command, words=command.words.replace("cable", noun))

@@ -33,9 +33,9 @@ class TrackingDesk:
     Parameters
     ----------
     session : Session or None
-        What is watched to begin with.
+        Initial session.
     request : RecordingRequest
-        How recordings are opened from the page; its path is replaced.
+        Settings with which recordings are opened from the page; its path is replaced.
     parameters : TrackerParameters, TargetParameters or None
         For the first recording that is opened from the page; they say what is followed there.
 
@@ -44,7 +44,7 @@ class TrackingDesk:
     feed : PictureFeed
         Pictures for all browsers.
     subject : Subject
-        What is followed; the same in every session of a desk.
+        Description of the tracked object; the same in every session of a desk.
     references : dict
         Presets and files that were read, values by name.
     version : int
@@ -132,7 +132,7 @@ def drawn_state(start: Point, end: Point, width: float, size: tuple[int, int]) -
     start, end : (float, float)
         Points of its centreline, from the upper left corner, y down [px].
     width : float
-        Its width [px].
+        Width of the cable [px].
     size : (int, int)
         Width and height of the picture [px].
     """

@@ -13,7 +13,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import CableTrackerError
 from cable_tracker.gui.parameter_sheet import write_parameter_file
 from cable_tracker.gui.recording_request import RecordingRequest
-from cable_tracker.gui.tracking_commands import Command
+from cable_tracker.gui.tracking_commands import KeyBinding
 from cable_tracker.gui.tracking_desk import Point
 from cable_tracker.target.model.estimate import Box
 
@@ -28,7 +28,7 @@ class FormDialog:
     Parameters
     ----------
     title : str
-        Its heading.
+        Heading of the dialog.
     action : str
         Words of the button.
     """
@@ -90,7 +90,7 @@ class OpenDialog(FormDialog):
     opening : callable
         Opens a request.
     start_words : str
-        Where one can start.
+        Text about the possible initialisations.
     """
 
     def __init__(
@@ -274,13 +274,13 @@ class HelpDialog:
 
     Parameters
     ----------
-    commands : sequence of Command
-        Those that work.
+    commands : sequence of KeyBinding
+        Key bindings in force.
     pointer : sequence of (str, str)
-        What can be done with a mouse, and what it does.
+        Mouse action and its effect, in words.
     """
 
-    def __init__(self, commands: Sequence[Command], pointer: Sequence[tuple[str, str]]) -> None:
+    def __init__(self, commands: Sequence[KeyBinding], pointer: Sequence[tuple[str, str]]) -> None:
         self.dialog = ui.dialog().props('aria-label="Keys"')
         with self.dialog, ui.card().style("max-width: 640px"):
             ui.label("Keys").classes("text-lg")

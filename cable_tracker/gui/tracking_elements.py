@@ -31,7 +31,7 @@ class _ChannelElement(Element):
     channel : FrameChannel
         Where the packets come from. Only the picture fetches them; the others get them from it.
     props : mapping
-        What else the browser's half wants to know.
+        Further properties of the browser element.
     """
 
     def __init__(self, channel: FrameChannel, props: Mapping[str, object]) -> None:
@@ -56,11 +56,11 @@ class PlainButton(Element):
     Parameters
     ----------
     words : str
-        What stands on it.
+        Caption of the button.
     action : callable
-        What it does.
+        Callback of a click.
     title : str
-        What it does, in words.
+        Tooltip.
     """
 
     def __init__(self, words: str, action: Callable[[], Awaitable[None]], title: str) -> None:

@@ -79,9 +79,9 @@ def serve_tracking_window(
     Parameters
     ----------
     desk : TrackingDesk
-        What is watched.
+        Session and recording that the page shows.
     listening : Listening
-        Where to listen.
+        Address to listen on.
     started : callable
         Called when the server has begun to listen.
     """
@@ -105,7 +105,7 @@ class TrackingPage:
     Parameters
     ----------
     desk : TrackingDesk
-        What all of them share.
+        Session and recording that all windows share.
     """
 
     def __init__(self, desk: TrackingDesk) -> None:

@@ -21,7 +21,7 @@ class Altitude:
     metres : float
         [m].
     sigma : float
-        Its standard deviation [m].
+        Standard deviation of the altitude [m].
     """
 
     metres: float
@@ -35,7 +35,7 @@ class Altimeter:
     Attributes
     ----------
     z : float
-        Of the altimeter in base_link [m].
+        Height of the altimeter in base_link [m].
     is_vertical : bool
         Whether it gives the vertical distance, as a DVL that knows its attitude does. Otherwise it
         measures along the vehicle's own -z, as an echo sounder does.
@@ -58,9 +58,9 @@ class Altimeter:
         Parameters
         ----------
         measured : float
-            What the altimeter says [m].
+            Measured range [m].
         attitude : Attitude
-            Of the vehicle.
+            Attitude of the vehicle.
         limits : (float, float)
             Smallest and largest distance that the altimeter can measure [m].
         """

@@ -44,7 +44,7 @@ class CableSight:
     values : mapping of str to object
         All of `METRIC_PARAMETERS`, by name.
     calibration : Calibration or None
-        That of the user, which wins over every message; None: messages tell it.
+        Calibration given by the user, which overrides messages; None: use messages.
     texture_pause : float
         Between two looks at the sea bed's texture, see `MotionAiding` [s].
     """

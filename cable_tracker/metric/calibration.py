@@ -1,4 +1,4 @@
-"""What a calibrated camera sees along each of its pixels.
+"""Viewing rays of a calibrated camera's pixels.
 
 Camera optical frame: z forward, x to the right of the image, y down (REP 103). Image frame of this
 package: origin at the image centre, x right, y up, pixels.
@@ -114,7 +114,7 @@ class CameraModel:
     image_size : (int, int)
         Width and height [px].
     model : DistortionModel
-        Of the lens.
+        Distortion model of the lens.
     focal, centre, coefficients
         See `Calibration`.
     """
@@ -133,7 +133,7 @@ class CameraModel:
 
     @property
     def image_matrix(self) -> FloatArray:
-        """What takes the optical frame to the image frame, without the lens, shape (3, 3) [px]."""
+        """Matrix from optical frame to image frame, without distortion, shape (3, 3) [px]."""
         (fx, fy), (x, y) = self.focal, to_image(*self.centre, self.image_size)
         return np.array([[fx, 0.0, x], [0.0, -fy, y], [0.0, 0.0, 1.0]])
 

@@ -76,9 +76,9 @@ class CrossTrack:
         Angle of the cable's direction from +x, in (-pi/2, pi/2]; positive: the cable leads to the
         left [rad].
     diameter : float
-        Of the cable, from the distance between its borders [m].
+        Diameter of the cable, from the distance between its borders [m].
     covariance : FloatArray
-        Of offset, offset_ahead, heading, diameter, shape (4, 4).
+        Covariance of offset, offset_ahead, heading, diameter, shape (4, 4) [m, rad].
     look_ahead : float
         [m].
     depth : float
@@ -136,7 +136,7 @@ class CrossTrackMeter:
     settings : MetricSettings
         Mounting and what else is fixed.
     calibration : Calibration or None
-        Of the camera.
+        Calibration of the camera.
     """
 
     def __init__(self, settings: MetricSettings, calibration: Calibration | None = None) -> None:
@@ -154,11 +154,11 @@ class CrossTrackMeter:
         Parameters
         ----------
         estimate : CableEstimate
-            Of the tracker. Its covariance is carried through the geometry by sigma points.
+            Estimate in pixels; sigma points carry its covariance through the geometry.
         altitude : Altitude or Withheld
-            Of base_link, above the sea bed.
+            Altitude of base_link above the sea bed.
         attitude : Attitude or Withheld
-            Of base_link.
+            Attitude of base_link.
         """
         if estimate.status is not TrackingStatus.TRACKING:
             return Withheld(Reason.NOT_TRACKING, f"the tracker's status is {estimate.status.value}")

@@ -1,4 +1,4 @@
-"""Where the camera is on the vehicle, and how the vehicle hangs in the water.
+"""Mounting of the camera on the vehicle, and attitude of the vehicle.
 
 Frames, all right-handed, metres and radians:
 
@@ -28,15 +28,15 @@ OPTICAL_IN_BODY: FloatArray = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0,
 
 @dataclass(frozen=True, slots=True)
 class Mounting:
-    """Where the camera is on the vehicle.
+    """Pose of the camera on the vehicle.
 
     Attributes
     ----------
     x, y, z : float
-        Of the camera in base_link [m].
+        Position of the camera in base_link [m].
     roll, pitch, yaw : float
-        Of the camera body in base_link [rad]. A pitch of pi/2 alone looks straight down, with the
-        top of the image to the front; 0 looks straight ahead.
+        Angles of the camera body in base_link [rad]. A pitch of pi/2 alone looks straight down,
+        with the top of the image to the front; 0 looks straight ahead.
     """
 
     x: float = 0.0
@@ -64,7 +64,7 @@ class Attitude:
     Attributes
     ----------
     roll, pitch : float
-        Of base_link against the level frame [rad].
+        Roll and pitch of base_link against the level frame [rad].
     sigma : float
         Standard deviation of each [rad].
     """

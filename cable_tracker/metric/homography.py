@@ -37,11 +37,11 @@ class Overflight:
     mounting : Mounting
         On the vehicle.
     attitude : Attitude
-        Of the vehicle.
+        Attitude of the vehicle.
     height : float
-        Of base_link above the cable's axis [m].
+        Height of base_link above the cable's axis [m].
     height_sigma : float
-        Its standard deviation [m].
+        Standard deviation of the height [m].
     """
 
     camera: CameraModel
@@ -137,7 +137,7 @@ class PlaneMotion:
     seconds : float
         Time between the frames.
     place_sigmas : FloatArray
-        What is unknown of d, alpha, w, beta after it, shape (4,) [px, rad].
+        Standard deviations of d, alpha, w, beta after the motion, shape (4,) [px, rad].
     """
 
     mapping: FloatArray

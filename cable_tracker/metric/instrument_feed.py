@@ -23,9 +23,9 @@ class InstrumentFeed:
     Parameters
     ----------
     source : InstrumentSource or None
-        Where they come from; None: there are none.
+        Source of the messages; None: there are none.
     pauses : mapping of Instrument to int
-        What comes sooner after a message of the same instrument is passed over [ns].
+        Shortest interval between used messages of an instrument [ns].
     """
 
     def __init__(

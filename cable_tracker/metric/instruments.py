@@ -26,9 +26,9 @@ class InstrumentSettings:
     metric : MetricSettings
         Mounting and what else does not change.
     altimeter : Altimeter
-        How altitudes are measured.
+        Mounting and errors of the altimeter.
     fixed_altitude : float
-        Of base_link where no altimeter speaks [m]; 0 for none.
+        Altitude of base_link used without an altimeter [m]; 0 for none.
     timeout : float
         Measurements older than this, at the time of a frame, do not count [s].
     level_sigma : float
@@ -48,7 +48,7 @@ class Instruments:
     Parameters
     ----------
     settings : InstrumentSettings
-        How to read them.
+        Settings of the instruments.
     """
 
     def __init__(self, settings: InstrumentSettings) -> None:

@@ -15,7 +15,7 @@ class KnownCalibration:
     Parameters
     ----------
     given : Calibration or None
-        That of the user, which wins over every message; None: messages tell it.
+        Calibration given by the user, which overrides messages; None: use messages.
     is_rectified : bool
         Whether the images are rectified, as `read_camera_info` wants to know.
     """

@@ -26,16 +26,16 @@ TWIST = 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseChange:
-    """Where base_link is at a later time, seen from base_link at an earlier one.
+    """Relative pose of base_link at a later time in base_link at an earlier time.
 
     Attributes
     ----------
     rotation : FloatArray
         From the later base_link to the earlier one, shape (3, 3).
     translation : FloatArray
-        Of the later origin, in the earlier frame, shape (3,) [m].
+        Position of the later origin in the earlier frame, shape (3,) [m].
     covariance : FloatArray
-        Of translation and rotation vector, shape (6, 6) [m, rad].
+        Covariance of translation and rotation vector, shape (6, 6) [m, rad].
     seconds : float
         The time between.
     """
@@ -65,7 +65,7 @@ class Odometry:
     Parameters
     ----------
     instrument : str
-        What states them, as it is called where no motion is known.
+        Name of the instrument that measures velocities, for messages about missing motion.
     """
 
     def __init__(self, instrument: str = "odometry") -> None:

@@ -21,7 +21,7 @@ from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.instrument_feed import InstrumentFeed
 from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.vehicle import (
-    Vehicle,
+    VehicleDescription,
     VehicleFile,
     describe_vehicle,
     read_vehicle_file,
@@ -63,17 +63,17 @@ class RecordedMetres:
 
     Parameters
     ----------
-    vehicle : Vehicle
+    vehicle : VehicleDescription
         Mounting, doubts, and a calibration if the bag has none.
     source : InstrumentSource or None
         Instruments of the bag; None where there are none.
     pauses : Pauses
-        What is looked at less often than it comes.
+        Shortest intervals between used messages of each instrument.
     """
 
     def __init__(
         self,
-        vehicle: Vehicle,
+        vehicle: VehicleDescription,
         source: InstrumentSource | None,
         pauses: Pauses = Pauses(),
     ) -> None:
@@ -166,13 +166,13 @@ class RecordedVehicle:
 
     Attributes
     ----------
-    vehicle : Vehicle
-        As tf_static and the vehicle file describe it.
+    vehicle : VehicleDescription
+        Description by tf_static and the vehicle file.
     source : InstrumentSource or None
         Instruments of the bag; None for a recording that is no bag.
     """
 
-    vehicle: Vehicle
+    vehicle: VehicleDescription
     source: InstrumentSource | None
 
     @property

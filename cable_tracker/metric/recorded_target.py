@@ -13,7 +13,7 @@ from cable_tracker.metric.recorded import RecordedVehicle
 from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.target_metres import TargetMetres, TargetSettings
 from cable_tracker.metric.target_sight import TargetSight
-from cable_tracker.metric.vehicle import Vehicle
+from cable_tracker.metric.vehicle import VehicleDescription
 from cable_tracker.node_parameter_tables import TARGET_METRIC_PARAMETERS
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.instruments import Instrument
@@ -25,15 +25,15 @@ LONGEST_WAIT = 60.0
 """Longest wait for the instruments of a frame [s]; a replay has sent them before it."""
 
 
-def target_values(vehicle: Vehicle, target_size: float = 0.0) -> dict[str, object]:
+def target_values(vehicle: VehicleDescription, target_size: float = 0.0) -> dict[str, object]:
     """Return `TARGET_METRIC_PARAMETERS` as a vehicle is described.
 
     A camera of which nothing is said looks straight ahead, not down.
 
     Parameters
     ----------
-    vehicle : Vehicle
-        Of the recording.
+    vehicle : VehicleDescription
+        Vehicle of the recording.
     target_size : float
         Root of the area that the target shows [m]; 0: not known.
     """

@@ -1,4 +1,4 @@
-"""Where a followed target is, as seen from the vehicle: bearing, range, and its size.
+"""Relative state of a target as seen from the vehicle: bearing, range, and size.
 
 An extended Kalman filter, as J. Ha's thesis cites one (Johnson et al. 2006). Its state is bearing
 and elevation of the target, the logarithm of its range, their rates, and a slow bias of the
@@ -191,7 +191,7 @@ class RelativeState:
         rotation : FloatArray
             From the later axes to the earlier ones, shape (3, 3).
         translation : FloatArray
-            Of the camera, in the earlier axes, shape (3,) [m].
+            Displacement of the camera, in its earlier axes, shape (3,) [m].
         """
 
         def carried(pose: FloatArray) -> FloatArray:
@@ -280,7 +280,7 @@ def begin_relative_state(
     Parameters
     ----------
     seen : TargetSighting
-        Of a whole target.
+        Sighting of a wholly visible target.
     target_size : float
         Root of the area that it shows [m].
     noise : RelativeNoise or None

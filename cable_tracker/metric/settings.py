@@ -72,7 +72,7 @@ def camera_parameters(rotation: FloatArray, place: FloatArray) -> dict[str, obje
     rotation : FloatArray
         From the optical frame to base_link, shape (3, 3).
     place : FloatArray
-        Of the camera in base_link, shape (3,) [m].
+        Position of the camera in base_link, shape (3,) [m].
     """
     body = rotation @ OPTICAL_IN_BODY.T
     pitch = math.asin(max(-1.0, min(1.0, -float(body[2, 0]))))

@@ -28,9 +28,9 @@ def target_facts(metres: TargetMetres, camera_place: FloatArray) -> dict[str, st
     Parameters
     ----------
     metres : TargetMetres
-        What can be said of the target.
+        Metric estimate of the target.
     camera_place : FloatArray
-        Of the camera in base_link, shape (3,) [m].
+        Position of the camera in base_link, shape (3,) [m].
     """
     facts: dict[str, str] = {}
     if not isinstance(metres.ray, Withheld):

@@ -191,11 +191,11 @@ class TargetRange:
         Parameters
         ----------
         estimate : TargetEstimate
-            Of the frame.
+            Estimate of the frame [px].
         camera : CameraModel or Withheld
-            That took it.
+            Camera that took the frame.
         moved : tuple or NoMotion
-            How the vehicle has moved since the frame before, as `VehicleMotion.between` says.
+            Motion of the vehicle since the frame before, see `VehicleMotion.between`.
         """
         self._age(estimate.stamp, moved)
         if estimate.status is not TrackingStatus.TRACKING:

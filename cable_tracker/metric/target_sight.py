@@ -42,9 +42,9 @@ class TargetSight:
     values : mapping of str to object
         All of `TARGET_METRIC_PARAMETERS`, by name.
     calibration : Calibration or None
-        That of the user, which wins over every message; None: messages tell it.
+        Calibration given by the user, which overrides messages; None: use messages.
     count : int
-        How many targets are followed.
+        Number of targets.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class TargetSight:
 
     @property
     def settings(self) -> TargetSettings:
-        """Those in force."""
+        """Settings in force."""
         return self._settings
 
     @property

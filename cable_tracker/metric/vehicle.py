@@ -34,7 +34,7 @@ TURNED = math.radians(1.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Vehicle:
+class VehicleDescription:
     """A vehicle as it is described.
 
     Attributes
@@ -42,9 +42,9 @@ class Vehicle:
     values : dict
         All of `METRIC_PARAMETERS`, by name.
     calibration : Calibration or None
-        Of the camera, where no topic gives one.
+        Calibration of the camera, where no topic gives one.
     notes : tuple of str
-        What the user should know.
+        Remarks for the user.
     said : frozenset of str
         Names of those values that the bag's frames or the file say; the others are defaults.
     """
@@ -123,7 +123,7 @@ def _numbers(value: object) -> list[float]:
 
 def describe_vehicle(
     source: InstrumentSource | None, camera_frame: str, file: VehicleFile | None = None
-) -> Vehicle:
+) -> VehicleDescription:
     """Put together what a bag and a file say about a vehicle; the file wins.
 
     Parameters
@@ -133,7 +133,7 @@ def describe_vehicle(
     camera_frame : str
         `frame_id` of the images: the camera's optical frame.
     file : VehicleFile or None
-        What the user says.
+        Description given by the user, which overrides the recording.
     """
     file = file if file is not None else VehicleFile()
     said: dict[str, object] = {}
@@ -141,7 +141,9 @@ def describe_vehicle(
     if source is not None:
         said, notes = _from_frames(source, camera_frame)
     said |= file.values
-    return Vehicle(default_values() | said, file.calibration, tuple(notes), frozenset(said))
+    return VehicleDescription(
+        default_values() | said, file.calibration, tuple(notes), frozenset(said)
+    )
 
 
 def _from_frames(

@@ -1,1 +1,1 @@
-"""Where frames come from and go to: bags, videos, folders of pictures, image-sequence files."""
+"""Input and output of frames: bags, videos, image folders, sequence files."""

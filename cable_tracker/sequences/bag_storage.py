@@ -51,12 +51,12 @@ class Topic:
 
 
 class BagStorage(Protocol):
-    """Where messages come from.
+    """Reader of a bag's serialised messages.
 
     Attributes
     ----------
     topics : dict of str to Topic
-        What the bag holds, by the topic's name.
+        Topics of the bag, by name.
     note : str
         Something the user should be told; empty if there is nothing.
     """

@@ -28,7 +28,7 @@ def _is_bag(path: Path) -> bool:
 
 
 class MessageSink(Protocol):
-    """Where the messages about frames go; see `BagWriter`."""
+    """Interface for writing the messages of a frame; see `BagWriter`."""
 
     def write(self, topic: str, msgtype: str, message: object, stamp: int) -> None:
         """Write a message object."""

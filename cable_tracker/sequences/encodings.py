@@ -244,7 +244,7 @@ def decode_grey(image: RawImage | CompressedImage) -> Image:
     Parameters
     ----------
     image : RawImage or CompressedImage
-        As recorded or received.
+        Recorded or received image.
 
     Returns
     -------

@@ -70,7 +70,7 @@ class EstimateRow:
         Probability that a cable is in view; None for a refused frame, and where the filter has no
         notion of it.
     evidence : float or None
-        How clearly the image shows the cable; None for a refused frame.
+        Evidence for the cable in the image; None for a refused frame.
     hypotheses : int or None
         In how many places the cable may be; None for a refused frame.
     ms : float or None
@@ -78,7 +78,7 @@ class EstimateRow:
     metres : RowMetres or None
         The cable beside the vehicle; None where it is not known.
     no_metres : str
-        Why it is not; empty where it is, and for a refused frame.
+        Reason why there are no metres; empty otherwise, and for a refused frame.
     """
 
     frame: int

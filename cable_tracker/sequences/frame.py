@@ -40,7 +40,7 @@ class CompressedImage:
     Attributes
     ----------
     format : str
-        What the sender says it is, for instance ``jpeg`` or ``rgb8; jpeg compressed bgr8``.
+        Format field of the message, for instance ``jpeg`` or ``rgb8; jpeg compressed bgr8``.
     data : memoryview
         The bytes of the file.
     """
@@ -64,7 +64,7 @@ class Frame:
     frame_id : str
         Coordinate frame named in the header, or "camera".
     truth : CableState or None
-        Where the cable really runs, if the recording is labelled.
+        True state of the cable, if the recording is labelled.
     received : int or None
         When the frame was written into its bag [ns]; None outside bags. Other messages of the bag
         are ordered by it.

@@ -30,7 +30,7 @@ class FrameAccess:
     source : Source
         An open recording.
     kept_bytes : int
-        How many bytes of pixels are kept.
+        Capacity of the cache of pixels [bytes].
     """
 
     def __init__(self, source: Source, kept_bytes: int = KEPT_BYTES) -> None:
@@ -49,7 +49,7 @@ class FrameAccess:
 
     @property
     def damage(self) -> RecordingError | None:
-        """Where the recording breaks off, once that has been seen."""
+        """Error at which reading of the recording ended; None as long as none was met."""
         return self._damage
 
     def frame(self, index: int) -> Frame:

@@ -28,7 +28,7 @@ class UnreadableFrame:
     stamp : int
         Time of the frame [ns].
     reason : str
-        Why there is no image.
+        Reason why there is no image.
     """
 
     index: int

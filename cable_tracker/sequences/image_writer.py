@@ -71,7 +71,7 @@ def write_sequence(folder: Path, frames: Iterable[Frame], *, overwrite: bool = F
     Parameters
     ----------
     folder : Path
-        Where to write.
+        Folder to write to.
     frames : iterable of Frame
         Grey encodings become grey pictures, all others blue-green-red.
     overwrite : bool

@@ -26,11 +26,11 @@ class InstrumentMessage:
     instrument : Instrument
         Which one.
     message : Message
-        As rosbags reads it.
+        Message decoded by rosbags.
     stamp : int
-        Of its header; the time it was received where there is none [ns].
+        Stamp of the header; without a header, time of reception [ns].
     received : int
-        When it was written into the bag [ns].
+        Time of reception by the recorder [ns].
     """
 
     instrument: Instrument
@@ -41,7 +41,7 @@ class InstrumentMessage:
 
 @dataclass(slots=True)
 class _Unreadable:
-    """What cannot be read of a topic: why the first message, and when each was received [ns].
+    """Undecodable messages of a topic: reason for the first, and times of reception [ns].
 
     Times, not a count: a bag is read several times, by copies and after jumps.
     """
@@ -60,14 +60,14 @@ class InstrumentSource:
     image_topic : str
         Whose calibration is meant.
     choice : InstrumentChoice
-        What the user wants.
+        Topics chosen by the user.
     storage : BagStorage or None
         The bag, if it is open already.
 
     Attributes
     ----------
     found : FoundInstruments
-        What is read.
+        Topic of each instrument, and how it was found.
 
     Raises
     ------

@@ -57,7 +57,7 @@ class InstrumentChoice:
     Attributes
     ----------
     topics : mapping of Instrument to str
-        What is not in it is found by its type.
+        Topic of each instrument; absent instruments are found by their message type.
     """
 
     topics: Mapping[Instrument, str] = field(default_factory=dict)
@@ -74,7 +74,7 @@ class FoundInstruments:
     Attributes
     ----------
     topics : dict of Instrument to str
-        As the bag calls them.
+        Topic of each instrument in the bag.
     notes : tuple of str
         One sentence for each instrument that could not be chosen.
     """

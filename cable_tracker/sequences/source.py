@@ -33,7 +33,7 @@ class Source(Protocol):
     Attributes
     ----------
     path : Path
-        What the user asked for.
+        Path given by the user.
     frame_count : int or None
         Number of frames; None when it is unknown before all have been read.
     has_truth : bool
@@ -198,7 +198,7 @@ def open_source(
     Parameters
     ----------
     path : Path
-        Where the recording lies.
+        Path of the recording.
     topic : str or None
         Image topic of a bag; None if it has just one.
     rate : float or None

@@ -1,4 +1,4 @@
-"""Where the frames of a vehicle are in each other, as `/tf_static` says."""
+"""Static transforms between the vehicle's frames, from `/tf_static`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TF_TYPE = "tf2_msgs/msg/TFMessage"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StaticTransform:
-    """Where a frame is in its parent.
+    """Transform from a frame to its parent.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class StaticTransform:
     rotation : FloatArray
         From the child to the parent, shape (3, 3).
     translation : FloatArray
-        Of the child's origin in the parent, shape (3,) [m].
+        Position of the child's origin in the parent, shape (3,) [m].
     """
 
     parent: str

@@ -16,7 +16,7 @@ class StoredMessage:
     msgtype : str
         Name of the type, like ``sensor_msgs/msg/Image``.
     time : int
-        When the recorder received it [ns].
+        Time of reception by the recorder [ns].
     data : bytes
         CDR (ROS 2) or ROS 1 serialisation.
     """

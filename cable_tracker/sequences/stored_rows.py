@@ -27,7 +27,7 @@ class StoredRows(Sequence[Row], Generic[Row]):
     Parameters
     ----------
     folder : Path
-        Where the file lies.
+        Folder of the file.
     block : int
         Rows that are kept in memory.
     """

@@ -46,7 +46,7 @@ _HEADER = f"# {FORM}\n"
 
 @dataclass(frozen=True, slots=True)
 class BoxTruth:
-    """Where the target is in the labelled frames of a recording; None where it is out of view.
+    """True bounding box of the target in labelled frames; None where it is out of view.
 
     Attributes
     ----------

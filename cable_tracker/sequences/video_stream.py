@@ -50,11 +50,11 @@ class Packet:
     Attributes
     ----------
     stamp : int
-        Of its picture [ns].
+        Stamp of the picture [ns].
     frame_id : str
         Coordinate frame of the camera.
     format : str
-        What the sender calls the coding.
+        Codec, as named in the message.
     data : bytes
         One access unit.
     """

@@ -30,7 +30,7 @@ class ProjectedBorders:
     Attributes
     ----------
     along : FloatArray
-        Where along the cable's course, shape (N, K) [m].
+        Position along the cable's course, shape (N, K) [m].
     world : FloatArray
         Shape (N, 2, K, 3) [m]: left border, right border.
     points : FloatArray

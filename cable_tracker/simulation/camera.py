@@ -28,12 +28,12 @@ UNDISTORTION_STEPS = 30
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VehiclePoses:
-    """Where a vehicle is at N instants.
+    """Poses of a vehicle at N instants.
 
     Attributes
     ----------
     positions : FloatArray
-        Of the camera in the world: sway, surge, altitude, shape (N, 3) [m].
+        Position of the camera in the world: sway, surge, altitude, shape (N, 3) [m].
     angles : FloatArray
         Yaw (to the left positive), pitch (nose up positive), roll (right side down positive),
         shape (N, 3) [rad]. They are applied in this order.
@@ -45,7 +45,7 @@ class VehiclePoses:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CameraPoses:
-    """Where a camera is at N instants.
+    """Poses of a camera at N instants.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class Camera:
     focal : float
         Focal length [px].
     mounting : float
-        How far it looks forward: 0 straight down, pi/2 straight ahead [rad].
+        Forward tilt of the camera: 0 straight down, pi/2 straight ahead [rad].
     distortion : tuple of 5 float
         k1, k2, p1, p2, k3 of the model "plumb_bob", with y down as everywhere else; all 0 is none.
     """

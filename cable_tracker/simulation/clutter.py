@@ -28,9 +28,9 @@ class Streak:
     Attributes
     ----------
     p, q : float
-        Its middle, across and along the cable [radii].
+        Centre, across and along the cable [radii].
     angle : float
-        Its angle from the cable [rad].
+        Angle from the cable [rad].
     half_width, half_length : float
         [radii].
     tone : float

@@ -99,7 +99,7 @@ class Dive:
     tube : Tube
         The cable's course.
     trajectory : Trajectory
-        How the cable is to move through the image.
+        Motion of the cable through the image.
     """
 
     camera: Camera
@@ -133,7 +133,7 @@ class Surroundings:
     has_cable : bool
         Whether the cable is there.
     stretches : tuple of BuriedStretch
-        Where the cable is buried.
+        Buried stretches of the cable.
     others : tuple of (Tube, Skin)
         Further cables, on top of it.
     photographs : Path or None

@@ -43,7 +43,7 @@ def faded(picture: Image, cable: CableState, share: float) -> Image:
     picture : Image
         Grey levels, shape (H, W).
     cable : CableState
-        Where the cable runs [px, rad].
+        State of the cable [px, rad].
     share : float
         0: it is gone; 1: it stays as it is.
 
@@ -97,7 +97,7 @@ def made_harder(picture: Image, cable: CableState, rng: np.random.Generator) -> 
     picture : Image
         Grey levels, uint8 or float32, shape (H, W).
     cable : CableState
-        Where the cable runs [px, rad].
+        State of the cable [px, rad].
     rng : numpy.random.Generator
         Draws how much.
 

@@ -1,4 +1,4 @@
-"""Where the vehicle of a simulated dive is, and how it moves."""
+"""Poses and velocities of the vehicle of a simulated dive."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.frames import rotations_of
 from cable_tracker.simulation.dive import Dive
-from cable_tracker.simulation.vehicle import Motion
+from cable_tracker.simulation.vehicle import VehicleState
 
 DIFFERENCE_STEP = 2e-3
 """Half the time over which velocities are taken [s]."""
@@ -22,7 +22,7 @@ class Flight:
     Attributes
     ----------
     times : FloatArray
-        Since the first frame, shape (N,) [s].
+        Times since the first frame, shape (N,) [s].
     positions : FloatArray
         In the world of the simulation, shape (N, 3) [m]; z is the altitude.
     angles : FloatArray
@@ -64,7 +64,7 @@ def twists_at(dive: Dive, times: FloatArray) -> FloatArray:
     return np.hstack((np.einsum("nji,nj->ni", now, velocity), turn))
 
 
-def motions_at(dive: Dive, times: FloatArray) -> list[Motion]:
+def motions_at(dive: Dive, times: FloatArray) -> list[VehicleState]:
     """Return where the vehicle is at times (N,) [s], and how it moves.
 
     In the world of `vehicle`: x along the general course of the cable. Accelerations are not given.
@@ -74,6 +74,6 @@ def motions_at(dive: Dive, times: FloatArray) -> list[Motion]:
     positions = np.column_stack((y, -x, z))
     nothing = np.zeros(3)
     return [
-        Motion(position, angles, twist, nothing)
+        VehicleState(position, angles, twist, nothing)
         for position, angles, twist in zip(positions, flight.angles, twists, strict=True)
     ]

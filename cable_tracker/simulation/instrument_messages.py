@@ -19,7 +19,7 @@ from cable_tracker.simulation.instruments import (
     InstrumentErrors,
     OdometryReading,
 )
-from cable_tracker.simulation.vehicle import Motion
+from cable_tracker.simulation.vehicle import VehicleState
 from cable_tracker.tracking.image_frame import image_centre
 
 ODOM, BASE, CAMERA, ALTIMETER = "odom", "base_link", "camera", "altimeter"
@@ -104,7 +104,7 @@ def make_odometry(factory: MessageFactory, header: Message, reading: OdometryRea
     )
 
 
-def make_true_odometry(factory: MessageFactory, header: Message, motion: Motion) -> Message:
+def make_true_odometry(factory: MessageFactory, header: Message, motion: VehicleState) -> Message:
     """Pack where the vehicle is as Odometry, without doubt."""
     nothing = np.zeros((6, 6))
     reading = OdometryReading(motion.position, motion.angles, nothing, motion.twist, nothing)

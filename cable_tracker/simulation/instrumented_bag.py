@@ -16,7 +16,7 @@ from cable_tracker.simulation.flight import motions_at
 from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
 from cable_tracker.simulation.survey_bag import VEHICLE, InstrumentWriter, vehicle_text
 from cable_tracker.simulation.survey_dive import FIX_SIGMA, Tick
-from cable_tracker.simulation.vehicle import Motion
+from cable_tracker.simulation.vehicle import VehicleState
 
 READING_RATE = 50.0
 """Odometry and imu speak about so often [1/s]."""
@@ -42,9 +42,9 @@ def write_instrumented_bag(
     path : Path
         Folder of the bag; gets a `vehicle.yaml` with what no topic says.
     frames : iterable of Frame
-        Of the dive, from its beginning.
+        Frames of the dive, from its beginning.
     dive : Dive
-        Where the vehicle is.
+        Dive with the vehicle's poses.
     rate : float
         Frames per second.
     seed : int
@@ -86,7 +86,7 @@ def write_instrumented_bag(
 
 def _tick(
     seconds: float,
-    motion: Motion,
+    motion: VehicleState,
     instruments: InstrumentSet,
     rng: np.random.Generator,
     frame: tuple[bool, int, float],

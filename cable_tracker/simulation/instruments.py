@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.metric.frames import rotation_of
-from cable_tracker.simulation.vehicle import Motion
+from cable_tracker.simulation.vehicle import VehicleState
 
 LEAST_RANGE, MOST_RANGE = 0.1, 50.0
 """Smallest and largest range that the altimeter measures [m]."""
@@ -22,13 +22,13 @@ class InstrumentErrors:
     Attributes
     ----------
     velocity, velocity_bias : float
-        Of each linear component of the twist, and what stays the same over a dive [m/s].
+        Standard deviations of noise and constant bias of each linear velocity [m/s].
     turn, turn_bias : float
-        The same of its angular components [rad/s].
+        Standard deviations of noise and constant bias of each angular velocity [rad/s].
     attitude : float
-        Of roll, pitch and yaw, for each measurement [rad].
+        Standard deviation of each measured roll, pitch and yaw [rad].
     acceleration : float
-        Of each component [m/s²].
+        Standard deviation of each acceleration component [m/s²].
     altitude : float
         Share of the altitude, for each measurement.
     """
@@ -53,7 +53,7 @@ class OdometryReading:
     angles : FloatArray
         Roll, pitch, yaw, shape (3,) [rad].
     pose_covariance : FloatArray
-        Of position and angles, shape (6, 6).
+        Covariance of position and angles, shape (6, 6) [m, rad].
     twist : FloatArray
         In base_link, shape (6,) [m/s, rad/s].
     twist_covariance : FloatArray
@@ -96,14 +96,16 @@ class InstrumentSet:
     Parameters
     ----------
     errors : InstrumentErrors
-        How wrong they are.
-    start : Motion
+        Noise of the instruments.
+    start : VehicleState
         Where the vehicle starts; odom lies where the vehicle believes the world to be then.
     rng : numpy.random.Generator
         Draws the errors.
     """
 
-    def __init__(self, errors: InstrumentErrors, start: Motion, rng: np.random.Generator) -> None:
+    def __init__(
+        self, errors: InstrumentErrors, start: VehicleState, rng: np.random.Generator
+    ) -> None:
         self._errors = errors
         self._rng = rng
         steps = np.repeat([errors.velocity, errors.turn], 3)
@@ -119,7 +121,7 @@ class InstrumentSet:
         """How wrong they are."""
         return self._errors
 
-    def odometry(self, motion: Motion, seconds: float) -> OdometryReading:
+    def odometry(self, motion: VehicleState, seconds: float) -> OdometryReading:
         """Read the velocity log and add its way up.
 
         `seconds` is the time since the reading before; 0 for the first.
@@ -140,7 +142,7 @@ class InstrumentSet:
             twist_covariance=self._twist_covariance,
         )
 
-    def imu(self, motion: Motion) -> ImuReading:
+    def imu(self, motion: VehicleState) -> ImuReading:
         """Read the imu."""
         rng, errors = self._rng, self._errors
         up = rotation_of(motion.angles).T @ np.array([0.0, 0.0, GRAVITY])
@@ -150,11 +152,11 @@ class InstrumentSet:
             acceleration=motion.acceleration + up + errors.acceleration * rng.standard_normal(3),
         )
 
-    def altitude(self, motion: Motion) -> float:
+    def altitude(self, motion: VehicleState) -> float:
         """Read the altimeter, which is gimballed: the vertical distance to the bottom [m]."""
         wrong = 1.0 + self._errors.altitude * float(self._rng.standard_normal())
         return float(motion.position[2]) * wrong
 
-    def _angles(self, motion: Motion) -> FloatArray:
+    def _angles(self, motion: VehicleState) -> FloatArray:
         angles: FloatArray = motion.angles + self._errors.attitude * self._rng.standard_normal(3)
         return angles

@@ -79,11 +79,11 @@ class LaidCable:
     Attributes
     ----------
     tube : Tube
-        Where it runs.
+        Course of the cable.
     texture : TiledTexture
         See `seabed.make_cable`.
     stretches : tuple of BuriedStretch
-        Where it is buried besides the patches of sand in the texture.
+        Buried stretches besides the patches of sand in the texture.
     shade : float
         Strength of the shadows beside it, 0 to 1.
     """

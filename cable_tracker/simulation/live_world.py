@@ -32,9 +32,9 @@ from cable_tracker.simulation.seen_cable import (
 from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
 from cable_tracker.simulation.vehicle import (
     Current,
-    Motion,
     Vehicle,
     VehicleModel,
+    VehicleState,
     VelocityCommand,
 )
 
@@ -104,7 +104,7 @@ class LiveSettings:
 
     @property
     def buried_from(self) -> float:
-        """Where along the course the sand begins [m]."""
+        """Position along the course at which the sand begins [m]."""
         return (self.length - self.buried) / 2
 
 
@@ -115,7 +115,7 @@ class TrueCrossTrack:
     Attributes
     ----------
     along : float
-        Where along the cable's course its nearest point is [m].
+        Position of the nearest point along the cable's course [m].
     error : float
         Distance to that point; positive: the cable is to the left of the vehicle, seen in the
         cable's direction [m].
@@ -138,12 +138,10 @@ class LiveWorld:
     Parameters
     ----------
     settings : LiveSettings
-        What there is.
-    errors : InstrumentErrors or None
-        How wrong the instruments are; None for what is usual.
+        Settings of course, burial and vehicle.
     """
 
-    def __init__(self, settings: LiveSettings, errors: InstrumentErrors | None = None) -> None:
+    def __init__(self, settings: LiveSettings) -> None:
         self._settings = settings
         seeds = Seeds.of(settings.seed)
         course_rng = np.random.default_rng(seeds.course)
@@ -164,9 +162,7 @@ class LiveWorld:
         self._renderer = SceneRenderer(self._camera, scene, LOOK, picture_rng)
         current = Current.random(settings.current, course_rng)
         self._vehicle = Vehicle(VehicleModel(), current, self._start(motion_rng), motion_rng)
-        self._instruments = InstrumentSet(
-            errors or InstrumentErrors(), self._vehicle.motion(), own_rng
-        )
+        self._instruments = InstrumentSet(InstrumentErrors(), self._vehicle.motion(), own_rng)
         self._time = 0.0
 
     def _stretches(self) -> tuple[BuriedStretch, ...]:
@@ -211,7 +207,7 @@ class LiveWorld:
         """Since the beginning [s]."""
         return self._time
 
-    def motion(self) -> Motion:
+    def motion(self) -> VehicleState:
         """Return where the vehicle is now, and how it moves."""
         return self._vehicle.motion()
 
@@ -224,7 +220,7 @@ class LiveWorld:
         """Return points and directions of the cable in the world, each (N, 3), at places (N,)."""
         return cable_points(self._tube, along)
 
-    def cross_track(self, motion: Motion) -> TrueCrossTrack:
+    def cross_track(self, motion: VehicleState) -> TrueCrossTrack:
         """Return where the cable is beside the vehicle."""
         along = nearest_along(self._tube, motion.position[:2], float(motion.position[0]))
         point, direction = (part[0] for part in self.cable_at(np.array([along])))
@@ -234,12 +230,12 @@ class LiveWorld:
         heading = math.remainder(heading, 2 * math.pi)
         return TrueCrossTrack(along, error, error / max(math.cos(heading), 0.1), heading)
 
-    def picture(self, motion: Motion) -> Image:
+    def picture(self, motion: VehicleState) -> Image:
         """Take the next picture: grey, uint8, shape (H, W)."""
         poses = camera_poses(self._camera, motion)
         return self._renderer.render(poses.positions[0], poses.rotations[0], self._time)
 
-    def true_state(self, motion: Motion) -> CableState | None:
+    def true_state(self, motion: VehicleState) -> CableState | None:
         """Return the cable in the image; None if nothing of it can be seen."""
         poses = camera_poses(self._camera, motion)
         projected = project_tube(self._tube, self._camera, poses)

@@ -36,7 +36,7 @@ class Skin:
     tone : float
         Reflected light, 0 to 1.
     stains : float
-        How blotchy it is, 0 to 1.
+        Strength of blotches, 0 to 1.
     cover : float
         How much grows on it and beside it and how much sand lies on it, 0 to 1; at 1 about four
         tenths of the borders are hidden.
@@ -78,7 +78,7 @@ class Lamp:
     place : (float, float, float)
         In the camera frame [m]: right, up, back.
     aim : (float, float)
-        Where it points: to the right and up from the camera's view [rad].
+        Direction of the lamp: to the right and up from the camera's view [rad].
     spread : float
         Angle from its axis at which the light has fallen to 1/e [rad].
     strength : float
@@ -133,7 +133,7 @@ class Look:
     lamps : tuple of Lamp or None
         None: two lamps drawn at random.
     clutter : float
-        How many ropes, furrows and tracks lie about, 0 to 1.
+        Density of ropes, furrows and tracks, 0 to 1.
     companions : float
         How many furrows, ropes and pairs of lines run alongside the cable, nearly parallel to it,
         0 to 1.

@@ -66,7 +66,7 @@ class Scene:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _View:
-    """Where each pixel of one frame looks, all float32 (H, W) but `rays` (3, H, W).
+    """Viewing geometry of each pixel of a frame, float32 (H, W); `rays` is (3, H, W).
 
     `x`, `y` are places on the bottom, relative to below the eye [m]; `footprint` is the extent of a
     pixel there [m] and `depth` the distance along the camera's axis [m].
@@ -88,7 +88,7 @@ class SceneRenderer:
     camera : Camera
         The camera.
     scene : Scene
-        What lies there.
+        Bottom and objects to render.
     look : Look
         Water, light, and the camera's faults.
     rng : numpy.random.Generator
@@ -111,7 +111,7 @@ class SceneRenderer:
         Parameters
         ----------
         position, rotation : FloatArray
-            Of the camera in the world, (3,) [m] and (3, 3).
+            Pose of the camera in the world: (3,) [m], and (3, 3).
         time : float
             [s], for what moves by itself.
 
@@ -141,7 +141,7 @@ class SceneRenderer:
         cable : LaidCable
             One of the scene's.
         position : FloatArray
-            Of the camera, (3,) [m].
+            Position of the camera, shape (3,) [m].
         world : FloatArray
             Points of the two borders in the world, (2, K, 3) [m].
         usable : BoolArray

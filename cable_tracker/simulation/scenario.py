@@ -131,7 +131,7 @@ def simulate_scenario(
     image_size : (int, int)
         Width and height [px], each 32 to 4096; lengths scale with the width.
     distortion : tuple of 5 float
-        Of the camera: k1, k2, p1, p2, k3 of the model "plumb_bob"; all 0 is none.
+        Camera distortion k1, k2, p1, p2, k3 of the model "plumb_bob"; all 0 is none.
     photographs : Path or None
         A folder of photographs of a sea bed that the bottom is made of; None: made of noise.
 

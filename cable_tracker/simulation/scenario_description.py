@@ -25,9 +25,9 @@ class FrameMove:
     Attributes
     ----------
     frame : int
-        Where it begins.
+        First frame.
     frames : int
-        How long it takes.
+        Duration [frames].
     amount : float
         In the unit of what moves.
     """
@@ -44,7 +44,7 @@ class Sway:
     Attributes
     ----------
     mean : float
-        Where it starts from.
+        Initial value.
     limit : float
         The wavering stays within +-limit.
     bands : Bands
@@ -97,13 +97,13 @@ class Crossing:
     Attributes
     ----------
     frame : int
-        When the crossing is in the middle of the view.
+        Frame at which the crossing is in the middle of the view.
     angle : float
         Between the two cables [deg].
     radius : float
         [m].
     skin : Skin
-        Its outside.
+        Surface of the crossing cable.
     """
 
     frame: int
@@ -121,17 +121,17 @@ class Scenario:
     name : str
         In the table of scenarios.
     description : str
-        What is hard about it.
+        Difficulty of the scenario, in a few words.
     frame_count : int
         At 25 frames per second.
     motion : Motion
-        Of the cable in the image.
+        Motion of the cable in the image.
     look : Look
-        Of the scene.
+        Appearance of the scene.
     curvature : float
         The cable never bends more than this [1/m].
     mounting : float
-        How far the camera looks forward on the vehicle [deg].
+        Forward tilt of the camera on the vehicle [deg].
     has_cable : bool
         Whether there is any.
     buried : (int, int) or None

@@ -88,11 +88,11 @@ class Stone:
     Attributes
     ----------
     row, column : float
-        Its middle in the tile [texels].
+        Centre in the tile [texels].
     radius : float
-        Of its longer axis [units].
+        Radius along the longer axis [units].
     tone : float
-        Its reflected light, relative to the bottom's.
+        Reflectance relative to the bottom's.
     turn : float
         Direction of its longer axis [rad].
     stretch : float
@@ -115,7 +115,7 @@ def make_bed(resolution: int, bottom: Bottom, rng: np.random.Generator) -> Tiled
     resolution : int
         Texels per unit.
     bottom : Bottom
-        What it consists of.
+        Composition of the bottom.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def make_cable(resolution: int, skin: Skin, rng: np.random.Generator) -> TiledTe
     resolution : int
         Texels per radius of the cable.
     skin : Skin
-        What the cable is like.
+        Appearance of the cable's surface.
 
     Returns
     -------

@@ -14,7 +14,7 @@ from cable_tracker.simulation.borders import ProjectedBorders, fit_states, visib
 from cable_tracker.simulation.camera import Camera, CameraPoses, VehiclePoses
 from cable_tracker.simulation.dive import CABLE_RADIUS, Seeds
 from cable_tracker.simulation.tube import Tube, random_bends
-from cable_tracker.simulation.vehicle import Motion
+from cable_tracker.simulation.vehicle import VehicleState
 
 CURVATURE = 0.04
 """The cable never bends more than this [1/m]."""
@@ -51,7 +51,7 @@ def nearest_along(tube: Tube, place: FloatArray, along: float) -> float:
     return along
 
 
-def camera_poses(camera: Camera, motion: Motion) -> CameraPoses:
+def camera_poses(camera: Camera, motion: VehicleState) -> CameraPoses:
     """Return the pose of a vehicle's camera, one of them, as the renderer takes it."""
     roll, pitch, yaw = motion.angles
     x, y, z = motion.position

@@ -1,4 +1,4 @@
-"""Where a vehicle must be for its camera to see a cable in a given place of the image.
+"""Vehicle poses for which a cable appears at a given place of the image.
 
 The two borders are two planes through the camera. They meet in a line parallel to the cable, the
 angle between them tells how far the cable is, and the lean of the vehicle says which way is up:
@@ -38,9 +38,9 @@ def steer(
     states : FloatArray
         d, alpha, w, beta wanted, shape (N, 4) or (N, 8) [px, rad]; |alpha| below about 80 deg.
     lean : FloatArray
-        How far the image's right side hangs down, shape (N,) [rad].
+        Roll of the image, right side down, shape (N,) [rad].
     travel : FloatArray
-        Where along the cable the camera is, shape (N,) [m].
+        Position of the camera along the cable, shape (N,) [m].
     """
     wanted = np.zeros((states.shape[0], STATE_SIZE))
     wanted[:, :4] = states[:, :4]

@@ -50,7 +50,7 @@ from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.simulation.survey_dive import (
     FIX_SIGMA,
     SurveyDive,
-    SurveySettings,
+    SurveyDiveSettings,
     Tick,
 )
 from cable_tracker.stamps import NANOSECONDS
@@ -114,7 +114,7 @@ class Earth:
 
 def write_survey_bag(
     path: Path,
-    settings: SurveySettings,
+    settings: SurveyDiveSettings,
     *,
     storage: Literal["sqlite3", "mcap"] = "mcap",
     overwrite: bool = False,
@@ -126,8 +126,8 @@ def write_survey_bag(
     ----------
     path : Path
         Folder of the bag.
-    settings : SurveySettings
-        What there is.
+    settings : SurveyDiveSettings
+        Settings of the dive.
     storage : "mcap" or "sqlite3"
         Format of the storage file.
     overwrite : bool
@@ -155,7 +155,7 @@ def write_survey_bag(
     return WrittenDive(frames, seconds)
 
 
-def truth_of(settings: SurveySettings) -> dict[str, object]:
+def truth_of(settings: SurveyDiveSettings) -> dict[str, object]:
     """Return what `truth.json` says."""
     along = np.arange(-2.0, settings.length + 4.0, COURSE_STEP)
     course = cable_points(cable_of_seed(settings.cable_seed), along)[0][:, :2]
@@ -186,11 +186,11 @@ class InstrumentWriter:
     Parameters
     ----------
     bag : BagWriter
-        Where to; gets the mounting of camera and altimeter at once.
+        Bag to write to; gets the mounting of camera and altimeter at once.
     camera : Camera
         The vehicle's.
     errors : InstrumentErrors
-        How wrong the instruments are.
+        Noise of the instruments.
     """
 
     def __init__(self, bag: BagWriter, camera: Camera, errors: InstrumentErrors) -> None:

@@ -42,9 +42,9 @@ from cable_tracker.simulation.trajectory import Bands, Harmonics
 from cable_tracker.simulation.tube import Tube
 from cable_tracker.simulation.vehicle import (
     Current,
-    Motion,
     Vehicle,
     VehicleModel,
+    VehicleState,
     VelocityCommand,
 )
 
@@ -88,7 +88,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, slots=True)
-class SurveySettings:
+class SurveyDiveSettings:
     """Settings of a simulated survey dive.
 
     Attributes
@@ -150,7 +150,7 @@ class SurveySettings:
         check_range("rate", self.rate, (1.0, 100.0), "frames per second")
 
 
-def usual_survey(length: float, seed: int, cable_seed: int = 0) -> SurveySettings:
+def usual_survey(length: float, seed: int, cable_seed: int = 0) -> SurveyDiveSettings:
     """Return a survey with a buried stretch every 50 m, a crossing and an excursion every 100 m.
 
     What there is belongs to the cable, and is the same in all dives over it.
@@ -163,7 +163,7 @@ def usual_survey(length: float, seed: int, cable_seed: int = 0) -> SurveySetting
     for number in range(int(length // 100)):
         crossings.append(100.0 * number + float(rng.uniform(40.0, 48.0)))
     excursions = [Stretch(100.0 * n + 86.0, 100.0 * n + 89.0) for n in range(int(length // 100))]
-    return SurveySettings(
+    return SurveyDiveSettings(
         seed, cable_seed, length, tuple(buried), tuple(crossings), tuple(excursions)
     )
 
@@ -176,7 +176,7 @@ class Tick:
     ----------
     seconds : float
         Time since the beginning [s].
-    motion : Motion
+    motion : VehicleState
         True pose and velocity of the vehicle.
     odometry : OdometryReading
         Reading of odometry.
@@ -195,7 +195,7 @@ class Tick:
     """
 
     seconds: float
-    motion: Motion
+    motion: VehicleState
     odometry: OdometryReading
     imu: ImuReading
     altitude: float | None = None
@@ -210,13 +210,11 @@ class SurveyDive:
 
     Parameters
     ----------
-    settings : SurveySettings
-        What there is.
-    errors : InstrumentErrors or None
-        How wrong the instruments are; None for what is usual.
+    settings : SurveyDiveSettings
+        Settings of the dive.
     """
 
-    def __init__(self, settings: SurveySettings, errors: InstrumentErrors | None = None) -> None:
+    def __init__(self, settings: SurveyDiveSettings) -> None:
         self._settings = settings
         own, cables = Seeds.of(settings.seed), Seeds.of(settings.cable_seed)
         motion_rng, reading_rng = (np.random.default_rng(seed) for seed in own.route.spawn(2))
@@ -238,7 +236,7 @@ class SurveyDive:
         self._wander = Harmonics.random(settings.wander, WANDER_BANDS, motion_rng)
         current = Current.random(settings.current, np.random.default_rng(own.course))
         self._vehicle = Vehicle(VehicleModel(), current, self._start(), motion_rng)
-        self._errors = errors or InstrumentErrors()
+        self._errors = InstrumentErrors()
         self._instruments = InstrumentSet(self._errors, self._vehicle.motion(), reading_rng)
         self._rng = reading_rng
         self._altitude = settings.altitude
@@ -359,7 +357,7 @@ class SurveyDive:
             most = max(most, min(1.0, rise, fall))
         return most * self._settings.excursion
 
-    def _look(self, motion: Motion, seconds: float) -> tuple[Image, CableState | None, float]:
+    def _look(self, motion: VehicleState, seconds: float) -> tuple[Image, CableState | None, float]:
         poses = camera_poses(self._camera, motion)
         position, rotation = poses.positions[0], poses.rotations[0]
         picture = self._renderer.render(position, rotation, seconds)

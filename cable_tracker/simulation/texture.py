@@ -9,6 +9,9 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 
+LEVELS = 4
+"""Number of resolutions of a tile, each half as fine as the one before."""
+
 MARGIN = 2
 """Texels repeated around each tile, so that interpolation never reaches across its edge."""
 
@@ -75,7 +78,7 @@ def cloud_response(
     smallest : float
         Size of the smallest structures.
     slope : float
-        How fast the amplitude falls with frequency; larger is smoother.
+        Decay of the amplitude with frequency; larger is smoother.
     """
     across, along = frequencies(shape, resolution)
     radius = np.hypot(across * largest[0], along * largest[1])
@@ -107,15 +110,15 @@ class TiledTexture:
     size: tuple[float, float]
 
     @classmethod
-    def from_tile(cls, tile: Image, resolution: float, level_count: int = 4) -> TiledTexture:
+    def from_tile(cls, tile: Image, resolution: float) -> TiledTexture:
         """Make a texture of a float32 tile, (rows, columns) or (rows, columns, channels).
 
         Rows run along and columns across the cable; both must be divisible by
-        ``2 ** (level_count - 1)``. `resolution` is in texels per unit of the world.
+        ``2 ** (LEVELS - 1)``. `resolution` is in texels per unit of the world.
         """
         rows, columns = tile.shape[:2]
         levels = []
-        for _ in range(level_count):
+        for _ in range(LEVELS):
             levels.append(cv2.copyMakeBorder(tile, MARGIN, MARGIN, MARGIN, MARGIN, cv2.BORDER_WRAP))
             half = (tile.shape[1] // 2, tile.shape[0] // 2)
             tile = cv2.resize(tile, half, interpolation=cv2.INTER_AREA)

@@ -108,7 +108,7 @@ class Pause:
     start, end : float
         Speed is 0 from here to here [s].
     ramp : float
-        How long it takes to stop, and to get up to speed again [s].
+        Duration of stopping, and of getting up to speed again [s].
     """
 
     start: float
@@ -138,9 +138,9 @@ class Signal:
     mean : float
         The level it starts from.
     harmonics : Harmonics
-        What goes on all the time.
+        Periodic components.
     moves : tuple of Move
-        What happens once.
+        Single manoeuvres.
     strength : tuple of Move
         How the harmonics' strength departs from 1 in the course of time.
     """
@@ -196,13 +196,13 @@ class Trajectory:
     angle, skew : Signal
         alpha and beta [rad].
     lean : Signal
-        How far the vehicle's right side hangs down [rad].
+        Roll of the vehicle, right side down [rad].
     travel : Signal
         The way along the cable without the steady speed [m].
     speed : float
         Steady speed [m/s].
     pause : Pause or None
-        When the vehicle stands still.
+        Interval in which the vehicle stands still.
     """
 
     distance: Signal

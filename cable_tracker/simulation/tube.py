@@ -48,7 +48,7 @@ class Tube:
     bends : tuple of Bend
         None for a straight cable.
     origin : (float, float)
-        Where the course starts in the world, x and y [m].
+        Start of the course in the world, x and y [m].
     heading : float
         Direction of the course, to the left of the world's y [rad].
     """
@@ -88,7 +88,7 @@ class Tube:
         eyes : FloatArray
             Positions of the camera in the world, shape (N, 3) [m].
         along : FloatArray
-            Where along the course, shape (N, K) [m].
+            Position along the course, shape (N, K) [m].
 
         Returns
         -------
@@ -175,7 +175,7 @@ class Sight:
         Distance between line of sight and axis, to the right positive [radii]: the tube is hit
         where it is between -1 and 1.
     q : Image
-        Where along the course, from `start` [radii].
+        Position along the course, from `start` [radii].
     start : float
         The course's coordinate of the eye [radii], which may be large.
     distance : Image

@@ -54,9 +54,9 @@ class VehicleModel:
     thrust_lag : float
         Time constant of the thrusters [s].
     stiffness : FloatArray
-        How fast the autopilot takes deviations of velocity back [1/s].
+        Gain of the autopilot on deviations of velocity [1/s].
     altitude_stiffness, most_heave : float
-        The same of the altitude [1/s], and how fast it climbs or sinks at most [m/s].
+        Gain on deviations of altitude [1/s], and limit of the vertical speed [m/s].
     tilt : float
         Roll and pitch stay within +- this [rad].
     """
@@ -105,7 +105,7 @@ class Current:
     mean : FloatArray
         x, y in the world, shape (2,) [m/s].
     wavering : Harmonics
-        What is added to its strength, as a share.
+        Variation of the strength over time, relative to the mean.
     """
 
     mean: FloatArray
@@ -125,13 +125,13 @@ class Current:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motion:
-    """Where a vehicle is at one instant, and how it moves over the ground.
+class VehicleState:
+    """Pose and velocity of a vehicle at one instant.
 
     Attributes
     ----------
     position : FloatArray
-        Of base_link in the world, shape (3,) [m]; z is the altitude.
+        Position of base_link in the world, shape (3,) [m]; z is the altitude.
     angles : FloatArray
         Roll, pitch, yaw as REP 103 has them, yaw from the world's x, shape (3,) [rad].
     twist : FloatArray
@@ -152,11 +152,11 @@ class Vehicle:
     Parameters
     ----------
     model : VehicleModel
-        How heavy and strong it is.
+        Mass, drag, thrust and autopilot of the vehicle.
     current : Current
         The water around it.
     pose : FloatArray
-        Where it starts: x, y, z, yaw, shape (4,) [m, rad]. It keeps the altitude z.
+        Initial x, y, z, yaw, shape (4,) [m, rad]. The vehicle keeps the altitude z.
     rng : numpy.random.Generator
         Draws how it rolls and pitches.
     """
@@ -197,9 +197,9 @@ class Vehicle:
         command : VelocityCommand
             Held for all of the time.
         altitude : float
-            What the altimeter says, for the autopilot [m].
+            Measured altitude, for the autopilot [m].
         seconds : float
-            How long.
+            Duration [s].
         """
         steps = max(1, math.ceil(seconds / LONGEST_STEP - 1e-9))
         for _ in range(steps):
@@ -229,7 +229,7 @@ class Vehicle:
             [cos * surge - sin * sway + east, sin * surge + cos * sway + north, heave, turn]
         )
 
-    def motion(self) -> Motion:
+    def motion(self) -> VehicleState:
         """Return where the vehicle is now, and how it moves over the ground."""
         step = 1e-3
         times = np.array([self._time - step, self._time, self._time + step])
@@ -246,7 +246,7 @@ class Vehicle:
         over_ground = self._drift()[:3]
         # The mean of four bodies of their own turns level.
         level = rotation_of(np.array([0.0, 0.0, yaw]))
-        return Motion(
+        return VehicleState(
             position=self._pose[:3].copy(),
             angles=angles,
             twist=np.concatenate((to_world.T @ over_ground, body_rates(angles, rates))),

@@ -158,7 +158,7 @@ class Snow:
         camera : Camera
             The camera.
         position, rotation : FloatArray
-            Of the camera, (3,) [m] and (3, 3).
+            Pose of the camera: (3,) [m], and (3, 3).
         time : float
             [s].
 

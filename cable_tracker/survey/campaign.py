@@ -35,7 +35,7 @@ class SurveyTask:
     settings : SurveySettings
         How.
     name : str
-        What it is called, and its folder.
+        Name of the recording's results and of their folder.
     """
 
     path: Path

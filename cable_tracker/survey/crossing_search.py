@@ -35,7 +35,7 @@ class CrossingSearch:
     Parameters
     ----------
     table : FrameTable
-        Its last row is that of the picture.
+        Table of the dive; its last row is that of the picture.
     """
 
     def __init__(self, table: FrameTable) -> None:

@@ -115,9 +115,9 @@ def filter_forwards(  # noqa: PLR0917
     spreads: FloatArray,
     is_new: BoolArray,
 ) -> None:
-    """Filter the looks from `first` up to `last`, into the last four arrays; see `smooth`.
+    """Filter the keyframes from `first` up to `last`, into the last four arrays; see `smooth`.
 
-    `noise` has those of these looks; of the other arrays one before the first is read.
+    `noise` has those of these keyframes; of the other arrays one before the first is read.
     """
     moved = np.zeros(4)
     for k in range(first, last):
@@ -147,7 +147,7 @@ def smooth_backwards(  # noqa: PLR0917
     means: FloatArray,
     spreads: FloatArray,
 ) -> None:
-    """Smooth the looks from the one before `last` back to `first`, in the last two arrays."""
+    """Smooth the keyframes from the one before `last` back to `first`, in the last two arrays."""
     for k in range(min(last, len(places) - 1) - 1, first - 1, -1):
         if is_new[k + 1]:
             continue

@@ -62,7 +62,7 @@ class DiveRoute:
     Attributes
     ----------
     start : float
-        Where it begins along the way of `SmoothedCable` [m].
+        Start of the route along the way of `SmoothedCable` [m].
     along : FloatArray
         Way along the cable from there [m].
     places : FloatArray
@@ -72,13 +72,13 @@ class DiveRoute:
     sigmas : FloatArray
         Standard deviation across the cable [m], in the dive's frame.
     frame_variances : FloatArray
-        What the frame adds to it [m²]; 0 in the frame of odometry.
+        Variance that georeferencing adds [m²]; 0 in the frame of odometry.
     bends : FloatArray
         Curvature, to the left [1/m].
     bend_sigmas : FloatArray
-        Its standard deviation [1/m].
+        Standard deviation of the bends, shape (N,) [1/m].
     stamps : IndexArray
-        When the vehicle was there [ns].
+        Time at which the vehicle passed each point, shape (N,) [ns].
     rows : IndexArray
         Which row of the table is of that time.
     diameters : FloatArray
@@ -86,7 +86,7 @@ class DiveRoute:
     asides : FloatArray
         Lateral distance of the cable from the vehicle's middle, to the left [m].
     profile : Profile
-        What can be seen along the way.
+        Visibility of the cable along the route.
     """
 
     start: float

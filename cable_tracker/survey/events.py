@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute
-from cable_tracker.survey.forwards import ForwardDive
+from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import TRACKING, CrossingSight
 from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.route import LEAST_WEIGHT, SPACING, Course
@@ -39,13 +39,13 @@ class Event:
     Attributes
     ----------
     kind : EventKind
-        What it is.
+        Kind of the event.
     along, end : float
         From where to where along the route [m]; the same for a point.
     place : (float, float)
         x, y of its beginning in the route's frame [m].
     stamp : int
-        When the vehicle was there [ns]; 0 where no one dive can say.
+        Time at which the vehicle passed [ns]; 0 for events of several dives.
     frame : int
         Number of the frame in the recording; -1 without one.
     detail : str
@@ -270,16 +270,16 @@ def _asides(maker: _Maker, limits: Limits) -> list[Event]:
 
 def _crossings(maker: _Maker, course: Course) -> list[Event]:
     """Put sights of the same place and direction on the sea bed together."""
-    dive, looks, cable, start = maker.dive, course.looks, course.cable, maker.route.start
+    dive, keyframes, cable, start = maker.dive, course.keyframes, course.cable, maker.route.start
     sights = []
     for sight in _by_block(dive, dive.table.crossings):
         row = dive.table.rows[sight.row]
-        look = int(np.searchsorted(looks.first, sight.row, side="right")) - 1
-        if look < 0 or row["status"] != TRACKING:
+        keyframe = int(np.searchsorted(keyframes.first, sight.row, side="right")) - 1
+        if keyframe < 0 or row["status"] != TRACKING:
             continue
-        along = float(cable.along[look]) + sight.ahead - float(row["look"]) - start
-        direction = float(looks.places[look, 2]) + sight.angle
-        across = math.remainder(sight.angle - float(cable.states[look, 1]), math.pi)
+        along = float(cable.along[keyframe]) + sight.ahead - float(row["look"]) - start
+        direction = float(keyframes.places[keyframe, 2]) + sight.angle
+        across = math.remainder(sight.angle - float(cable.states[keyframe, 1]), math.pi)
         sights.append((along, direction, across, sight.row))
     events = []
     for along, across, count in _clusters(sorted(sights)):
@@ -330,8 +330,3 @@ def _navigation(maker: _Maker, course: Course) -> list[Event]:
         detail = "odometry began anew or its clock jumped; the way was joined here"
         events.append(maker.at(EventKind.NAVIGATION, float(route.along[point]), detail))
     return events
-
-
-def moved(event: Event, along: float, end: float, place: tuple[float, float]) -> Event:
-    """Return an event at another place of another route."""
-    return replace(event, along=along, end=end, place=place)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.survey.on_disk import Disk, Growing
+from cable_tracker.survey.memory_mapped import Disk, Growing
 
 PROFILE_BINS = 12
 """Places along the cable in one picture at which it is judged whether it can be seen."""
@@ -58,7 +58,7 @@ STATUSES = ("INITIALISING", "TRACKING", "LOST", "REFUSED")
 TRACKING = STATUSES.index("TRACKING")
 
 NOT_AGAIN, HIDDEN, SEEN = range(3)
-"""Results of a second look: none was made, the cable is hidden, the cable is seen."""
+"""Result of re-detection: none was made, the cable is hidden, the cable is seen."""
 
 Rows = npt.NDArray[Any]
 
@@ -67,7 +67,7 @@ FrameRow = np.void
 
 
 def is_claimed(rows: Rows) -> npt.NDArray[np.bool_]:
-    """Tell for rows (N,) whether they say where the cable is: the tracker, or a second look."""
+    """Tell for rows (N,) whether they say where the cable is: the tracker, or re-detection."""
     again = rows["again"]
     claimed: npt.NDArray[np.bool_] = (rows["status"] == TRACKING) & (again == NOT_AGAIN)
     claimed |= again == SEEN
@@ -81,11 +81,11 @@ class CrossingSight:
     Attributes
     ----------
     row : int
-        Of the table.
+        Row of the table.
     ahead : float
         x of the place where they cross, in the vehicle's level frame [m].
     angle : float
-        Of the other line against the vehicle, in (-pi/2, pi/2] [rad].
+        Angle of the crossing line in the vehicle's frame, in (-pi/2, pi/2] [rad].
     """
 
     row: int
@@ -97,24 +97,24 @@ class FrameTable:
     """Rows of a dive.
 
     The cable beside the vehicle is a line in its level frame: at x = `look`, where the camera
-    looks, it is at y = `aside`, with direction `heading`; `aside_variance`, `aside_heading` and
+    keyframes, it is at y = `aside`, with direction `heading`; `aside_variance`, `aside_heading` and
     `heading_variance` are their covariance [m, rad]. All NaN where there are no metres; `reason`
     says why, by its number in `reasons`. `half_view` is how far to either side the camera sees at
     x = `look` [m]; `altitude`, `roll` and `pitch` are the vehicle's [m, rad]. `profile_score` says
     at x = `profile_ahead` how clearly both borders are there. Where `again` is not `NOT_AGAIN`, a
-    second look has written the cable's columns: see `second_look`.
+    re-detection has written the cable's columns: see `redetection`.
 
     Parameters
     ----------
     disk : Disk
-        Where the rows are.
+        Allocator of the rows.
 
     Attributes
     ----------
     reasons : list of str
-        Why there are no metres; the first is "".
+        Reasons for missing metres; the first is "".
     crossings : list of CrossingSight
-        What lay across.
+        Detected lines across the cable.
     """
 
     def __init__(self, disk: Disk | None = None) -> None:
@@ -149,7 +149,7 @@ class Samples:
     width : int
         Numbers of a reading.
     disk : Disk
-        Where they are.
+        Allocator of the rows.
     """
 
     def __init__(self, width: int, disk: Disk | None = None) -> None:

@@ -13,8 +13,8 @@ from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_table import Samples
 from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.local_frame import LocalFrame
+from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.navigation import Poses, turned
-from cable_tracker.survey.on_disk import Disk
 from cable_tracker.tracking.robust import GAUSSIAN_MAD
 
 FEWEST_FIXES = 3
@@ -40,13 +40,13 @@ class Georeference:
     turn : float
         From the dive's x to east [rad].
     shift : FloatArray
-        Of the dive's origin, shape (2,) [m].
+        Position of the dive's origin, shape (2,) [m].
     stamps : FloatArray
-        Of the fixes, shape (F,) [ns].
+        Stamps of the fixes, shape (F,) [ns].
     drift : FloatArray
         By how much odometry is off then, shape (F, 2) [m].
     variances : FloatArray
-        Of each component of it, shape (F,) [m²].
+        Variance of each component of the drift, shape (F,) [m²].
     left_out : int
         Fixes that did not count.
     """

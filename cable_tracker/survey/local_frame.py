@@ -15,7 +15,7 @@ class LocalFrame:
     Parameters
     ----------
     latitude, longitude : float
-        Of its origin, WGS 84 [deg].
+        Origin of the frame, WGS 84 [deg].
 
     Raises
     ------

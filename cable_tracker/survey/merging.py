@@ -7,13 +7,13 @@ how far to the left it has the cable, and how sure it is. What reaches beyond th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.survey.dive_route import DiveRoute
-from cable_tracker.survey.events import Event, EventKind, moved, runs
+from cable_tracker.survey.events import Event, EventKind, runs
 from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.route import SPACING
 
@@ -73,7 +73,7 @@ class MergedRoute:
     diameters, asides : FloatArray
         Means over the dives [m]; NaN where none can say.
     dives : FloatArray
-        How many dives tell of the point.
+        Number of dives that observed each point, shape (N,).
     events : tuple of Event
         Along it.
     recordings : tuple of str
@@ -293,7 +293,7 @@ def _events_of(route: MergedRoute, group: Sequence[PlacedRoute]) -> list[Event]:
                 float(np.interp(each, np.arange(len(route.along)), route.along)) for each in way
             )
             x, y = interpolated(start, route.along, route.places).tolist()
-            events.append(moved(event, start, end, (x, y)))
+            events.append(replace(event, along=start, end=end, place=(x, y)))
     return _joined(sorted(events, key=lambda each: (each.kind.value, each.along)))
 
 

@@ -1,4 +1,4 @@
-"""Where the vehicle was: odometry without its jumps."""
+"""Poses of the vehicle: odometry with its jumps removed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_table import Rows, Samples
 from cable_tracker.survey.interpolation import interpolated
-from cable_tracker.survey.on_disk import Disk, Unwrapping, surroundings
+from cable_tracker.survey.memory_mapped import Disk, Unwrapping, surroundings
 
 LONGEST_GAP = 1.0
 """Longest silence of odometry over which poses are interpolated [s]."""

@@ -16,7 +16,7 @@ from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.survey.dive_faults import count_rows, find_faults
 from cable_tracker.survey.dive_pictures import write_pictures
 from cable_tracker.survey.events import Event, EventKind, Limits, find_events
-from cable_tracker.survey.forwards import (
+from cable_tracker.survey.forward_pass import (
     ForwardDive,
     ForwardSettings,
     read_fix,
@@ -24,14 +24,14 @@ from cable_tracker.survey.forwards import (
 )
 from cable_tracker.survey.frame_table import TRACKING
 from cable_tracker.survey.georeference import Georeference, georeference
+from cable_tracker.survey.keyframes import make_keyframes
 from cable_tracker.survey.local_frame import LocalFrame
-from cable_tracker.survey.looks import look_steps
+from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.merging import PlacedRoute
 from cable_tracker.survey.navigation import Poses, joined_poses
-from cable_tracker.survey.on_disk import Disk
 from cable_tracker.survey.outputs.frames import write_frames
+from cable_tracker.survey.redetection import redetect_cable
 from cable_tracker.survey.route import Course, make_routes
-from cable_tracker.survey.second_look import look_again
 from cable_tracker.survey.smoothing import smooth
 from cable_tracker.survey.surveyed_dive import SurveyedDive, write_summary
 
@@ -45,9 +45,9 @@ class SurveySettings:
     Attributes
     ----------
     forward : ForwardSettings
-        How to track.
+        Settings of the forward pass.
     limits : Limits
-        What is worth an event.
+        Thresholds of the events.
     datum : (float, float) or None
         Latitude and longitude of the local frame's origin [deg]; None: the frame of odometry.
     pictures : bool
@@ -126,14 +126,14 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
     course, routes, on_earth = None, [], False
     if counted.placed_partly and counted.in_metres:
         course = _course(dive, poses, places)
-        if look_again(dive, course):
+        if redetect_cable(dive, course):
             course = _course(dive, poses, places)
-        looks = course.looks
+        keyframes = course.keyframes
         earth = _on_earth(dive, poses, settings.datum, notes)
         on_earth = earth is not None
         placing = None if earth is None else _placing(earth)
         turn = 0.0 if earth is None else earth.turn
-        routes = make_routes(looks, course.cable, rows, placing, turn, disk)
+        routes = make_routes(keyframes, course.cable, rows, placing, turn, disk)
     name = dive.name
     placed = tuple(
         PlacedRoute(name, each, tuple(find_events(dive, course, each, settings.limits)))
@@ -152,8 +152,8 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
 
 
 def _course(dive: ForwardDive, poses: Poses, places: FloatArray) -> Course:
-    looks = look_steps(dive.table.rows, places, dive.disk)
-    return Course(poses, looks, smooth(looks, dive.disk))
+    keyframes = make_keyframes(dive.table.rows, places, dive.disk)
+    return Course(poses, keyframes, smooth(keyframes, dive.disk))
 
 
 def _placing(

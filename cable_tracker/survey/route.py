@@ -1,4 +1,4 @@
-"""From the smoothed looks of a dive to a route: points at even distances along the cable."""
+"""From the smoothed keyframes of a dive to a route: points at even distances along the cable."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute, Profile
 from cable_tracker.survey.frame_table import HIDDEN, Rows, is_claimed
-from cable_tracker.survey.looks import Looks, filled
+from cable_tracker.survey.keyframes import Keyframes, filled
+from cable_tracker.survey.memory_mapped import Disk, Unwrapping, interpolated
 from cable_tracker.survey.navigation import Poses
-from cable_tracker.survey.on_disk import Disk, Unwrapping, interpolated
 from cable_tracker.survey.smoothing import SmoothedCable
 
 SPACING = 0.5
@@ -32,13 +32,13 @@ LEAST_WEIGHT = 0.05
 FEWEST_LOOKS = 4
 
 BIN = SPACING / 4
-"""Looks are averaged over this way [m]."""
+"""Keyframes are averaged over this way [m]."""
 
 PLACED = np.dtype([("place", "i8"), ("value", "f8")])
 """Number of a point of a route, and what was measured there."""
 
 COLUMNS = 8
-"""Number of columns of a route at each of its looks."""
+"""Number of columns of a route at each of its keyframes."""
 
 TOGETHER = 4096
 """Number of rows of the table that are added up before they are added to the others."""
@@ -51,15 +51,15 @@ class Course:
     Attributes
     ----------
     poses : Poses
-        Of the vehicle.
-    looks : Looks
-        Where its camera looked.
+        Poses of the vehicle.
+    keyframes : Keyframes
+        Keyframes of the dive.
     cable : SmoothedCable
-        Where the cable is there.
+        Smoothed states of the cable at the keyframes.
     """
 
     poses: Poses
-    looks: Looks
+    keyframes: Keyframes
     cable: SmoothedCable
 
 
@@ -68,7 +68,7 @@ Placing = Callable[[FloatArray, IndexArray], tuple[FloatArray, FloatArray]]
 
 
 def make_routes(  # noqa: PLR0917
-    looks: Looks,
+    keyframes: Keyframes,
     cable: SmoothedCable,
     rows: Rows,
     placing: Placing | None = None,
@@ -79,18 +79,18 @@ def make_routes(  # noqa: PLR0917
 
     Parameters
     ----------
-    looks, cable
-        Of `smoothing`.
+    keyframes, cable
+        Keyframes, and their smoothed states, of `smoothing`.
     rows : Rows
-        Of the `FrameTable`.
+        Rows of the `FrameTable`, shape (N,).
     placing : callable or None
         Takes places of the dive's frame to the frame of the route; None leaves them.
     turn : float
         By how much directions turn with it [rad].
     disk : Disk or None
-        Where what is needed meanwhile goes; None: among the temporary files.
+        Allocator of intermediate arrays; None: temporary files.
     """
-    dive = _Smoothed(looks, cable, rows, (placing, turn), disk or Disk())
+    dive = _Smoothed(keyframes, cable, rows, (placing, turn), disk or Disk())
     starts = np.flatnonzero(np.diff(cable.piece, prepend=-1))
     routes = []
     for start, end in pairwise([*starts.tolist(), len(cable.piece)]):
@@ -104,7 +104,7 @@ def make_routes(  # noqa: PLR0917
 class _Smoothed:
     """Arguments of `make_routes`."""
 
-    looks: Looks
+    keyframes: Keyframes
     cable: SmoothedCable
     rows: Rows
     frame: tuple[Placing | None, float]
@@ -112,7 +112,7 @@ class _Smoothed:
 
 
 def _claimed_way(dive: _Smoothed, start: int, end: int) -> tuple[int, float, float]:
-    """Return how many looks from `start` up to `end` have claims, and their least and most way."""
+    """Return number, least and most way of the keyframes from `start` to `end` with claims."""
     count, first, last = 0, math.inf, -math.inf
     for part in dive.disk.blocks(end, start):
         along = dive.cable.along[part][dive.cable.weights[part] > 0.0]
@@ -123,13 +123,13 @@ def _claimed_way(dive: _Smoothed, start: int, end: int) -> tuple[int, float, flo
 
 
 class _Piece:
-    """Looks from `start` up to `end`, which are connected; see `make_routes`."""
+    """Keyframes from `start` up to `end`, which are connected; see `make_routes`."""
 
     def __init__(self, dive: _Smoothed, start: int, end: int, claimed: tuple[float, float]) -> None:
         self._dive, self._disk = dive, dive.disk
         self._start, self._end = start, end
         self._along = dive.cable.along[start:end]
-        self._rows = slice(int(dive.looks.first[start]), int(dive.looks.last[end - 1]))
+        self._rows = slice(int(dive.keyframes.first[start]), int(dive.keyframes.last[end - 1]))
         self._least = min(float(self._along[part].min()) for part in self._blocks())
         most = max(float(self._along[part].max()) for part in self._blocks())
         first, last = max(claimed[0] - BEYOND, self._least), min(claimed[1] + BEYOND, most)
@@ -141,8 +141,8 @@ class _Piece:
         return self._disk.blocks(self._end - self._start)
 
     def route(self) -> DiveRoute:
-        """Return the route along these looks."""
-        wanted, looks, disk = self._wanted, self._dive.looks, self._disk
+        """Return the route along these keyframes."""
+        wanted, keyframes, disk = self._wanted, self._dive.keyframes, self._disk
         found, nearest = self._at_places()
         route = DiveRoute(
             start=float(wanted[0]),
@@ -153,8 +153,8 @@ class _Piece:
             frame_variances=found[:, 4],
             bends=found[:, 5],
             bend_sigmas=found[:, 6],
-            stamps=looks.stamps[nearest],
-            rows=looks.first[nearest],
+            stamps=keyframes.stamps[nearest],
+            rows=keyframes.first[nearest],
             diameters=self._diameters(),
             asides=found[:, 7],
             profile=self._profile(),
@@ -163,9 +163,9 @@ class _Piece:
         return route
 
     def _at_places(self) -> tuple[FloatArray, IndexArray]:
-        """Return what `_columns` says at the wanted places (N, C), and the nearest looks (N,).
+        """Return what `_columns` says at the wanted places (N, C), and the nearest keyframes (N,).
 
-        Looks are averaged in bins of a quarter of the spacing: a way gone twice counts once.
+        Keyframes are averaged in bins of a quarter of the spacing: a way gone twice counts once.
         """
         disk, along, wanted = self._disk, self._along, self._wanted
         order = disk.array(len(along), np.int64)
@@ -180,7 +180,7 @@ class _Piece:
             np.add.at(counts, bins, 1)
             columns = (along[part], *self._columns(part, headings))
             for total, column in zip(totals, columns, strict=True):
-                # In the order of the looks, one after the other.
+                # In the order of the keyframes, one after the other.
                 np.add.at(total, bins, column)
         used = disk.growing(np.int64)
         for part in disk.blocks(self._bins):
@@ -198,34 +198,34 @@ class _Piece:
         return np.column_stack(found), nearest + self._start
 
     def _headings(self, order: IndexArray) -> FloatArray:
-        """Return the cable's directions (M,); `order` (M,) is that of the looks along it.
+        """Return the cable's directions (M,); `order` (M,) is that of the keyframes along it.
 
-        They go on from one place of the cable to the next, not from one look to the next.
+        They go on from one place of the cable to the next, not from one keyframe to the next.
         """
-        looks, cable = self._dive.looks, self._dive.cable
+        keyframes, cable = self._dive.keyframes, self._dive.cable
         headings: FloatArray = self._disk.array(len(order))
         unwrapping = Unwrapping()
         for part in self._disk.blocks(len(order)):
             own = order[part] + self._start
-            raw = looks.places[own, 2] + cable.states[own, 1]
+            raw = keyframes.places[own, 2] + cable.states[own, 1]
             headings[order[part]] = unwrapping.apply(raw) + self._dive.frame[1]
         return headings
 
     def _columns(self, part: slice, headings: FloatArray) -> Iterator[FloatArray]:
-        """Yield what a route says of some of its looks, `COLUMNS` columns (K,).
+        """Yield what a route says of some of its keyframes, `COLUMNS` columns (K,).
 
         x, y, direction, standard deviation across, what the frame adds to its square, curvature,
         its standard deviation, lateral distance.
         """
-        looks, cable, placing = self._dive.looks, self._dive.cable, self._dive.frame[0]
+        keyframes, cable, placing = self._dive.keyframes, self._dive.cable, self._dive.frame[0]
         own = slice(part.start + self._start, part.stop + self._start)
-        aside, yaw = cable.states[own, 0], looks.places[own, 2]
-        points = looks.places[own, :2].copy()
+        aside, yaw = cable.states[own, 0], keyframes.places[own, 2]
+        points = keyframes.places[own, :2].copy()
         points[:, 0] -= aside * np.sin(yaw)
         points[:, 1] += aside * np.cos(yaw)
         frame_variances = np.zeros(len(points))
         if placing is not None:
-            points, frame_variances = placing(points, looks.stamps[own])
+            points, frame_variances = placing(points, keyframes.stamps[own])
         yield from points.T
         yield headings[part]
         slope = np.abs(np.cos(cable.states[own, 1]))
@@ -236,12 +236,12 @@ class _Piece:
         yield aside
 
     def _row_blocks(self) -> Iterator[tuple[slice, IndexArray]]:
-        """Yield the rows of these looks block by block, and to which look each belongs; -1: none.
+        """Yield the rows of these keyframes in blocks, and the keyframe of each row; -1: none.
 
-        Rows before the piece's first look, or after its last, belong to none.
+        Rows before the piece's first keyframe, or after its last, belong to none.
         """
         for part in self._disk.blocks(self._rows.stop, self._rows.start):
-            yield part, self._dive.looks.of_rows(part)
+            yield part, self._dive.keyframes.of_rows(part)
 
     def _diameters(self) -> FloatArray:
         """Return the median diameter around each wanted place, shape (N,) [m]."""
@@ -284,7 +284,7 @@ class _Piece:
         total, number = disk.array(count), disk.array(count, np.int64)
         for start in range(0, len(used), TOGETHER):
             some = used[start : start + TOGETHER]
-            own = self._dive.looks.of(some)
+            own = self._dive.keyframes.of(some)
             ahead = rows["profile_ahead"][some].astype(np.float64) - rows["look"][some][:, None]
             along = cable.along[own][:, None] + ahead / np.cos(cable.states[own, 1])[:, None]
             scores = rows["profile_score"][some]
@@ -302,25 +302,25 @@ class _Piece:
         return Profile(0.0, seen, self._in_view(count))
 
     def _telling(self, rows: Rows, owner: IndexArray) -> IndexArray:
-        """Return which of some rows, of the looks `owner` (K,), say what is seen of the cable."""
+        """Return the rows (of keyframes `owner`, (K,)) that say how the cable is seen."""
         cable = self._dive.cable
         used = np.flatnonzero((owner >= 0) & (is_claimed(rows) | (rows["again"] == HIDDEN)))
-        look = owner[used]
-        off = np.abs(rows["aside"][used] - cable.states[look, 0])
-        allowed = ON_ROUTE * np.sqrt(cable.covariances[look, 0, 0]) + 0.05
+        keyframe = owner[used]
+        off = np.abs(rows["aside"][used] - cable.states[keyframe, 0])
+        allowed = ON_ROUTE * np.sqrt(cable.covariances[keyframe, 0, 0]) + 0.05
         # What is claimed of something else tells nothing about the cable.
-        tells = (off <= allowed) & (cable.weights[look] > LEAST_WEIGHT)
+        tells = (off <= allowed) & (cable.weights[keyframe] > LEAST_WEIGHT)
         tells |= rows["again"][used] == HIDDEN
         telling: IndexArray = used[tells]
         return telling
 
     def _in_view(self, count: int) -> BoolArray:
         """Tell for each place whether the cable passed through a picture with the camera there."""
-        looks, cable, disk = self._dive.looks, self._dive.cable, self._disk
+        keyframes, cable, disk = self._dive.keyframes, self._dive.cable, self._disk
         half_views = filled(self._dive.rows["half_view"], disk)
         seen, passed = disk.array(count), disk.array(count)
         for part in disk.blocks(self._end, self._start):
-            inside = np.abs(cable.states[part, 0]) < half_views[looks.first[part]]
+            inside = np.abs(cable.states[part, 0]) < half_views[keyframes.first[part]]
             way = cable.along[part] - float(self._wanted[0])
             place = np.floor(way / PROFILE_SPACING).astype(np.int64)
             fine = (place >= 0) & (place < count)

@@ -1,7 +1,7 @@
 """The way backwards: a cable lies still, so that what comes later tells of what was before.
 
 Where the camera looks, the cable has a place beside the look line, a direction and a curvature.
-From one look to the next the vehicle moves as odometry has it, and the cable goes on as a curve
+From one keyframe to the next the vehicle moves as odometry has it, and the cable goes on as a curve
 whose curvature forgets itself over some metres. Each tracked frame measures place and direction.
 Their errors are far from independent: consecutive pictures show nearly the same piece of cable,
 with the same growth on it. They count together as about one measurement for each `CORRELATION` of
@@ -30,8 +30,8 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.curve_filter import filter_forwards, smooth_backwards
-from cable_tracker.survey.looks import STEP, Looks, summed, way_to
-from cable_tracker.survey.on_disk import Disk
+from cable_tracker.survey.keyframes import STEP, Keyframes, summed, way_to
+from cable_tracker.survey.memory_mapped import Disk
 
 CORRELATION = 0.8
 """Way over which the errors of claims are correlated [m]."""
@@ -70,12 +70,12 @@ deviation of the place from the other claims for that [m]."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SmoothedCable:
-    """The cable at each look.
+    """Smoothed state of the cable at S keyframes.
 
     Attributes
     ----------
     along : FloatArray
-        Way along the cable since the first look, shape (S,) [m]; smaller where the vehicle went
+        Way along the cable since the first keyframe, shape (S,) [m]; smaller where the vehicle went
         back.
     states : FloatArray
         Place beside the look line, direction from it, curvature, shape (S, 3) [m, rad, 1/m].
@@ -89,7 +89,7 @@ class SmoothedCable:
     bend : float
         Standard deviation of the cable's curvature [1/m].
     piece : FloatArray
-        Number of the connected piece that a look belongs to, shape (S,).
+        Number of the connected piece that a keyframe belongs to, shape (S,).
     """
 
     along: FloatArray
@@ -101,52 +101,54 @@ class SmoothedCable:
     piece: IndexArray
 
 
-def smooth(looks: Looks, disk: Disk | None = None, *, way_back: bool = True) -> SmoothedCable:
+def smooth(
+    keyframes: Keyframes, disk: Disk | None = None, *, way_back: bool = True
+) -> SmoothedCable:
     """Smooth the claims of a dive in both directions, or only filter them forwards.
 
     What is found goes to `disk`; None: among the temporary files.
     """
     disk = disk or Disk()
-    count = len(looks.stamps)
+    count = len(keyframes.stamps)
     cable = SmoothedCable(
         disk.array(count),
         disk.array((count, 3)),
         disk.array((count, 3, 3)),
         # What may be something else has to fit to what the others say, so these come first.
-        disk.filled(count, lambda part: np.where(_usual_claims(looks, part), 1.0, 0.0)),
+        disk.filled(count, lambda part: np.where(_usual_claims(keyframes, part), 1.0, 0.0)),
         (1.0, 1.0),
         BEND,
-        _pieces(looks.breaks, disk),
+        _pieces(keyframes.breaks, disk),
     )
     is_new = disk.array(count, np.bool_)
-    steps = disk.filled(count, lambda part: way_to(looks.places, part))
-    seconds = disk.filled(count, lambda part: _seconds_to(looks.stamps, part))
-    inflation = _covariance_inflation(summed(steps, disk), looks.claims, disk)
+    steps = disk.filled(count, lambda part: way_to(keyframes.places, part))
+    seconds = disk.filled(count, lambda part: _seconds_to(keyframes.stamps, part))
+    inflation = _covariance_inflation(summed(steps, disk), keyframes.claims, disk)
     for _ in range(ROUNDS):
         for part in disk.blocks(count):
-            noise = _noise(looks.covariances[part], cable.scales) * inflation[part, None]
+            noise = _noise(keyframes.covariances[part], cable.scales) * inflation[part, None]
             filter_forwards(
-                looks.places, seconds, looks.claims, noise, cable.weights, looks.breaks,
+                keyframes.places, seconds, keyframes.claims, noise, cable.weights, keyframes.breaks,
                 cable.bend, part.start, part.stop, cable.along, cable.states, cable.covariances,
                 is_new,
             )  # fmt: skip
         for part in disk.blocks_back(count) if way_back else ():
             smooth_backwards(
-                looks.places, seconds, is_new, cable.bend, part.start, part.stop, cable.states,
+                keyframes.places, seconds, is_new, cable.bend, part.start, part.stop, cable.states,
                 cable.covariances,
             )  # fmt: skip
-        cable = _with_new_weights(looks, cable, disk)
+        cable = _with_new_weights(keyframes, cable, disk)
     return cable
 
 
-def _usual_claims(looks: Looks, part: slice) -> BoolArray:
-    """Tell for some looks whether they have a claim that is surely of the cable."""
-    claimed: BoolArray = np.isfinite(looks.claims[part].sum(axis=1))
-    return claimed & ~looks.doubtful[part]
+def _usual_claims(keyframes: Keyframes, part: slice) -> BoolArray:
+    """Tell for some keyframes whether they have a claim that is surely of the cable."""
+    claimed: BoolArray = np.isfinite(keyframes.claims[part].sum(axis=1))
+    return claimed & ~keyframes.doubtful[part]
 
 
 def _pieces(breaks: BoolArray, disk: Disk) -> IndexArray:
-    """Return the number of the connected piece that each look belongs to, shape (S,)."""
+    """Return the number of the connected piece that each keyframe belongs to, shape (S,)."""
     pieces, before = disk.array(len(breaks), np.int64), -1
     for part in disk.blocks(len(breaks)):
         pieces[part] = before + np.cumsum(breaks[part])
@@ -156,45 +158,45 @@ def _pieces(breaks: BoolArray, disk: Disk) -> IndexArray:
 
 
 def _seconds_to(stamps: IndexArray, part: slice) -> FloatArray:
-    """Return how long it is to each of some looks from the one before [s]."""
+    """Return how long it is to each of some keyframes from the one before [s]."""
     some = stamps[max(part.start - 1, 0) : part.stop]
     steps: FloatArray = np.diff(some, prepend=some[:1]) / NANOSECONDS
     return steps[len(steps) - (part.stop - part.start) :]
 
 
-def _with_new_weights(looks: Looks, cable: SmoothedCable, disk: Disk) -> SmoothedCable:
+def _with_new_weights(keyframes: Keyframes, cable: SmoothedCable, disk: Disk) -> SmoothedCable:
     """Return a smoothed cable with scales and bend as its claims have them, and new weights."""
-    count, scales, bend = len(looks.stamps), cable.scales, cable.bend
-    squares = disk.filled(count, lambda part: _normalised_squares(looks, cable, part))
+    count, scales, bend = len(keyframes.stamps), cable.scales, cable.bend
+    squares = disk.filled(count, lambda part: _normalised_squares(keyframes, cable, part))
     misses = np.ones(2)
-    if any(_usual_claims(looks, part).any() for part in disk.blocks(count)):
+    if any(_usual_claims(keyframes, part).any() for part in disk.blocks(count)):
         usual = [
-            disk.median(column, lambda part: _usual_claims(looks, part)) for column in squares.T
+            disk.median(column, lambda part: _usual_claims(keyframes, part)) for column in squares.T
         ]
         misses = np.sqrt(np.array(usual) / MEDIAN_SQUARE)
         scales, bend = _scaled(scales, misses), _bend(cable, disk)
         misses = np.maximum(misses, 1e-9)
     for part in disk.blocks(count):
-        residuals = _residuals(looks, cable, part)
-        plain = _noise(looks.covariances[part], cable.scales)
-        claimed: BoolArray = np.isfinite(looks.claims[part].sum(axis=1))
+        residuals = _residuals(keyframes, cable, part)
+        plain = _noise(keyframes.covariances[part], cable.scales)
+        claimed: BoolArray = np.isfinite(keyframes.claims[part].sum(axis=1))
         fits = _fits(residuals, plain, cable.covariances[part])
-        counts = _usual_claims(looks, part) | (claimed & fits)
+        counts = _usual_claims(keyframes, part) | (claimed & fits)
         far = (squares[part] / misses**2).sum(axis=1)
         cable.weights[part] = np.where(counts, (DEGREES + 2.0) / (DEGREES + far), 0.0)
     return replace(cable, scales=scales, bend=bend)
 
 
-def _residuals(looks: Looks, cable: SmoothedCable, part: slice) -> FloatArray:
-    """Return claims minus the smoothed states of some looks, shape (K, 2) [m, rad]."""
-    residuals: FloatArray = looks.claims[part] - cable.states[part, :2]
+def _residuals(keyframes: Keyframes, cable: SmoothedCable, part: slice) -> FloatArray:
+    """Return claims minus the smoothed states of some keyframes, shape (K, 2) [m, rad]."""
+    residuals: FloatArray = keyframes.claims[part] - cable.states[part, :2]
     return residuals
 
 
-def _normalised_squares(looks: Looks, cable: SmoothedCable, part: slice) -> FloatArray:
+def _normalised_squares(keyframes: Keyframes, cable: SmoothedCable, part: slice) -> FloatArray:
     """Return squared residuals of some claims over the variances of the claims, shape (K, 2)."""
-    residuals = _residuals(looks, cable, part)
-    squares: FloatArray = residuals**2 / _noise(looks.covariances[part], cable.scales)[:, ::2]
+    residuals = _residuals(keyframes, cable, part)
+    squares: FloatArray = residuals**2 / _noise(keyframes.covariances[part], cable.scales)[:, ::2]
     return squares
 
 
@@ -206,9 +208,9 @@ def _covariance_inflation(way: FloatArray, claims: FloatArray, disk: Disk) -> Fl
     Parameters
     ----------
     way : FloatArray
-        Way of the look line since the first look, shape (S,) [m].
+        Way of the look line since the first keyframe, shape (S,) [m].
     claims : FloatArray
-        Claims of the looks, shape (S, 2); NaN where a look has none.
+        Claims of the keyframes, shape (S, 2); NaN where a keyframe has none.
     disk : Disk
         Folder of the arrays on disk.
     """

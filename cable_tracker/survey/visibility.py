@@ -1,4 +1,4 @@
-"""Where along the cable in a picture its borders can be seen.
+"""Visibility of the cable's borders along the cable in a picture.
 
 The tracker says whether there is a cable; where the sand begins it does not say. So the cable is
 cut out of the picture and straightened, and at several places along it the steps of brightness at
@@ -74,9 +74,9 @@ def find_beside(image: Image, state: CableState, reach: float) -> tuple[float, f
     image : Image
         Grey levels, shape (H, W).
     state : CableState
-        Where it should be, and how wide [px, rad].
+        Expected state of the cable [px, rad].
     reach : float
-        How far to look to either side [widths].
+        Search range to either side [widths].
 
     Returns
     -------

@@ -96,7 +96,7 @@ class TargetEngine(ABC):
         dt : float
             Time since the frame before [s].
         motion : CameraMotion or None
-            How the camera has moved since.
+            Motion of the camera since then.
         others : FloatArray
             Poses of the other targets that are followed, shape (K, 6): they exclude this one.
         """

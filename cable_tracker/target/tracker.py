@@ -151,7 +151,7 @@ class TargetTracker:
         stamp : int
             Time of the frame [ns].
         motion : CameraMotion or None
-            How the camera has moved since the frame before.
+            Motion of the camera since the frame before.
         others : FloatArray
             States of other targets that are followed, shape (K, 6): this one is not where they are.
 

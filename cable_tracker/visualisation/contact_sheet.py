@@ -84,7 +84,7 @@ class ContactSheet:
         words : str
             Written beside the number, such as the status; ASCII.
         colour : Colour
-            Of the words.
+            Colour of the caption.
         """
         wanted = self.wants_next()
         self._count += 1

@@ -104,7 +104,7 @@ def draw_overlay(
         Standard deviations of d, alpha, w, beta [px, rad], for the band of two sigma about the
         centreline.
     truth : CableState or None
-        Where the cable really runs; drawn dashed.
+        True state of the cable; drawn dashed.
     cloud : FloatArray or None
         Particles, shape (N, 9): the columns of `StateColumn`, and the weight.
     hypotheses : sequence of Hypothesis

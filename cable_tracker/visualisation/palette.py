@@ -1,4 +1,4 @@
-"""Colours that remain apart for people who do not see red and green apart (Okabe and Ito, 2008).
+"""Palette that is safe for colour-blind viewers (Okabe and Ito, 2008).
 
 Red, green, blue from 0 to 255. Words and line styles always say the same as a colour does.
 """

@@ -64,7 +64,7 @@ class _Series:
     Attributes
     ----------
     times : FloatArray
-        Since the first stamp, shape (T,) [s].
+        Times since the first stamp, shape (T,) [s].
     estimates, sigmas, truths : FloatArray
         d, alpha, w, beta, shape (T, 4) [px, rad].
     presence : FloatArray

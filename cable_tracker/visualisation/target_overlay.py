@@ -32,7 +32,7 @@ def draw_target(
     image : Image
         uint8, grey (H, W) or blue-green-red (H, W, 3).
     estimate : TargetEstimate
-        Of this frame.
+        Estimate of this frame.
     particles : FloatArray or None
         Poses in pixels of the frame, shape (N, 6).
     line : int

@@ -7,7 +7,7 @@ from cable_tracker.benchmark.goals import Goal, goals_of
 from cable_tracker.benchmark.memory import MemoryUse
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
-from cable_tracker.benchmark.round_robin import Label, Measurement
+from cable_tracker.benchmark.round_robin import CaseLabel, Measurement
 from cable_tracker.benchmark.statistics import Percentiles, Quartiles
 
 CIRCUMSTANCES = Circumstances("", "", "", "", (0.0,) * 3, (0.0,) * 3, ())
@@ -16,7 +16,7 @@ SIZE = (320, 240)
 
 def timed(ratio, *label):
     spread = Quartiles(ratio, ratio, ratio, 1)
-    return Measurement(Label(*label), spread, spread, spread)
+    return Measurement(CaseLabel(*label), spread, spread, spread)
 
 
 def result_of(*measurements, accuracies=(), memory=(), nodes=()):

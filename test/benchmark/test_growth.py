@@ -1,13 +1,13 @@
 import pytest
 
 from cable_tracker.benchmark.growth import fit_growth
-from cable_tracker.benchmark.round_robin import Label, Measurement
+from cable_tracker.benchmark.round_robin import CaseLabel, Measurement
 from cable_tracker.benchmark.statistics import Quartiles
 
 
 def measured(milliseconds, **label):
     given = {"section": "frame", "name": "thesis", "size": (320, 240)} | label
-    return Measurement(Label(**given), Quartiles(milliseconds, milliseconds, milliseconds, 1))
+    return Measurement(CaseLabel(**given), Quartiles(milliseconds, milliseconds, milliseconds, 1))
 
 
 def by_variable(measurements):
@@ -36,7 +36,7 @@ def test_one_measurement_makes_no_line():
 
 
 def test_what_was_left_out_does_not_count():
-    left_out = Measurement(Label("frame", "thesis", (320, 240), 100_000), skipped="left out")
+    left_out = Measurement(CaseLabel("frame", "thesis", (320, 240), 100_000), skipped="left out")
     assert fit_growth([measured(1.0, particles=500), left_out]) == []
 
 

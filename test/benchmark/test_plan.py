@@ -1,9 +1,9 @@
 import pytest
 
 from cable_tracker.benchmark import plan
+from cable_tracker.benchmark.cases import REFERENCE_PARTICLES
 from cable_tracker.benchmark.footage import RENDERED_SIZE
 from cable_tracker.benchmark.plan import FULL, QUICK, Benchmark, Plan, versions
-from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES
 from cable_tracker.errors import ParameterError
 
 

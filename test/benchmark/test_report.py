@@ -9,7 +9,7 @@ from cable_tracker.benchmark.report import (
     write_page,
 )
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
-from cable_tracker.benchmark.round_robin import Label, Measurement
+from cable_tracker.benchmark.round_robin import CaseLabel, Measurement
 from cable_tracker.benchmark.statistics import Quartiles
 from cable_tracker.errors import OutputError
 
@@ -19,9 +19,9 @@ RESULT = BenchmarkResult(
         "bench --quick", "today", "a machine", "numba 1", (1.0,) * 3, (2.0,) * 3, ("filterpy",)
     ),
     (
-        Measurement(Label("frame", "thesis", (320, 240), 500), SPREAD, SPREAD, SPREAD),
+        Measurement(CaseLabel("frame", "thesis", (320, 240), 500), SPREAD, SPREAD, SPREAD),
         Measurement(
-            Label("frame", "thesis", (1920, 1080), 500), skipped="left out: about 3.0 s"
+            CaseLabel("frame", "thesis", (1920, 1080), 500), skipped="left out: about 3.0 s"
         ),
     ),
     (), (), (), (),

@@ -1,16 +1,16 @@
 import json
 
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances, is_benchmark, to_json
-from cable_tracker.benchmark.round_robin import Label, Measurement
+from cable_tracker.benchmark.round_robin import CaseLabel, Measurement
 from cable_tracker.benchmark.statistics import Quartiles
 
-LABEL = Label("frame", "thesis", (320, 240), 500)
+LABEL = CaseLabel("frame", "thesis", (320, 240), 500)
 SPREAD = Quartiles(1.0, 2.0, 3.0, 4)
 RESULT = BenchmarkResult(
     Circumstances("bench", "today", "here", "1", (0.0, 0.1, 0.2), (0.3, 0.4, 0.5), ("particles",)),
     (
         Measurement(LABEL, SPREAD, SPREAD, SPREAD),
-        Measurement(Label("method", "lsd", (320, 240)), skipped="left out"),
+        Measurement(CaseLabel("method", "lsd", (320, 240)), skipped="left out"),
     ),
     (), (), (), (),
 )  # fmt: skip

@@ -7,9 +7,9 @@ from cable_tracker.benchmark.round_robin import (
     FEWEST_ROUNDS,
     WARM_UP_CALLS,
     YARDSTICK_CALLS,
+    BenchmarkCase,
+    CaseLabel,
     Effort,
-    Label,
-    Subject,
     measure_in_turns,
     timed_block,
 )
@@ -19,8 +19,8 @@ pytestmark = pytest.mark.slow
 SIZE = (320, 240)
 
 
-def subject(step, particles=None, name="subject"):
-    return Subject(Label("frame", name, SIZE, particles=particles), lambda: step)
+def case(step, particles=None, name="case"):
+    return BenchmarkCase(CaseLabel("frame", name, SIZE, particles=particles), lambda: step)
 
 
 def busy(count):
@@ -29,9 +29,9 @@ def busy(count):
 
 def test_all_take_turns_beside_the_yardstick():
     calls = []
-    subjects = [subject(lambda name=name: calls.append(name), name=name) for name in "ab"]
+    cases = [case(lambda name=name: calls.append(name), name=name) for name in "ab"]
     effort = Effort(rounds=3, block=0.0)
-    measured = measure_in_turns(subjects, lambda: calls.append("y"), effort)
+    measured = measure_in_turns(cases, lambda: calls.append("y"), effort)
     turns = "".join(calls)[3 * WARM_UP_CALLS :]
     assert turns == "yyyyyayyyyyb" * 3
     assert [m.label.name for m in measured] == ["a", "b"]
@@ -58,7 +58,7 @@ def test_the_ratio_is_that_of_the_times_and_milliseconds_are_given(monkeypatch):
     clock = Clock()
     monkeypatch.setattr(round_robin, "time", clock)
     (measured,) = measure_in_turns(
-        [subject(lambda: clock.work(0.003))], lambda: clock.work(0.001), Effort(rounds=5)
+        [case(lambda: clock.work(0.003))], lambda: clock.work(0.001), Effort(rounds=5)
     )
     assert measured.ratio.median == pytest.approx(3.0)
     assert measured.cpu.median == pytest.approx(3.0)
@@ -72,7 +72,7 @@ def test_a_neighbour_that_slows_both_does_not_change_the_ratio(monkeypatch):
     slowness = itertools.chain([1.0] * 2 * WARM_UP_CALLS, spells)
     monkeypatch.setattr(round_robin, "time", clock)
     (measured,) = measure_in_turns(
-        [subject(lambda: clock.work(0.030 * next(slowness)))],
+        [case(lambda: clock.work(0.030 * next(slowness)))],
         lambda: clock.work(0.010 * next(slowness)),
         Effort(rounds=10, block=0.0),
     )
@@ -83,9 +83,7 @@ def test_a_neighbour_that_slows_both_does_not_change_the_ratio(monkeypatch):
 def test_progress_is_told_of_every_turn_also_of_what_is_left_out():
     told = []
     effort = Effort(rounds=4, longest=1e-9)
-    measured = measure_in_turns(
-        [subject(busy(10)), subject(busy(10))], busy(1), effort, told.append
-    )
+    measured = measure_in_turns([case(busy(10)), case(busy(10))], busy(1), effort, told.append)
     assert sum(told) == 8
     assert all(m.cpu is None and m.skipped.startswith("left out") for m in measured)
 
@@ -97,15 +95,15 @@ def test_what_would_take_too_long_by_what_fewer_particles_took_is_not_even_prepa
         prepared.append(None)
         return busy(100_000)
 
-    subjects = [Subject(Label("frame", "x", SIZE, n), prepare) for n in (1, 10**9)]
-    first, second = measure_in_turns(subjects, busy(10), Effort(rounds=1))
+    cases = [BenchmarkCase(CaseLabel("frame", "x", SIZE, n), prepare) for n in (1, 10**9)]
+    first, second = measure_in_turns(cases, busy(10), Effort(rounds=1))
     assert first.cpu is not None
     assert second.skipped.startswith("left out: about")
     assert len(prepared) == 1
 
 
 def test_a_used_up_budget_ends_the_turns_but_not_before_the_third():
-    (measured,) = measure_in_turns([subject(busy(1000))], busy(10), Effort(rounds=9, budget=0.0))
+    (measured,) = measure_in_turns([case(busy(1000))], busy(10), Effort(rounds=9, budget=0.0))
     assert measured.ratio.count == FEWEST_ROUNDS
 
 
@@ -121,4 +119,4 @@ def test_an_error_of_a_subject_is_not_swallowed():
         raise ValueError("broken")
 
     with pytest.raises(ValueError, match="broken"):
-        measure_in_turns([subject(fail)], busy(10), Effort())
+        measure_in_turns([case(fail)], busy(10), Effort())

@@ -3,7 +3,7 @@ from __future__ import annotations
 import multiprocessing
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -11,11 +11,9 @@ import pytest
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
-from cable_tracker.evaluation.judged_sequences import JudgedFrame, JudgedSequence
+from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame, EvaluationSequence
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
-from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.simulation.scenario import SimulationSettings, simulate
 
 FRAME_NS = 40_000_000
 
@@ -88,7 +86,7 @@ class _StripeSequence:
     def frame_count(self) -> int | None:
         return self.length
 
-    def frames(self, seed: int) -> Iterator[JudgedFrame]:
+    def frames(self, seed: int) -> Iterator[EvaluationFrame]:
         rng = np.random.default_rng(seed)
         for index in range(self.length):
             image = rng.integers(60, 80, (240, 320)).astype(np.uint8)
@@ -96,17 +94,17 @@ class _StripeSequence:
             image[:, left : left + 40] += 90
             truth = CableState(left + 19.5 - 159.5, 0.0, 40.0, 0.0)
             stamp = 1_000_000_000 + index * FRAME_NS
-            yield JudgedFrame(index, stamp, image, truth, self.visibility)
+            yield EvaluationFrame(index, stamp, image, truth, self.visibility)
 
 
 @pytest.fixture(scope="session")
-def stripe() -> JudgedSequence:
+def stripe() -> EvaluationSequence:
     """An easy sequence of 12 frames."""
     return _StripeSequence()
 
 
 @pytest.fixture(scope="session")
-def results(stripe: JudgedSequence) -> list[RunResult]:
+def results(stripe: EvaluationSequence) -> list[RunResult]:
     """What came of two methods on two sequences with two seeds."""
     sequences = (stripe, _StripeSequence("<other> & more"))
     campaign = Campaign(("default", "thesis"), sequences, (0, 1), Start.RANDOM, with_sheets=True)
@@ -129,55 +127,3 @@ def run_apart() -> Callable[[Campaign], list[RunResult]]:
         return told
 
     return run
-
-
-class Recording:
-    """An open source that holds its frames in memory, and may break off after them."""
-
-    compressed = False
-    note = ""
-
-    def __init__(self, path, frames, damage=None) -> None:
-        self.path = path
-        self.frame_count = len(frames)
-        self.has_truth = any(frame.truth is not None for frame in frames)
-        self._frames = frames
-        self._damage = damage
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        return None
-
-    def frames(self, start=0):
-        yield from self._frames[start:]
-        if self._damage is not None:
-            raise self._damage
-
-
-@pytest.fixture(scope="session")
-def dive() -> tuple[Frame, ...]:
-    """Twelve small frames of a clear dive, with truth."""
-    settings = SimulationSettings(frame_count=12, image_size=(64, 48), clutter=0.1, seed=3)
-    return tuple(simulate(settings))
-
-
-@pytest.fixture
-def make_recording(tmp_path, dive) -> Callable[..., Recording]:
-    def make(frames=None, damage=None) -> Recording:
-        return Recording(tmp_path / "dive", dive if frames is None else frames, damage)
-
-    return make
-
-
-@pytest.fixture
-def undecodable() -> Callable[[Frame], Frame]:
-    """Make the same frame with too few bytes."""
-
-    def spoil(frame: Frame) -> Frame:
-        image = frame.image
-        assert isinstance(image, RawImage)
-        return replace(frame, image=replace(image, data=image.data[:10]))
-
-    return spoil

@@ -6,7 +6,7 @@ import pytest
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError, RecordingError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
-from cable_tracker.evaluation.judged_sequences import RecordingSequence, ScenarioSequence
+from cable_tracker.evaluation.evaluation_sequences import RecordingSequence, ScenarioSequence
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.runs import Start
 

@@ -11,9 +11,9 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.evaluation.failure_criteria import is_outside_borders
 from cable_tracker.evaluation.metrics.errors import state_errors
-from cable_tracker.evaluation.off_cable import is_outside_borders
-from cable_tracker.evaluation.tracking.track_recording import initial_state_for, start_from
+from cable_tracker.offline.track_recording import initial_state_for, start_from
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.source import open_source
 from cable_tracker.trackers import make_tracker

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cable_tracker.evaluation.judged_sequences import ScenarioSequence
+from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.evaluation.methods import METHODS
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME
 from cable_tracker.evaluation.runs import MethodRun, Start, run_together

@@ -4,7 +4,7 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
-from cable_tracker.evaluation.judged_sequences import JudgedFrame
+from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame
 from cable_tracker.evaluation.runs import MethodRun, Start, run_together
 
 
@@ -85,7 +85,7 @@ def test_a_frame_that_cannot_be_used_is_named(make, made):
             raise FrameError("too dark")
 
     run = MethodRun("m", lambda seed: Refusing(None, seed), 0, Start.RANDOM)
-    frame = JudgedFrame(17, 1, np.zeros((240, 320), np.uint8), None, 0.0)
+    frame = EvaluationFrame(17, 1, np.zeros((240, 320), np.uint8), None, 0.0)
     with pytest.raises(FrameError, match=r"frame 17 .*too dark"):
         run.process(frame)
 

@@ -5,7 +5,7 @@ import pytest
 from cable_tracker.example_controller.target_follower import (
     FollowMode,
     FollowSettings,
-    TargetFollower,
+    TargetController,
     TargetPlace,
 )
 
@@ -17,21 +17,21 @@ def run(follower, places, start=0.0):
 
 
 def test_it_waits_until_a_target_is_seen():
-    follower = TargetFollower(FollowSettings())
+    follower = TargetController(FollowSettings())
     assert run(follower, [None] * 5)[-1].surge == 0.0
     assert follower.mode is FollowMode.WAITING
 
 
 @pytest.mark.parametrize(("ahead", "sign"), [(6.0, 1.0), (1.0, -1.0)])
 def test_too_far_it_goes_on_and_too_near_it_backs_off(ahead, sign):
-    follower = TargetFollower(FollowSettings(distance=2.5))
+    follower = TargetController(FollowSettings(distance=2.5))
     command = run(follower, [TargetPlace(ahead, 0.0, 0.0)] * 3)[-1]
     assert math.copysign(1.0, command.surge) == sign
     assert -0.4 <= command.surge <= 0.8
 
 
 def test_it_turns_and_climbs_towards_the_target():
-    follower = TargetFollower(FollowSettings())
+    follower = TargetController(FollowSettings())
     command = run(follower, [TargetPlace(3.0, 1.0, 0.5)])[-1]
     assert command.turn > 0.0
     assert command.heave > 0.0
@@ -39,7 +39,7 @@ def test_it_turns_and_climbs_towards_the_target():
 
 
 def test_it_comes_to_keep_its_distance_behind_a_target_that_moves():
-    follower = TargetFollower(FollowSettings(distance=2.5))
+    follower = TargetController(FollowSettings(distance=2.5))
     gap, speed = 5.0, 0.35
     for number in range(2000):
         command = follower.step(number * DT, TargetPlace(gap, 0.0, 0.0))
@@ -51,7 +51,7 @@ def test_it_comes_to_keep_its_distance_behind_a_target_that_moves():
 
 
 def test_a_lost_target_is_looked_for_on_the_side_where_it_was_and_then_given_up():
-    follower = TargetFollower(FollowSettings(memory_time=2.0, give_up=10.0))
+    follower = TargetController(FollowSettings(memory_time=2.0, give_up=10.0))
     follower.step(0.0, TargetPlace(3.0, -1.0, 0.0))
     assert follower.step(2.5, None).turn < 0.0
     assert follower.mode is FollowMode.SEARCHING

@@ -20,7 +20,7 @@ from cable_tracker.sequences.image_writer import write_sequence
 from cable_tracker.sequences.target_labels import write_target_pictures
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveySettings
+from cable_tracker.simulation.survey_dive import SurveyDiveSettings
 from cable_tracker.simulation.targets.sequence import simulate_target
 
 DIVE_LENGTH = 60
@@ -178,7 +178,7 @@ def dive(tmp_path_factory):
 def surveyed_dive(tmp_path_factory):
     """Return a bag of a dive of 7 s with all instruments, 160x120, with truth."""
     folder = tmp_path_factory.mktemp("recordings") / "surveyed"
-    settings = SurveySettings(length=3.5, image_size=(160, 120), rate=6.0, seed=2)
+    settings = SurveyDiveSettings(length=3.5, image_size=(160, 120), rate=6.0, seed=2)
     write_survey_bag(folder, settings)
     return folder
 

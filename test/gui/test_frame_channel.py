@@ -52,7 +52,7 @@ def watching(scenario, browsers=1):
         for browser in seen:
             browser.leaves()
         await asyncio.gather(*serving)
-        assert channel.viewer_count == 0
+        assert not channel.is_wanted
 
     asyncio.run(run())
 

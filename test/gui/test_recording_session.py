@@ -9,12 +9,6 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, GuiError, ParameterError, RecordingError
-from cable_tracker.evaluation.tracking.result_folder import ESTIMATES, ResultFolder
-from cable_tracker.evaluation.tracking.track_recording import (
-    initial_state_for,
-    start_from,
-    track_recording,
-)
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.recording_session import RecordingSession
 from cable_tracker.gui.session import Player
@@ -22,6 +16,13 @@ from cable_tracker.gui.tracked_recording import LONGEST_RUN
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.results import ESTIMATES
+from cable_tracker.offline.track_recording import (
+    initial_state_for,
+    start_from,
+    track_recording,
+)
 from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.trackers import make_tracker

@@ -10,13 +10,13 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
 from cable_tracker.sequences.source import open_source
 from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveySettings
+from cable_tracker.simulation.survey_dive import SurveyDiveSettings
 
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory):
     path = tmp_path_factory.mktemp("recorded") / "dive"
-    write_survey_bag(path, SurveySettings(length=1.5, image_size=(64, 48), rate=5.0))
+    write_survey_bag(path, SurveyDiveSettings(length=1.5, image_size=(64, 48), rate=5.0))
     return path
 
 

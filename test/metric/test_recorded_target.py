@@ -16,7 +16,7 @@ from cable_tracker.metric.recorded_target import (
     target_values,
 )
 from cable_tracker.metric.relative_state import RelativeState
-from cable_tracker.metric.vehicle import Vehicle
+from cable_tracker.metric.vehicle import VehicleDescription
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.source import open_source
@@ -110,9 +110,13 @@ def test_without_calibration_there_is_no_bearing(tmp_path):
 
 
 def test_a_camera_of_which_nothing_is_said_looks_ahead():
-    assert target_values(Vehicle())["camera_pitch"] == 0.0
-    said = Vehicle({"camera_pitch": 30.0, "look_ahead": 2.0}, said=frozenset({"camera_pitch"}))
-    assert target_values(said, 0.4) == target_values(Vehicle(), 0.4) | {"camera_pitch": 30.0}
+    assert target_values(VehicleDescription())["camera_pitch"] == 0.0
+    said = VehicleDescription(
+        {"camera_pitch": 30.0, "look_ahead": 2.0}, said=frozenset({"camera_pitch"})
+    )
+    assert target_values(said, 0.4) == target_values(VehicleDescription(), 0.4) | {
+        "camera_pitch": 30.0
+    }
 
 
 def test_a_node_waits_for_what_a_replay_sends_of_the_motion(turning, tmp_path):

@@ -28,7 +28,7 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
 from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveySettings
+from cable_tracker.simulation.survey_dive import SurveyDiveSettings
 
 HAS_ROS = importlib.util.find_spec("rclpy") is not None
 MISSING_ROS = (
@@ -396,7 +396,7 @@ def dive(frames: int, size: tuple[int, int] = (160, 120)) -> Iterator[Frame]:
 def vehicle_bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A short simulated dive with all instruments, to be read only."""
     path = tmp_path_factory.mktemp("dives") / "vehicle"
-    write_survey_bag(path, SurveySettings(length=1.0, rate=5.0, image_size=(64, 48)))
+    write_survey_bag(path, SurveyDiveSettings(length=1.0, rate=5.0, image_size=(64, 48)))
     return path
 
 

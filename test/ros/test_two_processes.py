@@ -16,14 +16,15 @@ from rosbags.rosbag2 import Reader
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import RecordingError
-from cable_tracker.evaluation.tracking.result_folder import BAG, ESTIMATES, ResultFolder
-from cable_tracker.evaluation.tracking.track_recording import (
+from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.results import BAG, ESTIMATES
+from cable_tracker.offline.track_recording import (
     TRUTH,
     initial_state_for,
     start_from,
     track_recording,
 )
-from cable_tracker.ros.clients.track_recording import RecordingRequest, track_recording_over_ros
+from cable_tracker.ros.clients.track_recording import CableTrackingRequest, track_recording_over_ros
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_bag
 from cable_tracker.sequences.estimates import EstimateRow, write_estimates
@@ -77,7 +78,7 @@ def track(tmp_path: Path) -> Callable[..., Outcome]:
                 steps.append(None)
 
             if over_ros:
-                request = RecordingRequest({"source": str(path)}, PARAMETERS, initial)
+                request = CableTrackingRequest({"source": str(path)}, PARAMETERS, initial)
                 damage = track_recording_over_ros(source, request, results, advance)
             else:
                 tracker = make_tracker(PARAMETERS)

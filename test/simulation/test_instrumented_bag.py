@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
-from cable_tracker.evaluation.experiments.flights import cables_below
+from cable_tracker.evaluation.experiments.simulated_vehicle import cables_below
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.sequences.bag_storage import open_storage

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from cable_tracker.simulation.instruments import GRAVITY, InstrumentErrors, InstrumentSet
-from cable_tracker.simulation.vehicle import Motion
+from cable_tracker.simulation.vehicle import VehicleState
 
 PERFECT = InstrumentErrors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def motion(x: float = 0.0) -> Motion:
-    return Motion(
+def motion(x: float = 0.0) -> VehicleState:
+    return VehicleState(
         position=np.array([x, 0.0, 2.0]),
         angles=np.zeros(3),
         twist=np.array([0.5, 0.0, 0.0, 0.0, 0.0, 0.1]),

@@ -7,7 +7,7 @@ import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.live_world import LiveSettings, LiveWorld, cable_course
-from cable_tracker.simulation.vehicle import Motion, VelocityCommand
+from cable_tracker.simulation.vehicle import VehicleState, VelocityCommand
 
 SMALL = LiveSettings(seed=3, length=20.0, buried=5.0, image_size=(64, 48))
 
@@ -22,7 +22,7 @@ def over_the_cable(world: LiveWorld, along: float, aside: float = 0.0, turned: f
     point, direction = (part[0] for part in world.cable_at(np.array([along])))
     course = math.atan2(direction[1], direction[0])
     place = point + aside * np.array([-math.sin(course), math.cos(course), 0.0])
-    return Motion(
+    return VehicleState(
         position=np.array([place[0], place[1], SMALL.altitude]),
         angles=np.array([0.0, 0.0, course + turned]),
         twist=np.zeros(6),

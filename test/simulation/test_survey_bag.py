@@ -13,13 +13,13 @@ from cable_tracker.simulation.survey_bag import (
     to_east_north,
     write_survey_bag,
 )
-from cable_tracker.simulation.survey_dive import SurveySettings
+from cable_tracker.simulation.survey_dive import SurveyDiveSettings
 
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory):
     path = tmp_path_factory.mktemp("survey") / "dive"
-    write_survey_bag(path, SurveySettings(length=1.5, image_size=(64, 48), rate=5.0))
+    write_survey_bag(path, SurveyDiveSettings(length=1.5, image_size=(64, 48), rate=5.0))
     return path
 
 

@@ -10,11 +10,11 @@ from cable_tracker.simulation.seen_cable import cable_of_seed, cable_points
 from cable_tracker.simulation.survey_dive import (
     TICKS,
     SurveyDive,
-    SurveySettings,
+    SurveyDiveSettings,
     usual_survey,
 )
 
-SMALL = SurveySettings(seed=3, length=4.0, image_size=(64, 48), rate=5.0)
+SMALL = SurveyDiveSettings(seed=3, length=4.0, image_size=(64, 48), rate=5.0)
 
 
 def test_every_manieth_tick_has_a_picture_and_an_altitude():
@@ -57,4 +57,4 @@ def test_a_usual_survey_has_a_burial_in_50_m_and_a_crossing_in_100_m():
 )
 def test_settings_that_cannot_be_are_refused(wrong):
     with pytest.raises(ParameterError):
-        SurveySettings(**wrong)
+        SurveyDiveSettings(**wrong)

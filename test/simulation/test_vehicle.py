@@ -8,9 +8,9 @@ import pytest
 from cable_tracker.metric.frames import rotation_of
 from cable_tracker.simulation.vehicle import (
     Current,
-    Motion,
     Vehicle,
     VehicleModel,
+    VehicleState,
     VelocityCommand,
 )
 
@@ -86,7 +86,7 @@ def test_thrust_has_its_limits():
     assert craft.velocity[0] < 1.5
 
 
-def moved(before: Motion, after: Motion, seconds: float) -> np.ndarray:
+def moved(before: VehicleState, after: VehicleState, seconds: float) -> np.ndarray:
     return (after.position - before.position) / seconds
 
 

@@ -16,10 +16,10 @@ from cable_tracker.campaigns.folder_tasks import TaskState
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.errors import OutputError, ParameterError
 from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveySettings as Simulated
+from cable_tracker.simulation.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.survey.campaign import names_of, run_survey
 from cable_tracker.survey.events import EventKind
-from cable_tracker.survey.forwards import ForwardSettings
+from cable_tracker.survey.forward_pass import ForwardSettings
 from cable_tracker.survey.recording import SurveySettings
 
 pytestmark = pytest.mark.slow

@@ -3,7 +3,7 @@ import pytest
 from cable_tracker.campaigns.folder_tasks import TaskState
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveySettings as Simulated
+from cable_tracker.simulation.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.survey.campaign import run_survey
 from cable_tracker.survey.events import Limits
 from cable_tracker.survey.recording import SurveySettings

@@ -5,9 +5,9 @@ import pytest
 from survey_dives import Plan, make_dive, poses_of
 
 from cable_tracker.survey.events import EventKind
-from cable_tracker.survey.forwards import ForwardDive
+from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import CrossingSight
-from cable_tracker.survey.looks import look_steps
+from cable_tracker.survey.keyframes import make_keyframes
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.route import make_routes
 from cable_tracker.survey.smoothing import smooth
@@ -35,11 +35,11 @@ def test_the_ends_of_a_buried_stretch_are_known_to_a_few_decimetres():
 def test_what_is_claimed_of_something_else_is_not_seen_as_the_cable(weight):
     dive = make_dive(Plan())
     rows = dive.table.rows
-    looks = look_steps(rows, poses_of(dive).at(rows["stamp"]))
-    cable = smooth(looks)
+    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]))
+    cable = smooth(keyframes)
     other = (cable.along > 15.0) & (cable.along < 25.0)
     weights = np.where(other, weight, cable.weights)
-    (route,) = make_routes(looks, replace(cable, weights=weights), rows)
+    (route,) = make_routes(keyframes, replace(cable, weights=weights), rows)
     along = route.profile.along + route.start
     assert np.isnan(route.profile.seen[(along > 17.0) & (along < 23.0)]).all()
     assert np.isfinite(route.profile.seen[(along > 5.0) & (along < 12.0)]).all()

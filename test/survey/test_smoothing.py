@@ -2,20 +2,20 @@ import numpy as np
 import pytest
 from survey_dives import LOOK, Plan, make_dive, poses_of, true_aside
 
-from cable_tracker.survey.looks import look_steps
+from cable_tracker.survey.keyframes import make_keyframes
 from cable_tracker.survey.smoothing import smooth
 
 
 def smoothed(plan: Plan):
     dive = make_dive(plan)
     rows = dive.table.rows
-    looks = look_steps(rows, poses_of(dive).at(rows["stamp"]))
-    cable = smooth(looks)
-    where = looks.places.copy()
+    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]))
+    cable = smooth(keyframes)
+    where = keyframes.places.copy()
     where[:, 0] -= 0.7 * np.cos(where[:, 2])
     where[:, 1] -= 0.7 * np.sin(where[:, 2])
     truth = np.array([true_aside(pose, plan.bend)[0] for pose in where])
-    return looks, cable, truth
+    return keyframes, cable, truth
 
 
 def rms(values) -> float:
@@ -23,14 +23,16 @@ def rms(values) -> float:
 
 
 def test_claims_become_better_by_what_lies_before_and_behind():
-    looks, cable, truth = smoothed(Plan(noise=0.05))
-    known = np.isfinite(looks.claims[:, 0])
-    assert rms((cable.states[:, 0] - truth)[known]) < 0.7 * rms((looks.claims[:, 0] - truth)[known])
+    keyframes, cable, truth = smoothed(Plan(noise=0.05))
+    known = np.isfinite(keyframes.claims[:, 0])
+    assert rms((cable.states[:, 0] - truth)[known]) < 0.7 * rms(
+        (keyframes.claims[:, 0] - truth)[known]
+    )
 
 
 def test_a_buried_stretch_is_bridged_with_honest_doubt():
-    looks, cable, truth = smoothed(Plan(hidden=((15.0, 22.0),)))
-    gap = ~np.isfinite(looks.claims[:, 0])
+    keyframes, cable, truth = smoothed(Plan(hidden=((15.0, 22.0),)))
+    gap = ~np.isfinite(keyframes.claims[:, 0])
     sigma = np.sqrt(cable.covariances[:, 0, 0])
     assert gap.sum() > 50
     assert rms((cable.states[:, 0] - truth)[gap]) < 0.15
@@ -39,8 +41,8 @@ def test_a_buried_stretch_is_bridged_with_honest_doubt():
 
 
 def test_wrong_claims_lose_their_weight():
-    looks, cable, truth = smoothed(Plan(wrong=((20.0, 20.6),)))
-    off = np.abs(looks.claims[:, 0] - truth) > 0.4
+    keyframes, cable, truth = smoothed(Plan(wrong=((20.0, 20.6),)))
+    off = np.abs(keyframes.claims[:, 0] - truth) > 0.4
     assert off.any()
     assert cable.weights[off].max() < 0.2
     assert rms((cable.states[:, 0] - truth)[off]) < 0.1
@@ -49,11 +51,11 @@ def test_wrong_claims_lose_their_weight():
 @pytest.mark.parametrize("diameter", [0.06, 0.11])
 def test_claims_of_something_thinner_over_a_buried_stretch_do_not_draw_the_cable_along(diameter):
     plan = Plan(hidden=((15.0, 24.0),), rope=((16.0, 23.0),), rope_diameter=diameter)
-    looks, cable, truth = smoothed(plan)
-    assert looks.doubtful.sum() > 50
-    assert cable.weights[looks.doubtful].max() == 0.0
+    keyframes, cable, truth = smoothed(plan)
+    assert keyframes.doubtful.sum() > 50
+    assert cable.weights[keyframes.doubtful].max() == 0.0
     sigma = np.sqrt(cable.covariances[:, 0, 0])
-    assert rms((cable.states[:, 0] - truth)[looks.doubtful]) < 0.2
+    assert rms((cable.states[:, 0] - truth)[keyframes.doubtful]) < 0.2
     assert np.mean(np.abs(cable.states[:, 0] - truth) < 1.96 * sigma) > 0.85
 
 
@@ -65,35 +67,35 @@ def test_a_short_claim_of_something_else_in_a_buried_stretch_does_not_bend_the_c
     other = (way > 18.0) & (way < 18.7)
     if clear:
         rows["profile_score"][other] = 3.0
-    looks = look_steps(rows, poses_of(dive).at(rows["stamp"]))
-    cable = smooth(looks)
-    on_it = np.isfinite(looks.claims[:, 0]) & other[looks.first]
+    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]))
+    cable = smooth(keyframes)
+    on_it = np.isfinite(keyframes.claims[:, 0]) & other[keyframes.first]
     assert on_it.any()
-    assert looks.doubtful[on_it].all()
+    assert keyframes.doubtful[on_it].all()
     assert cable.weights[on_it].max() == 0.0
 
 
 def test_a_dive_of_short_claims_alone_is_believed():
     dive = make_dive(Plan(hidden=tuple((start + 1.2, start + 4.0) for start in range(0, 40, 4))))
     rows = dive.table.rows
-    looks = look_steps(rows, poses_of(dive).at(rows["stamp"]))
-    assert not looks.doubtful.any()
-    assert (smooth(looks).weights > 0.3).any()
+    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]))
+    assert not keyframes.doubtful.any()
+    assert (smooth(keyframes).weights > 0.3).any()
 
 
 def test_a_cable_that_looks_thin_where_it_is_known_to_be_counts():
     dive = make_dive(Plan())
     rows = dive.table.rows
     rows["diameter"][100:120] = 0.08
-    looks = look_steps(rows, poses_of(dive).at(rows["stamp"]))
-    assert looks.doubtful.any()
-    assert smooth(looks).weights[looks.doubtful].min() > 0.2
+    keyframes = make_keyframes(rows, poses_of(dive).at(rows["stamp"]))
+    assert keyframes.doubtful.any()
+    assert smooth(keyframes).weights[keyframes.doubtful].min() > 0.2
 
 
 def test_without_the_way_back_claims_that_come_later_tell_nothing():
-    looks, cable, truth = smoothed(Plan(hidden=((15.0, 22.0),)))
-    forwards = smooth(looks, way_back=False)
-    gap = ~np.isfinite(looks.claims[:, 0])
+    keyframes, cable, truth = smoothed(Plan(hidden=((15.0, 22.0),)))
+    forwards = smooth(keyframes, way_back=False)
+    gap = ~np.isfinite(keyframes.claims[:, 0])
     assert rms((forwards.states[:, 0] - truth)[gap]) > 2 * rms((cable.states[:, 0] - truth)[gap])
 
 
@@ -115,5 +117,5 @@ def test_a_gap_in_the_navigation_ends_a_piece():
     rows = dive.table.rows
     poses = poses_of(dive).at(rows["stamp"])
     poses[300:420] = np.nan
-    cable = smooth(look_steps(rows, poses))
+    cable = smooth(make_keyframes(rows, poses))
     assert set(cable.piece) == {0, 1}

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from cable_tracker.evaluation.targets.metrics import JudgedClaim, overlap, success
+from cable_tracker.evaluation.targets.metrics import EvaluatedClaim, overlap, success
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.tracker import TargetTracker
 
@@ -33,7 +33,7 @@ def follow(approach, seed):
     for number, (picture, box) in enumerate(approach, start=1):
         estimate = tracker.process(picture, number * STEP)
         claim = estimate.box if estimate.status.value == "TRACKING" else None
-        claims.append(JudgedClaim(box, claim, None, 0.0))
+        claims.append(EvaluatedClaim(box, claim, None, 0.0))
     return claims
 
 

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 import typer
 
-from cable_tracker.commands.late import LateCommands
+from cable_tracker.commands.lazy_group import LazyGroup
 
 GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
@@ -23,7 +23,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
 )
 
 
-class DevCommands(LateCommands):
+class DevCommands(LazyGroup):
     """The commands of `cable-tracker dev`."""
 
     groups = GROUPS

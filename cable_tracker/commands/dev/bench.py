@@ -13,6 +13,7 @@ import typer
 from rich.table import Table
 
 from cable_tracker.atomic_output import output_file
+from cable_tracker.benchmark.cases import REFERENCE_PARTICLES, TIMED_PRESETS
 from cable_tracker.benchmark.footage import RENDERED_SIZE, footage
 from cable_tracker.benchmark.growth import fit_growth
 from cable_tracker.benchmark.node_timing import NodeTiming
@@ -25,7 +26,6 @@ from cable_tracker.benchmark.report import (
     write_page,
 )
 from cable_tracker.benchmark.result import BenchmarkResult, Circumstances, is_benchmark, to_json
-from cable_tracker.benchmark.subjects import REFERENCE_PARTICLES, TIMED_PRESETS
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.options import ForceOption

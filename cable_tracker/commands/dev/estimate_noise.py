@@ -23,8 +23,8 @@ from cable_tracker.commands.options import (
 )
 from cable_tracker.commands.terminal import advance, console, progress_bar
 from cable_tracker.errors import RecordingError
+from cable_tracker.evaluation.evaluation_sequences import check_labels
 from cable_tracker.evaluation.experiments.noise import increment_variances
-from cable_tracker.evaluation.judged_sequences import check_labels
 from cable_tracker.sequences.source import ChosenRecording
 
 SMALLEST_COUNT = 2

@@ -63,7 +63,7 @@ def plot_way(
     course : FloatArray
         Points of the cable, shape (N, 3) [m].
     burial : Burial or None
-        Where it is under sand.
+        Buried stretch of the cable.
 
     Raises
     ------
@@ -164,7 +164,7 @@ class MapPanel:
     course : FloatArray
         Points of the cable, shape (N, 3) [m].
     burial : Burial or None
-        Where it is under sand.
+        Buried stretch of the cable.
     size : (int, int)
         Width and height of the panel [px].
     """

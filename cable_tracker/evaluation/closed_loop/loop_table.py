@@ -37,11 +37,11 @@ class LoopRow:
     Attributes
     ----------
     time : float
-        Since the first frame [s].
+        Time since the first frame [s].
     x, y, altitude, yaw : float
-        Of the vehicle in the world [m, rad]; x runs along the cable's course.
+        True pose of the vehicle in the world [m, rad]; x runs along the cable's course.
     speed : float
-        Over the ground [m/s].
+        Speed over the ground [m/s].
     status : str
         The tracker's; empty if it was given no answer.
     mode : str
@@ -51,9 +51,9 @@ class LoopRow:
     heading : float
         True direction of the cable from the vehicle's [rad].
     offset : float
-        Of the cable at x = 0, as it was [m].
+        True lateral offset of the cable at x = 0 in base_link [m].
     measured_offset, measured_heading, sigma_offset : float
-        What `cross_track` said [m, rad, m]; NaN where it said nothing.
+        Values of `cross_track` [m, rad, m]; NaN without a message.
     """
 
     time: float
@@ -86,7 +86,7 @@ class LoopRow:
 
 @dataclass(frozen=True, slots=True)
 class Burial:
-    """Where along the course the cable is under sand, from and to [m]."""
+    """Buried stretch along the course: start and end [m]."""
 
     start: float
     end: float
@@ -163,11 +163,11 @@ def summarise_loop(
     rows : sequence of LoopRow
         At least one, in the order of time.
     seed : int
-        Of the run.
+        Seed of the run.
     length : float
-        Of the cable's course [m].
+        Length of the cable's course [m].
     burial : Burial or None
-        Where it is under sand.
+        Buried stretch of the cable.
     """
     x = np.array([row.x for row in rows])
     errors = np.array([row.error for row in rows])

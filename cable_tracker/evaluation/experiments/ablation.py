@@ -13,6 +13,7 @@ from cable_tracker.cable.parameters.parameters import ParameterValue
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence, scenario_sequences
 from cable_tracker.evaluation.experiments.ablation_rows import (
     ABLATION_TABLES,
     ROW_NAMES,
@@ -21,7 +22,6 @@ from cable_tracker.evaluation.experiments.ablation_rows import (
     check_row_names,
 )
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
-from cable_tracker.evaluation.judged_sequences import JudgedSequence, scenario_sequences
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME
 from cable_tracker.evaluation.report import format_number
@@ -60,14 +60,14 @@ class AblationExperiment:
     seeds : tuple of int
         Each makes another dive of the same kind.
     rows : tuple of str
-        What to run, keys of `ROW_NAMES`.
-    sequences : tuple of JudgedSequence
-        What to follow.
+        Rows to run, keys of `ROW_NAMES`.
+    sequences : tuple of EvaluationSequence
+        Sequences to run on.
     """
 
     seeds: tuple[int, ...]
     rows: tuple[str, ...] = ROW_NAMES
-    sequences: tuple[JudgedSequence, ...] = scenario_sequences(ABLATION_SEQUENCES)
+    sequences: tuple[EvaluationSequence, ...] = scenario_sequences(ABLATION_SEQUENCES)
 
     def __post_init__(self) -> None:
         check_row_names(self.rows)

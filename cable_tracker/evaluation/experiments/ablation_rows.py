@@ -49,9 +49,9 @@ class AblationRow:
     Attributes
     ----------
     name : str
-        What it is called in tables and on the command line.
+        Name in tables and on the command line.
     description : str
-        What is different about it, in a few words.
+        Difference from the base, in a few words.
     base : str
         Preset that the changes are made to.
     changes : mapping of str to ParameterValue
@@ -84,9 +84,9 @@ class AblationTable:
     Attributes
     ----------
     title : str
-        What they show.
+        Title of the table.
     file_name : str
-        Of the CSV file.
+        Name of the CSV file.
     rows : tuple of AblationRow
         In order.
     """
@@ -144,7 +144,7 @@ TAKEN_AWAY = AblationTable(
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """What a row takes over from `default`, and what it switches off until a later one."""
+    """Parameters that a row takes from `default`, and those it switches off until a later row."""
 
     name: str
     description: str

@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.evaluation.experiments.flights import (
+from cable_tracker.evaluation.experiments.simulated_vehicle import (
     InstrumentNoise,
     SimulatedVehicle,
     simulated_vehicle,
@@ -92,7 +92,7 @@ class AidedMethod(ParticleFilterMethod):
     vehicle : SimulatedVehicle
         Whose odometry it hears.
     fault : OdometryFault
-        What is wrong with that.
+        Fault of the odometry.
     """
 
     def __init__(
@@ -131,15 +131,15 @@ class AidedFilter:
     Attributes
     ----------
     name : str
-        What it is called in results.
+        Name of the method in results.
     parameters : TrackerParameters
         All of them; the seed is that of the run.
     scenario : str
         Whose vehicle.
     fault : OdometryFault
-        What is wrong with its odometry.
+        Fault of the odometry.
     noise : InstrumentNoise
-        How wrong its instruments are otherwise.
+        Noise of its instruments.
     """
 
     name: str

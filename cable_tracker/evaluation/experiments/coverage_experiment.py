@@ -12,12 +12,12 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
-from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
-from cable_tracker.evaluation.judged_sequences import (
-    JudgedSequence,
+from cable_tracker.evaluation.evaluation_sequences import (
+    EvaluationSequence,
     available_worlds,
     scenario_sequences,
 )
+from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.metrics.consistency import (
     REGION_NEES,
     coverage,
@@ -63,15 +63,15 @@ class SequenceGroup:
     Attributes
     ----------
     name : str
-        What they are called together.
-    sequences : tuple of JudgedSequence
+        Name of the group of sequences.
+    sequences : tuple of EvaluationSequence
         At least one.
     notes : tuple of str
-        What the reader is to know of them.
+        Remarks below the table.
     """
 
     name: str
-    sequences: tuple[JudgedSequence, ...]
+    sequences: tuple[EvaluationSequence, ...]
     notes: tuple[str, ...] = ()
 
 

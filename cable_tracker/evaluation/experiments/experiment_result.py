@@ -12,7 +12,7 @@ TABLE_CSV, TABLE_MARKDOWN = "table.csv", "table.md"
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class FigureFile:
     """A figure as a PNG file."""
 
     file_name: str
@@ -57,13 +57,13 @@ class ExperimentResult:
         Title of the experiment.
     tables : tuple of ResultTable
         Tables of numbers, each with a file name of its own.
-    pictures : tuple of Picture
+    pictures : tuple of FigureFile
         The figures.
     """
 
     title: str
     tables: tuple[ResultTable, ...]
-    pictures: tuple[Picture, ...] = ()
+    pictures: tuple[FigureFile, ...] = ()
 
     def file_names(self) -> tuple[str, ...]:
         """Return the names of all files that `write_experiment` writes."""

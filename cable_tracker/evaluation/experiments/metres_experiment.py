@@ -13,18 +13,18 @@ from cable_tracker.cable.model.geometry import wrap_angle
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import Workers
+from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.evaluation.experiments.aided import AidedFilter
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
-from cable_tracker.evaluation.experiments.flights import (
+from cable_tracker.evaluation.experiments.simulated_vehicle import (
     LOOK_AHEAD,
     InstrumentNoise,
     SimulatedVehicle,
     simulated_vehicle,
 )
-from cable_tracker.evaluation.judged_sequences import ScenarioSequence
+from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metrics.errors import state_errors
-from cable_tracker.evaluation.off_cable import is_off_cable
 from cable_tracker.evaluation.report import median_and_range
 from cable_tracker.evaluation.spread import spread_of
 from cable_tracker.metric.cross_track import CrossTrack
@@ -118,9 +118,9 @@ class MetresExperiment:
     seeds : tuple of int
         Each makes another dive of the same kind.
     sequences : tuple of ScenarioSequence
-        What to follow.
+        Sequences to run on.
     noise : InstrumentNoise
-        How wrong altimeter and imu are.
+        Noise of altimeter and imu.
     """
 
     seeds: tuple[int, ...]

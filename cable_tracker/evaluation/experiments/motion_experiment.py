@@ -10,9 +10,9 @@ import numpy as np
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import Workers
+from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
-from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
 from cable_tracker.evaluation.report import format_number, median_and_range
@@ -119,7 +119,7 @@ class MotionExperiment:
     seeds : tuple of int
         Each makes another dive of the same kind.
     sequences : tuple of ScenarioSequence
-        What to follow.
+        Sequences to run on.
     settings : tuple of MotionSetting
         The rows.
     """

@@ -10,13 +10,13 @@ from cable_tracker.arrays import BoolArray
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence, available_worlds
 from cable_tracker.evaluation.experiments.experiment_result import (
     ExperimentResult,
-    Picture,
+    FigureFile,
     ResultTable,
 )
 from cable_tracker.evaluation.figures import as_png, curves_figure
-from cable_tracker.evaluation.judged_sequences import JudgedSequence, available_worlds
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
@@ -78,17 +78,17 @@ class RocExperiment:
     ----------
     seeds : tuple of int
         Seeds; each makes another dive through each world.
-    sequences : tuple of JudgedSequence or None
+    sequences : tuple of EvaluationSequence or None
         Sequences to follow; None: the worlds to report on.
     limit : int or None
         Number of frames used of each of these; None: all.
     """
 
     seeds: tuple[int, ...]
-    sequences: tuple[JudgedSequence, ...] | None = None
+    sequences: tuple[EvaluationSequence, ...] | None = None
     limit: int | None = None
 
-    def _available(self) -> tuple[tuple[JudgedSequence, ...], tuple[str, ...]]:
+    def _available(self) -> tuple[tuple[EvaluationSequence, ...], tuple[str, ...]]:
         if self.sequences is not None:
             return self.sequences, ()
         return available_worlds(worlds_of(Split.REPORT), self.limit)
@@ -122,7 +122,7 @@ class RocExperiment:
         return ExperimentResult(
             "Useful frames against wrong claims over the thresholds, from cold starts",
             (ResultTable(HEADINGS, tuple(rows), notes=notes),),
-            (Picture("roc.png", as_png(figure)),),
+            (FigureFile("roc.png", as_png(figure)),),
         )
 
 

@@ -13,8 +13,8 @@ from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.evaluation_sequences import StripSequence
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
-from cable_tracker.evaluation.judged_sequences import StripSequence
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 
@@ -44,7 +44,7 @@ class StripsExperiment:
     methods : tuple of str
         Keys of `METHODS`.
     sequence : StripSequence
-        What is shown.
+        Sequence of strips to run on.
     strips_per_seed : int
         Strips drawn for each seed.
     """

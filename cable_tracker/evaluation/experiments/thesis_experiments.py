@@ -14,11 +14,16 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.evaluation_sequences import (
+    EvaluationSequence,
+    ScenarioSequence,
+    scenario_sequences,
+)
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.coverage_experiment import CoverageExperiment
 from cable_tracker.evaluation.experiments.experiment_result import (
     ExperimentResult,
-    Picture,
+    FigureFile,
     ResultTable,
 )
 from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment
@@ -26,14 +31,9 @@ from cable_tracker.evaluation.experiments.motion_experiment import MotionExperim
 from cable_tracker.evaluation.experiments.roc_experiment import RocExperiment
 from cable_tracker.evaluation.experiments.strips_experiment import StripsExperiment
 from cable_tracker.evaluation.figures import as_png, curves_figure, trace_figure
-from cable_tracker.evaluation.judged_sequences import (
-    JudgedSequence,
-    ScenarioSequence,
-    scenario_sequences,
-)
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME, metric_spread
-from cable_tracker.evaluation.metrics.starts import (
+from cable_tracker.evaluation.metrics.initialisation import (
     START_FRAMES,
     StartOutcome,
     StartStatistics,
@@ -86,13 +86,13 @@ class SequenceExperiment:
         Each makes another dive of the same kind.
     methods : tuple of str
         Keys of `METHODS`.
-    sequences : tuple of JudgedSequence
-        What to follow.
+    sequences : tuple of EvaluationSequence
+        Sequences to run on.
     """
 
     seeds: tuple[int, ...]
     methods: tuple[str, ...] = THESIS_METHODS
-    sequences: tuple[JudgedSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
+    sequences: tuple[EvaluationSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
 
     def _campaign(self) -> Campaign:
         return Campaign(self.methods, self.sequences, self.seeds, Start.TRUTH)
@@ -123,10 +123,10 @@ class SequenceExperiment:
         )
 
 
-def _sequence_picture(results: Sequence[RunResult]) -> Picture:
+def _sequence_picture(results: Sequence[RunResult]) -> FigureFile:
     first = [chosen(results, method=method)[0] for method in methods_of(results)]
     figure = trace_figure([(f"{run.sequence}, {run.method}", run.trace) for run in first])
-    return Picture(f"sequence_{results[0].sequence}.png", as_png(figure))
+    return FigureFile(f"sequence_{results[0].sequence}.png", as_png(figure))
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +141,7 @@ class ReinitialisationExperiment:
 
     seeds: tuple[int, ...]
     methods: tuple[str, ...] = THESIS_METHODS
-    sequences: tuple[JudgedSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
+    sequences: tuple[EvaluationSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
 
     def _campaign(self) -> Campaign:
         return Campaign(self.methods, self.sequences, self.seeds, Start.RANDOM, RESTART_FRAMES)
@@ -172,7 +172,7 @@ class ReinitialisationExperiment:
                     "clear_starts.csv",
                 ),
             ),
-            (Picture("reinitialisation.png", as_png(figure)),),
+            (FigureFile("reinitialisation.png", as_png(figure)),),
         )
 
     def _table(
@@ -262,14 +262,14 @@ class SpeedExperiment:
     ----------
     seeds : tuple of int
         Each makes another dive of the same kind.
-    sequence : JudgedSequence
-        What to follow.
+    sequence : EvaluationSequence
+        Sequence to run on.
     particles, taps : tuple of int
-        What to combine.
+        Numbers of particles and of filter taps; all combinations are run.
     """
 
     seeds: tuple[int, ...]
-    sequence: JudgedSequence = SPEED_SEQUENCE
+    sequence: EvaluationSequence = SPEED_SEQUENCE
     particles: tuple[int, ...] = SPEED_PARTICLES
     taps: tuple[int, ...] = SPEED_TAPS
 
@@ -298,7 +298,7 @@ class SpeedExperiment:
         return ExperimentResult(
             "Time per frame against particles and filter size (thesis, section 5.2.5, Table 5.3)",
             (ResultTable(SPEED_HEADINGS, rows),),
-            (Picture("speed.png", as_png(figure)),),
+            (FigureFile("speed.png", as_png(figure)),),
         )
 
     def _run(

@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.off_cable import is_outside_borders
+from cable_tracker.evaluation.failure_criteria import is_outside_borders
 from cable_tracker.evaluation.trace import COMPONENTS
 from cable_tracker.sequences.estimates import EstimateRow
 
@@ -25,7 +25,7 @@ class ErrorStatistics:
     bias, rmse : FloatArray
         Mean and root mean square of estimate minus truth.
     median, percentile_95 : FloatArray
-        Of the absolute errors.
+        Median and 95th percentile of the absolute errors, shape (4,) [px, rad].
     """
 
     bias: FloatArray
@@ -43,9 +43,9 @@ class ErrorSummary:
     labelled : int
         Frames with ground truth.
     claimed : int
-        Those of them in which the tracker claimed a cable.
+        Number of these frames with a claimed cable.
     errors : ErrorStatistics
-        Over the latter.
+        Errors of the claimed frames.
     share_off : float
         Share of the claimed frames in which the estimate `is_outside_borders`; NaN if none was
         claimed.

@@ -44,7 +44,7 @@ class LossStatistics:
     longest_frames : float
         Frames of the longest loss.
     longest_seconds : float
-        Its duration [s].
+        Duration of the longest loss [s].
     recovery_seconds : float
         Mean duration of the losses that were recovered from [s]; NaN if there was none.
     unrecovered : float

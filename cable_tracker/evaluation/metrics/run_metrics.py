@@ -12,9 +12,9 @@ from cable_tracker.evaluation.metrics.consistency import (
     consistency_statistics,
 )
 from cable_tracker.evaluation.metrics.errors import ErrorStatistics, error_statistics
+from cable_tracker.evaluation.metrics.initialisation import StartStatistics, start_statistics
 from cable_tracker.evaluation.metrics.losses import LossStatistics, loss_statistics
-from cable_tracker.evaluation.metrics.returns import ReturnStatistics, return_statistics
-from cable_tracker.evaluation.metrics.starts import StartStatistics, start_statistics
+from cable_tracker.evaluation.metrics.redetection import ReturnStatistics, return_statistics
 from cable_tracker.evaluation.trace import Trace
 
 
@@ -29,7 +29,7 @@ class RunMetrics:
     errors : ErrorStatistics
         Over all visible frames, also those in which the mean is off or not claimed.
     held_errors : ErrorStatistics
-        Over the visible frames in which the mean is not off, claimed or not.
+        Errors of the visible frames in which the mean is not off, claimed or not.
     loss, claims, consistency, returns, start : see there
         `start` is None where the method was told where the cable is.
     ms_median, ms_95 : float

@@ -30,7 +30,7 @@ class ChaseRow:
     Attributes
     ----------
     time : float
-        Since the start [s].
+        Time since the start [s].
     distance : float
         To the target, in truth [m].
     is_visible : bool
@@ -38,7 +38,7 @@ class ChaseRow:
     is_claimed : bool
         Whether the tracker claims it.
     range, range_sigma : float
-        What it says of the distance; NaN where it says nothing [m].
+        Estimated distance and its standard deviation; NaN without an estimate [m].
     off : float
         Distance between the place that is told and the true one [m]; NaN likewise.
     """
@@ -59,9 +59,9 @@ class ChaseSummary:
     Attributes
     ----------
     seconds : float
-        Its length [s].
+        Duration of the run [s].
     frames : int
-        How many.
+        Number of frames.
     mean_distance, worst_distance : float
         In truth [m].
     kept : float
@@ -69,7 +69,7 @@ class ChaseSummary:
     claimed_in_view, claimed_while_absent : float
         Shares of the frames with and without something of the target to be seen.
     times_hidden, times_found_again : int
-        How often it went out of view, and how often it was claimed soon after it came back.
+        Numbers of disappearances, and of those after which it was soon claimed again.
     range_error : float
         Median of the relative error of the range.
     within_two_sigmas : float

@@ -15,7 +15,7 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.targets.metrics import (
-    JudgedClaim,
+    EvaluatedClaim,
     centred,
     claimed_in_view,
     claimed_while_absent,
@@ -24,7 +24,7 @@ from cable_tracker.evaluation.targets.metrics import (
     success,
 )
 from cable_tracker.evaluation.targets.peers import PEERS, BoxTracker
-from cable_tracker.evaluation.targets.target_sequences import JudgedPicture, TargetSequence
+from cable_tracker.evaluation.targets.target_sequences import TargetEvaluationFrame, TargetSequence
 from cable_tracker.target.model.estimate import Box
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -47,7 +47,7 @@ class OwnTracker:
     Parameters
     ----------
     parameters : TargetParameters
-        Of the tracker.
+        Parameters of the tracker.
     """
 
     def __init__(self, parameters: TargetParameters) -> None:
@@ -93,7 +93,7 @@ class RunFigures:
     scenario : str
         Name of the scenario, or of the recording.
     seed : int
-        Of the run.
+        Seed of the run.
     method : str
         Name.
     values : tuple of float
@@ -106,7 +106,7 @@ class RunFigures:
     values: tuple[float, ...]
 
 
-class Follower:
+class TargetMethodRun:
     """One method, from the first frame that shows the target.
 
     Parameters
@@ -118,7 +118,7 @@ class Follower:
 
     Attributes
     ----------
-    claims : list of JudgedClaim
+    claims : list of EvaluatedClaim
         Claims in the frames that count.
     """
 
@@ -126,9 +126,9 @@ class Follower:
         self._is_grey = method.startswith(f"{GREY} ")
         self._tracker = tracker
         self._has_begun = False
-        self.claims: list[JudgedClaim] = []
+        self.claims: list[EvaluatedClaim] = []
 
-    def see(self, frame: JudgedPicture) -> None:
+    def see(self, frame: TargetEvaluationFrame) -> None:
         """Take one frame; those before the first that shows the target are passed over."""
         if not self._has_begun and frame.truth is None:
             return
@@ -144,7 +144,7 @@ class Follower:
             self._has_begun = True
         ms = (time.process_time() - begin) * 1e3
         if frame.is_judged:
-            self.claims.append(JudgedClaim(frame.truth, claim, frame.twin, ms))
+            self.claims.append(EvaluatedClaim(frame.truth, claim, frame.twin, ms))
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,9 +154,9 @@ class TargetTask:
     Attributes
     ----------
     sequence : TargetSequence
-        What is followed.
+        Sequence to run on.
     seed : int
-        Of the simulation and of our filters.
+        Seed of the simulation and of our filters.
     methods : tuple of str
         Names, see `method_names`, or of `tuned`.
     tuned : tuple of (str, TargetParameters)
@@ -172,7 +172,9 @@ class TargetTask:
         """Follow the target with every method."""
         tuned = dict(self.tuned)
         followers = {
-            name: Follower(name, make_method(name.removeprefix(f"{GREY} "), self.seed, tuned))
+            name: TargetMethodRun(
+                name, make_method(name.removeprefix(f"{GREY} "), self.seed, tuned)
+            )
             for name in self.methods
         }
         for frame in self.sequence.pictures(self.seed):
@@ -186,7 +188,7 @@ class TargetTask:
         ]
 
 
-def figures_of(claims: Sequence[JudgedClaim]) -> tuple[float, ...]:
+def figures_of(claims: Sequence[EvaluatedClaim]) -> tuple[float, ...]:
     """Return the figures of a run, in the order of `FIGURES`."""
     has_twin = any(claim.twin for claim in claims)
     found = returns_found(claims)

@@ -21,17 +21,17 @@ OWN_FRAMES = 20
 
 
 @dataclass(frozen=True, slots=True)
-class JudgedClaim:
+class EvaluatedClaim:
     """One frame of a run.
 
     Attributes
     ----------
     truth : Box or None
-        Of what can be seen of the target; None while it is out of view.
+        True box of the visible part of the target [px]; None while it is out of view.
     claim : Box or None
         None where no target is claimed.
     twin : Box or None
-        Of another target that looks the same.
+        True box of a second target of the same appearance [px].
     ms : float
         Processor time [ms].
     """
@@ -55,12 +55,12 @@ def overlap(one: Box | None, two: Box | None) -> float:
     return both / (areas - both)
 
 
-def success(claims: Sequence[JudgedClaim]) -> float:
+def success(claims: Sequence[EvaluatedClaim]) -> float:
     """Return the share of frames in view whose box overlaps enough; NaN if none is in view."""
     return _share([overlap(c.truth, c.claim) > ENOUGH_OVERLAP for c in claims if c.truth])
 
 
-def centred(claims: Sequence[JudgedClaim]) -> float:
+def centred(claims: Sequence[EvaluatedClaim]) -> float:
     """Return the share of frames in view whose box is centred within half the target's size.
 
     The size is the mean of width and height. NaN if none is in view.
@@ -76,17 +76,17 @@ def _is_centred(truth: Box, claim: Box | None) -> bool:
     return math.hypot(across, down) < size / 2.0
 
 
-def claimed_in_view(claims: Sequence[JudgedClaim]) -> float:
+def claimed_in_view(claims: Sequence[EvaluatedClaim]) -> float:
     """Return the share of frames in view in which a target is claimed; NaN if none is."""
     return _share([c.claim is not None for c in claims if c.truth])
 
 
-def claimed_while_absent(claims: Sequence[JudgedClaim]) -> float:
+def claimed_while_absent(claims: Sequence[EvaluatedClaim]) -> float:
     """Return the share of frames without the target in which it is claimed; NaN without such."""
     return _share([c.claim is not None for c in claims if c.truth is None])
 
 
-def returns_found(claims: Sequence[JudgedClaim]) -> list[bool]:
+def returns_found(claims: Sequence[EvaluatedClaim]) -> list[bool]:
     """Return, for every return into view, whether the target was found in time."""
     found = []
     for index in range(1, len(claims)):
@@ -96,7 +96,7 @@ def returns_found(claims: Sequence[JudgedClaim]) -> list[bool]:
     return found
 
 
-def keeps_its_own(claims: Sequence[JudgedClaim]) -> float:
+def keeps_its_own(claims: Sequence[EvaluatedClaim]) -> float:
     """Return the share of the last frames whose box is the target's rather than its twin's."""
     last = [c for c in claims[-OWN_FRAMES:] if c.truth and c.twin]
     return _share([overlap(c.truth, c.claim) > overlap(c.twin, c.claim) for c in last])

@@ -17,7 +17,7 @@ from cable_tracker.target.model.estimate import Box
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class JudgedPicture:
+class TargetEvaluationFrame:
     """A frame, decoded, with what is known about it.
 
     Attributes
@@ -27,9 +27,9 @@ class JudgedPicture:
     stamp : int
         Time of the frame [ns].
     truth : Box or None
-        Of what can be seen of the target; None while it is out of view, or not known.
+        True box of the visible part of the target [px]; None while out of view, or unknown.
     twin : Box or None
-        Of another target that looks the same.
+        True box of a second target of the same appearance [px].
     is_judged : bool
         Whether claims of this frame count.
     """
@@ -46,14 +46,14 @@ class TargetSequence(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is called in reports."""
+        """Name of the sequence in reports."""
         ...
 
     def frame_count(self) -> int | None:
         """Return the number of frames; None if it is unknown before all have been read."""
         ...
 
-    def pictures(self, seed: int) -> Iterator[JudgedPicture]:
+    def pictures(self, seed: int) -> Iterator[TargetEvaluationFrame]:
         """Make or read the frames."""
         ...
 
@@ -65,7 +65,7 @@ class SimulatedTarget:
     Attributes
     ----------
     name : str
-        Of the scenario.
+        Name of the scenario.
     length : int
         Number of frames.
     """
@@ -77,10 +77,10 @@ class SimulatedTarget:
         """Return the number of frames."""
         return self.length
 
-    def pictures(self, seed: int) -> Iterator[JudgedPicture]:
+    def pictures(self, seed: int) -> Iterator[TargetEvaluationFrame]:
         """Simulate the run of a seed."""
         for frame in simulate_target(self.name, seed, self.length):
-            yield JudgedPicture(frame.image, frame.stamp, frame.box, frame.twin_box)
+            yield TargetEvaluationFrame(frame.image, frame.stamp, frame.box, frame.twin_box)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +99,7 @@ class RecordedTarget(LabelledRecording):
             find_boxes(source, self.truth)
             return source.frame_count
 
-    def pictures(self, seed: int) -> Iterator[JudgedPicture]:
+    def pictures(self, seed: int) -> Iterator[TargetEvaluationFrame]:
         """Read the recording.
 
         Raises
@@ -117,7 +117,7 @@ class RecordedTarget(LabelledRecording):
                 shown += box is not None
                 is_judged = truth.knows(frame) or self.unlabelled_is_empty
                 image = decode_bgr(frame.image)
-                yield JudgedPicture(image, frame.stamp, box, is_judged=is_judged)
+                yield TargetEvaluationFrame(image, frame.stamp, box, is_judged=is_judged)
         if not shown:
             raise RecordingError(
                 f"{self.path}: no frame has a box; label at least the one to start from"

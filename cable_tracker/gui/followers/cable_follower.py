@@ -13,12 +13,12 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.pair_limits import pair_limits
-from cable_tracker.evaluation.tracking.track_recording import initial_state_for, start_from
 from cable_tracker.gui.followers.follower import BLANK, Follower
 from cable_tracker.gui.session import AnyStart, Snapshot
 from cable_tracker.gui.subject import CABLE
 from cable_tracker.metric.recorded import RecordedMetres
 from cable_tracker.metric.withheld import Reason, Withheld
+from cable_tracker.offline.track_recording import initial_state_for, start_from
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable_particles import cloud_of
@@ -38,9 +38,9 @@ class CableFollower(Follower):
     source : Source
         The recording.
     init : str
-        Where to start in it.
+        Initialisation: `random`, `truth`, a detector's name, or `d,alpha,w,beta` [px, rad].
     parameters : TrackerParameters
-        Those to begin with.
+        Initial parameters of the tracker.
     metres : RecordedMetres or None
         The recording's instruments; None: everything stays in pixels.
 

@@ -35,11 +35,11 @@ def make_follower(
     source : Source
         The recording.
     request : RecordingRequest
-        How it was opened.
+        Request that opened the recording.
     parameters : TrackerParameters or TargetParameters
-        Those to begin with.
+        Initial parameters of the tracker.
     vehicle : RecordedVehicle or None
-        Its instruments, for a cable in metres.
+        Instruments of the recording, for a cable in metres.
 
     Raises
     ------

@@ -41,7 +41,7 @@ class Follower(ABC):
     Attributes
     ----------
     subject : Subject
-        What is followed.
+        Description of the tracked object for the page.
     """
 
     subject: Subject

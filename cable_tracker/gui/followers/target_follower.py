@@ -31,11 +31,11 @@ class TargetFollower(Follower):
     Parameters
     ----------
     init : str
-        Where to start: `wait` for a mark, `detect`, or `x0,y0,x1,y1` [px].
+        Initialisation: `wait` for a mark, `detect`, or `x0,y0,x1,y1` [px].
     parameters : TargetParameters
-        Those to begin with.
+        Initial parameters of the tracker.
     truth : BoxTruth
-        Where the target really is, as far as that is known.
+        True boxes of the labelled frames [px].
 
     Raises
     ------

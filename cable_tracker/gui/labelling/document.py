@@ -16,7 +16,7 @@ Changes: TypeAlias = Mapping[int, FrameLabel | None]
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """What undo takes back.
+    """One undoable change of the labels.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class LabelDocument:
     Parameters
     ----------
     labels : Labels
-        What to start with.
+        Initial labels.
     stamps : mapping
         Times of frames [ns], as far as they are known.
     """
@@ -74,7 +74,7 @@ class LabelDocument:
         Parameters
         ----------
         frame : int
-            Where the user is; undo leads back here.
+            Current frame; undo leads back to it.
         changes : Changes
             New labels.
         merges : bool

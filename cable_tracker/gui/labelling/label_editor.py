@@ -48,9 +48,9 @@ class LabelEditor(FrameCanvas, component="label_editor.js"):
     Parameters
     ----------
     channel : FrameChannel
-        Where its pictures come from.
+        Source of the pictures.
     recording : str
-        What is labelled; the browser remembers by it at which frame it was.
+        Name of the recording; key under which the browser stores the current frame.
     """
 
     def __init__(self, channel: FrameChannel, recording: str) -> None:

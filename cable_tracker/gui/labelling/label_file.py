@@ -98,7 +98,7 @@ def read_label_file(path: Path, names: FrameNames, *, allow_outside: bool = Fals
     path : Path
         The label file; the flags lie beside it.
     names : FrameNames
-        What the frames of the recording are called.
+        File name and number of each frame of the recording.
     allow_outside : bool
         Whether it may name files outside its folder.
 
@@ -197,9 +197,9 @@ def write_atomically(path: Path, text: str, *, waits: bool = True) -> None:
     Parameters
     ----------
     path : Path
-        Where it is to lie; a link is followed.
+        Path to write to; a link is followed.
     text : str
-        What it is to hold.
+        Content to write.
     waits : bool
         Whether to wait until it is on the disk, not only in its cache.
 
@@ -243,9 +243,9 @@ class LabelFile:
     Parameters
     ----------
     path : Path
-        Where it lies, or will.
+        Path of the label file, which may not exist yet.
     names : FrameNames
-        What the frames of the recording are called.
+        File name and number of each frame of the recording.
     allow_outside : bool
         Whether it may name files outside its folder.
     """
@@ -270,7 +270,7 @@ class LabelFile:
         Parameters
         ----------
         content : FileContent
-            What it is to say.
+            Content to write.
         overwrite : bool
             Whether labels of another program or user may be lost.
 

@@ -34,7 +34,7 @@ LARGEST_LENGTH = 1e5
 
 
 class Origin(str, Enum):
-    """Where the state of a label comes from."""
+    """Origin of a label's state."""
 
     HAND = "hand"
     """A person has drawn or corrected it."""
@@ -55,7 +55,7 @@ class FrameLabel:
     state : CableState or None
         d, alpha, w, beta [px, rad], the rates zero; None: no cable is in view.
     origin : Origin
-        Where that comes from.
+        Origin of the state.
     """
 
     state: CableState | None
@@ -195,9 +195,9 @@ def filled_gap(labels: Labels, gap: Gap, stamps: Mapping[int, int]) -> dict[int,
     Parameters
     ----------
     labels : Labels
-        Where the key frames are.
+        Labels with the key frames at both ends of the gap.
     gap : Gap
-        What is to be filled.
+        Gap between labelled frames to interpolate.
     stamps : mapping
         Times of frames [ns]. Where one is missing, or time stands still, the frames count as
         equally far apart.

@@ -96,7 +96,7 @@ class PictureNames:
     Parameters
     ----------
     folder : Path
-        Where the pictures lie.
+        Folder of the pictures.
     pictures : sequence of str
         Their names, in the order of the frames.
     """
@@ -127,7 +127,7 @@ class EntryNames:
     sequence : Path
         The sequence file.
     entries : sequence of Label
-        What it lists.
+        Entries of the sequence file.
     """
 
     def __init__(self, sequence: Path, entries: Sequence[Label]) -> None:

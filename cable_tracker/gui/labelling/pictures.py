@@ -32,13 +32,13 @@ class Picture:
     frame : int
         Number of the frame.
     stamp : int
-        Its time [ns].
+        Time of the frame [ns].
     size : (int, int)
         Width and height [px].
     jpeg : memoryview
         The JPEG file.
     trouble : str
-        Why the picture cannot be shown; empty if it can.
+        Reason why the picture cannot be shown; empty if it can.
     """
 
     frame: int
@@ -56,7 +56,7 @@ class Pictures:
     access : FrameAccess
         The recording.
     kept_bytes : int
-        How many bytes of JPEG files are kept.
+        Capacity of the cache of JPEG files [bytes].
     """
 
     def __init__(self, access: FrameAccess, kept_bytes: int = KEPT_BYTES) -> None:

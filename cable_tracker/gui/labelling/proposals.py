@@ -1,4 +1,4 @@
-"""Where the tracker, or a detector, believes the cable to be in a frame."""
+"""Proposed labels: the tracker's or a detector's estimate in a frame."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ DETECTOR = "hough"
 
 
 @dataclass(frozen=True, slots=True)
-class Proposal:
+class LabelProposal:
     """Proposed label of one frame.
 
     Attributes
@@ -58,7 +58,7 @@ class Proposer:
     read : callable
         Returns a frame by its number; see `FrameAccess.frame`.
     parameters : TrackerParameters
-        Of the tracker.
+        Parameters of the tracker.
     """
 
     def __init__(self, read: Callable[[int], Frame], parameters: TrackerParameters) -> None:
@@ -68,7 +68,7 @@ class Proposer:
 
     def propose(
         self, frame: int, labels: Labels, stopped: Callable[[], bool] = lambda: False
-    ) -> Proposal:
+    ) -> LabelProposal:
         """Propose a label.
 
         The tracker starts at the last labelled frame before, if a cable is labelled there and it is
@@ -80,7 +80,7 @@ class Proposer:
         frame : int
             Number of the frame.
         labels : Labels
-            What is labelled.
+            Labels so far.
         stopped : callable
             Tells whether the answer is no longer wanted.
 
@@ -90,7 +90,7 @@ class Proposer:
             There is no such frame.
         """
         if stopped():
-            return Proposal(frame, None, "stopped")
+            return LabelProposal(frame, None, "stopped")
         start = max((number for number in labels if number < frame), default=None)
         if start is not None and frame - start <= MOST_FRAMES and labels[start].state is not None:
             return self._track(start, frame, labels, stopped)
@@ -98,25 +98,25 @@ class Proposer:
 
     def _track(
         self, start: int, frame: int, labels: Labels, stopped: Callable[[], bool]
-    ) -> Proposal:
+    ) -> LabelProposal:
         tracker = make_tracker(self._parameters)
         tracker.initialise(GivenState.around(self._moving_state(start, labels)))
         estimate = None
         for number in range(start, frame + 1):
             if stopped():
-                return Proposal(frame, None, "stopped")
+                return LabelProposal(frame, None, "stopped")
             try:
                 estimate = _process(tracker, self._read(number))
             except FrameError as error:
                 estimate = None
                 if number == frame:
-                    return Proposal(frame, None, str(error))
+                    return LabelProposal(frame, None, str(error))
         words = f"tracked from frame {start}"
         if estimate is not None and estimate.status is TrackingStatus.TRACKING:
-            return Proposal(frame, at_rest(estimate.state), words)
+            return LabelProposal(frame, at_rest(estimate.state), words)
         if estimate is not None and frame - start <= MOST_FRAMES_IN_DOUBT:
-            return Proposal(frame, at_rest(estimate.state), f"{words}, in doubt")
-        return Proposal(frame, None, f"the tracker has lost the cable since frame {start}")
+            return LabelProposal(frame, at_rest(estimate.state), f"{words}, in doubt")
+        return LabelProposal(frame, None, f"the tracker has lost the cable since frame {start}")
 
     def _moving_state(self, start: int, labels: Labels) -> CableState:
         """Return the state of a label, with the rates that the label one frame before implies."""
@@ -132,21 +132,21 @@ class Proposer:
         rates = (now - then)[:2] / seconds
         return replace(state, distance_rate=float(rates[0]), angle_rate=float(rates[1]))
 
-    def _detect(self, frame: int) -> Proposal:
+    def _detect(self, frame: int) -> LabelProposal:
         picture = self._read(frame)
         try:
             grey = decode_grey(picture.image)
             found = self._detector.detect(grey)
         except FrameError as error:
-            return Proposal(frame, None, str(error))
+            return LabelProposal(frame, None, str(error))
         if not found:
-            return Proposal(frame, None, "no cable was detected")
+            return LabelProposal(frame, None, "no cable was detected")
         tracker = make_tracker(self._parameters)
         tracker.initialise(GivenState.around(found[0].state, is_guess=True))
         estimate = tracker.process(grey, picture.stamp)
         if estimate.status is not TrackingStatus.TRACKING:
-            return Proposal(frame, at_rest(found[0].state), "detected in this frame, in doubt")
-        return Proposal(frame, at_rest(estimate.state), "detected in this frame")
+            return LabelProposal(frame, at_rest(found[0].state), "detected in this frame, in doubt")
+        return LabelProposal(frame, at_rest(estimate.state), "detected in this frame")
 
 
 def at_rest(state: CableState) -> CableState:

@@ -84,7 +84,7 @@ class LabelPage:
     Parameters
     ----------
     server : LabelServer
-        What it shares with the others.
+        State shared by all windows of the server.
     """
 
     def __init__(self, server: LabelServer) -> None:

@@ -21,7 +21,7 @@ from cable_tracker.gui.labelling.label_file import FileContent, LabelFile
 from cable_tracker.gui.labelling.labels import FrameLabel, Gap, Labels
 from cable_tracker.gui.labelling.names import names_of
 from cable_tracker.gui.labelling.pictures import Picture, Pictures
-from cable_tracker.gui.labelling.proposals import Proposal, Proposer
+from cable_tracker.gui.labelling.proposals import LabelProposal, Proposer
 from cable_tracker.sequences.frame_access import FrameAccess
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.sequence_file import SequenceFileSource
@@ -52,7 +52,7 @@ class Workspace:
     source : Source
         An open recording.
     path : Path
-        Its label file, which may not exist yet.
+        Label file, which may not exist yet.
     allow_outside : bool
         Whether label files may name files outside their folder.
 
@@ -61,7 +61,7 @@ class Workspace:
     autosaved : Labels or None
         Unsaved labels of an earlier run, until the user has said what is to become of them.
     trouble : str
-        Why labels cannot be kept safe at the moment; empty if they can.
+        Reason why labels cannot be saved at the moment; empty if they can.
 
     Raises
     ------
@@ -160,7 +160,7 @@ class Workspace:
 
     def propose(
         self, frame: int, labels: Labels, is_awaited: Callable[[], bool] = lambda: True
-    ) -> Proposal:
+    ) -> LabelProposal:
         """Propose a label, given copied labels; see `Proposer.propose`."""
         return self._proposer.propose(
             frame, labels, lambda: self.stopped.is_set() or not is_awaited()

@@ -65,7 +65,7 @@ class LiveSession(SnapshotFeed):
     Parameters
     ----------
     namespace : str
-        Of the node; "/" or empty for none.
+        Namespace of the node; "/" or empty for none.
 
     Raises
     ------

@@ -116,7 +116,7 @@ class LiveConnection:
     Attributes
     ----------
     topics : LiveTopics or None
-        Those that are listened to.
+        Subscriptions to the node's outputs; None before a node was found.
     start : Publisher or None
         None while the node takes no start.
     """

@@ -125,7 +125,7 @@ def track_in_lockstep(
     source : Source
         The same recording, open in this process.
     nodes : LockstepNodes
-        What is started.
+        Node group with tracker and replay, to be started.
     take : callable
         Called with each frame and what the tracker published about it; returns its state.
     advance : callable

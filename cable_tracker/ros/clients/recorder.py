@@ -51,7 +51,7 @@ class RecordedFrame:
     status : str
         The frame's status.
     diagnostics : sequence of bytes
-        Those that came since the frame before.
+        Serialised DiagnosticArray messages received since the frame before.
     """
 
     messages: Mapping[NodeTopic, bytes]
@@ -180,7 +180,7 @@ def spin_until(
     executor : SingleThreadedExecutor
         Runs the callbacks.
     condition : callable
-        What is waited for.
+        Predicate that ends the spinning once it returns True.
     timeout : float
         For how long [s].
     complaint : callable

@@ -11,9 +11,9 @@ from cable_tracker.cable.model.initial_state_text import RANDOM, format_initial_
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
 from cable_tracker.errors import RecordingError
-from cable_tracker.evaluation.tracking.result_folder import ResultFolder
 from cable_tracker.metric.messages import METRES_KEYS, NO_METRES_KEY, has_metres
 from cable_tracker.metric.recorded import RecordedVehicle
+from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.ros.clients.lockstep import (
     EVERY_MEASUREMENT,
     LockstepNodes,
@@ -33,7 +33,7 @@ from cable_tracker.sequences.source import Source
 
 
 @dataclass(frozen=True, slots=True)
-class RecordingRequest:
+class CableTrackingRequest:
     """Which recording to track, and how, in words that the nodes understand.
 
     Attributes
@@ -43,7 +43,7 @@ class RecordingRequest:
     parameters : TrackerParameters
         Parameters of the filter.
     initial_state : CableState or None
-        Where to start; None for random.
+        Initial state; None: random initialisation.
     vehicle : RecordedVehicle or None
         With its instruments; None: everything stays in pixels.
     """
@@ -56,7 +56,7 @@ class RecordingRequest:
 
 def track_recording_over_ros(
     source: Source,
-    request: RecordingRequest,
+    request: CableTrackingRequest,
     results: ResultFolder,
     advance: Callable[[], None] = lambda: None,
 ) -> RecordingError | None:
@@ -69,10 +69,10 @@ def track_recording_over_ros(
     ----------
     source : Source
         The same recording, open in this process, for the pictures and the ground truth.
-    request : RecordingRequest
-        What the nodes are told.
+    request : CableTrackingRequest
+        Recording, parameters and start, as the nodes' parameters.
     results : ResultFolder
-        Where the results go.
+        Folder of results.
     advance : callable
         Called after each frame.
 
@@ -101,7 +101,7 @@ def track_recording_over_ros(
     return track_in_lockstep(source, nodes, take, advance)
 
 
-def _tracker_parameters(request: RecordingRequest) -> dict[str, ParameterValue]:
+def _tracker_parameters(request: CableTrackingRequest) -> dict[str, ParameterValue]:
     state = request.initial_state
     return {
         **request.parameters.as_mapping(),

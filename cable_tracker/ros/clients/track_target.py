@@ -8,8 +8,8 @@ from functools import partial
 from typing import ClassVar
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.evaluation.targets.target_folder import TargetFolder
-from cable_tracker.evaluation.targets.target_table import TargetRow, metres_row
+from cable_tracker.offline.target_folder import TargetFolder
+from cable_tracker.offline.target_table import TargetRow, metres_row
 from cable_tracker.ros.clients.lockstep import LockstepNodes, track_in_lockstep, write_messages
 from cable_tracker.ros.clients.recorder import RecordedFrame, Recorder
 from cable_tracker.ros.messages.announced_topics import target_topics
@@ -26,7 +26,7 @@ from cable_tracker.tracking.parameter_table import ParameterValue
 
 
 @dataclass(frozen=True, slots=True)
-class TargetRequest:
+class TargetTrackingRequest:
     """Which recording to follow a target in, and how, in words that the nodes understand.
 
     Attributes
@@ -71,7 +71,7 @@ class TargetRecorder(Recorder):
 
 def track_target_over_ros(
     source: Source,
-    request: TargetRequest,
+    request: TargetTrackingRequest,
     results: TargetFolder,
     advance: Callable[[], None] = lambda: None,
 ) -> RecordingError | None:
@@ -84,10 +84,10 @@ def track_target_over_ros(
     ----------
     source : Source
         The same recording, open in this process.
-    request : TargetRequest
-        What the nodes are told.
+    request : TargetTrackingRequest
+        Recording, parameters and start, as the nodes' parameters.
     results : TargetFolder
-        Where the results go.
+        Folder of results.
     advance : callable
         Called after each frame.
 

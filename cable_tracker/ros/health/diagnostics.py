@@ -50,9 +50,9 @@ class FrameStatistics:
         Frames that the camera sent and the node never saw; those of them that the middleware lost
         on the way. The others gave way to newer ones.
     last_bad_frame : str
-        Why the last frame was refused.
+        Reason why the last refused frame was refused.
     last_event : str
-        Why the tracker last started anew.
+        Reason of the tracker's last restart.
     """
 
     tracked: int = 0

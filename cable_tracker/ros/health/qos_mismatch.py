@@ -18,7 +18,7 @@ class InputProfile(NamedTuple):
     Attributes
     ----------
     profile : QoSProfile
-        What it asks for.
+        Requested QoS profile of the subscription.
     reliability_parameter : str
         The node's parameter that chooses its reliability; empty: none does.
     """
@@ -37,7 +37,7 @@ def input_mismatches(node: Node, topic: str, ours: InputProfile) -> list[str]:
     topic : str
         Full name of the topic.
     ours : InputProfile
-        Of our subscription.
+        QoS profile of our subscription.
     """
     return [
         f"{endpoint_name(publisher)} publishes {topic}, but"

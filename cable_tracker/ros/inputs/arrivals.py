@@ -18,7 +18,7 @@ def seconds_waited(info: Mapping[str, Any], now: int) -> float:
     Parameters
     ----------
     info : mapping
-        What rclpy passes beside the message.
+        Message info from rclpy: `received_timestamp` and sequence number.
     now : int
         The system's time [ns].
     """
@@ -48,7 +48,7 @@ class GapCounter:
         Parameters
         ----------
         info : mapping
-            What rclpy passes beside the message.
+            Message info from rclpy: `received_timestamp` and sequence number.
         count_publishers : callable
             Returns how many there are on the topic; called only where a number is missing.
         """

@@ -44,7 +44,7 @@ class CameraFrame:
     image : RawImage or CompressedPicture
         Not decoded yet.
     arrival : float
-        When it came, on the clock of `time.perf_counter` [s].
+        Time of reception, on the clock of `time.perf_counter` [s].
     """
 
     header: MessageHeader
@@ -114,9 +114,9 @@ class ImageInput:
         Parameters
         ----------
         message : bytes
-            As it came over the wire.
+            Serialised message.
         info : mapping
-            What rclpy passes beside the message.
+            Message info from rclpy: `received_timestamp` and sequence number.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""What trackers' nodes have in common that listen to the vehicle's instruments."""
+"""Subscriptions to the vehicle's instruments, shared by the tracker nodes."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.tracking.parameter_table import ParameterSpec
 
 
-class Sight(Protocol):
-    """What takes the messages: `CableSight` or `TargetSight`."""
+class InstrumentConsumer(Protocol):
+    """Consumer of instrument messages: `CableSight` or `TargetSight`."""
 
     def configure(self, values: Mapping[str, object]) -> None:
         """Take other values of all its parameters, by name."""
@@ -29,7 +29,7 @@ class Sight(Protocol):
         """Take a message of a time [ns]."""
 
 
-AnySight = TypeVar("AnySight", bound=Sight)
+AnySight = TypeVar("AnySight", bound=InstrumentConsumer)
 
 
 class InstrumentInputs(Generic[AnySight]):
@@ -44,9 +44,9 @@ class InstrumentInputs(Generic[AnySight]):
     make_sight : callable
         Makes the sight, given the default values of its parameters.
     instruments : collection of Instrument
-        What is listened to: the calibration, and instruments whose measurements have a time.
+        Instruments to subscribe to: the calibration, and those with stamped measurements.
     required : collection of Instrument
-        Those of the latter for which a frame waits also before they have spoken.
+        Stamped instruments that a frame waits for even before their first message.
     """
 
     def __init__(

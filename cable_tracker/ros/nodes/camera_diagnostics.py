@@ -29,7 +29,7 @@ class CameraDiagnostics:
     node : Node
         The node.
     statistics : FrameStatistics
-        Of the frames that came in.
+        Statistics of the received frames.
     watch : InputWatch
         Knows the last picture.
     camera : ImageInput

@@ -48,7 +48,7 @@ NO_TIME = (
 
 
 @dataclass(frozen=True, slots=True)
-class FrameOutcome:
+class FrameResult:
     """Outcome of a frame that was used.
 
     Attributes
@@ -110,7 +110,7 @@ class CameraNode(ProcessNode):
         """Start the warm-up of the code that the present parameters choose."""
         raise NotImplementedError
 
-    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameOutcome:
+    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameResult:
         """Track on a frame and publish the results.
 
         Parameters
@@ -120,9 +120,9 @@ class CameraNode(ProcessNode):
         stamp : int
             Time of the frame [ns].
         picture : Image
-            What `_decode` returned.
+            Decoded pixels, as returned by `_decode`.
         arrival : float
-            When the frame came, on the clock of `time.perf_counter` [s].
+            Time of reception, on the clock of `time.perf_counter` [s].
 
         Raises
         ------
@@ -264,7 +264,7 @@ class CameraNode(ProcessNode):
         message : bytes
             A sensor_msgs/Image or CompressedImage, serialised, as the middleware hands it over.
         info : mapping
-            What rclpy passes beside the message: time of arrival, number of the message.
+            Message info from rclpy: `received_timestamp` and sequence number.
         """
         try:
             frame = self._input.read(message, info)

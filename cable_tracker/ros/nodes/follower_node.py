@@ -11,7 +11,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from cable_tracker.example_controller.target_follower import (
     FollowMode,
     FollowSettings,
-    TargetFollower,
+    TargetController,
     TargetPlace,
 )
 from cable_tracker.node_parameter_tables import FOLLOWER_PARAMETERS
@@ -43,7 +43,7 @@ class FollowerNode(GuidanceNode):
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("follower", FOLLOWER_PARAMETERS, **node_arguments)
-        self._follower = TargetFollower(
+        self._follower = TargetController(
             FollowSettings(
                 **{each.name: self._number(each.name) for each in fields(FollowSettings)}
             )

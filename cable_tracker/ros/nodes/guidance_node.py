@@ -43,7 +43,7 @@ class GuidanceNode(ProcessNode):
     name : str
         Name of the node.
     parameters : sequence of ParameterSpec
-        Its parameters, `lockstep`, `settle_time` and `state_timeout` among them.
+        Parameters of the node, `lockstep`, `settle_time` and `state_timeout` among them.
     **node_arguments
         Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
 

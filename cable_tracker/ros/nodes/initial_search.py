@@ -1,4 +1,4 @@
-"""Where a node starts to track: at random, at a given state, or where a detector sees a cable."""
+"""Start of a node's tracking: at random, at a given state, or at a detection."""
 
 from __future__ import annotations
 

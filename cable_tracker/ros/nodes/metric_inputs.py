@@ -55,7 +55,7 @@ class MetricInputs(InstrumentInputs[CableSight]):
 
     @property
     def publishers(self) -> tuple[Publisher, ...]:
-        """Those of `cross_track` and `cross_track_ahead`."""
+        """Publishers of `cross_track` and `cross_track_ahead`."""
         return self._foot, self._ahead
 
     @property

@@ -43,7 +43,7 @@ from cable_tracker.simulation.instrument_messages import (
 )
 from cable_tracker.simulation.instruments import InstrumentSet
 from cable_tracker.simulation.live_world import LiveSettings, LiveWorld
-from cable_tracker.simulation.vehicle import Motion, VelocityCommand
+from cable_tracker.simulation.vehicle import VehicleState, VelocityCommand
 from cable_tracker.stamps import NANOSECONDS
 
 TICKS = 2
@@ -67,7 +67,7 @@ class WorldSettings(Protocol):
         ...
 
 
-class World(Protocol):
+class SimulatedWorld(Protocol):
     """A vehicle in its surroundings, as `LiveWorld`."""
 
     @property
@@ -94,7 +94,7 @@ class World(Protocol):
         """Let time pass."""
         ...
 
-    def motion(self) -> Motion:
+    def motion(self) -> VehicleState:
         """Return where the vehicle is."""
         ...
 
@@ -108,7 +108,7 @@ class VehicleNode(ProcessNode):
     Parameters
     ----------
     name : str
-        Of the node.
+        Name of the node.
     **node_arguments
         Passed on to `rclpy.node.Node`: context, namespace, parameter_overrides, ...
 
@@ -146,18 +146,18 @@ class VehicleNode(ProcessNode):
     def _whole(self, name: str) -> int:
         return int(cast(int, self._values[name]))
 
-    def _make_world(self) -> World:
+    def _make_world(self) -> SimulatedWorld:
         raise NotImplementedError
 
-    def _publish_truth(self, motion: Motion, stamp: int) -> None:
+    def _publish_truth(self, motion: VehicleState, stamp: int) -> None:
         """Publish what is true at a frame."""
         raise NotImplementedError
 
-    def _draw(self, motion: Motion) -> RawImage:
+    def _draw(self, motion: VehicleState) -> RawImage:
         """Return what the camera sees."""
         raise NotImplementedError
 
-    def _is_at_end(self, motion: Motion) -> bool:
+    def _is_at_end(self, motion: VehicleState) -> bool:
         """Tell whether a frame is the last."""
         raise NotImplementedError
 
@@ -248,7 +248,7 @@ class VehicleNode(ProcessNode):
         is_old = time.monotonic() - self._command_time > self._number("command_timeout")
         return VelocityCommand() if is_old and not self._lockstep else self._command
 
-    def _publish_readings(self, motion: Motion, stamp: int, passed: float) -> None:
+    def _publish_readings(self, motion: VehicleState, stamp: int, passed: float) -> None:
         instruments = self._vehicle_world.instruments
         if self._clock_publisher is not None:
             self._clock_publisher.publish(Clock(clock=make_time(self._factory, stamp)))
@@ -261,7 +261,7 @@ class VehicleNode(ProcessNode):
             make_imu(self._factory, header, instruments.imu(motion), instruments.errors)
         )
 
-    def _publish_frame(self, motion: Motion, stamp: int) -> None:
+    def _publish_frame(self, motion: VehicleState, stamp: int) -> None:
         self._altitude = self._vehicle_world.instruments.altitude(motion)
         camera_header = make_header(self._factory, stamp, CAMERA)
         self._info.publish(
@@ -340,10 +340,10 @@ class SimulatorNode(VehicleNode):
             PoseWithCovarianceStamped, node_topics.TRUE_CROSS_TRACK.name, qos.RESULTS
         )
 
-    def _draw(self, motion: Motion) -> RawImage:
+    def _draw(self, motion: VehicleState) -> RawImage:
         return raw_from_array(self._world.picture(motion), "mono8")
 
-    def _publish_truth(self, motion: Motion, stamp: int) -> None:
+    def _publish_truth(self, motion: VehicleState, stamp: int) -> None:
         base_header = make_header(self._factory, stamp, BASE)
         self._range.publish(make_range(self._factory, base_header, self._altitude))
         camera_header = make_header(self._factory, stamp, CAMERA)
@@ -361,7 +361,7 @@ class SimulatorNode(VehicleNode):
             )
         )
 
-    def _is_at_end(self, motion: Motion) -> bool:
+    def _is_at_end(self, motion: VehicleState) -> bool:
         truth = self._world.cross_track(motion)
         farthest, since = self._farthest
         # Where a current carries a vehicle that stands still, it gets on, too, but to no purpose.

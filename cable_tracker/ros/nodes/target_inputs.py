@@ -29,7 +29,7 @@ class TargetInputs(InstrumentInputs[TargetSight]):
     node : Node
         The node.
     count : int
-        How many targets it follows.
+        Number of targets.
     """
 
     def __init__(self, node: Node, count: int) -> None:

@@ -133,7 +133,7 @@ class TargetOutputs:
     node : Node
         The node that publishes.
     prefixes : sequence of str
-        Of the topics of each target.
+        Prefixes of the topics of each target.
     on_mismatch : callable
         Called when a subscription is found that cannot hear us.
     """
@@ -182,11 +182,11 @@ class TargetOutputs:
         header : Message
             Stamp and frame of the image.
         answers : sequence of TargetAnswer
-            Of each target.
+            Answers for the frame, one for each target.
         base_frame : str
             Frame of what is in metres.
         camera_place : FloatArray
-            Of the camera there, shape (3,) [m].
+            Position of the camera in base_link, shape (3,) [m].
         """
         for target, answer in zip(self._targets, answers, strict=True):
             target.publish_results(header, answer, base_frame, camera_place)
@@ -226,11 +226,11 @@ class TargetOutputs:
         header : Message
             Stamp and frame of the image.
         answers : sequence of TargetAnswer
-            Of each target.
+            Answers for the frame, one for each target.
         milliseconds : float
-            What the frame took.
+            Processing time of the frame [ms].
         camera_place : FloatArray
-            Of the camera in base_link, shape (3,) [m].
+            Position of the camera in base_link, shape (3,) [m].
         """
         if self._report.get_subscription_count():
             self._publish_report(

@@ -20,7 +20,7 @@ from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.sequences.messages.target import make_relative_pose
 from cable_tracker.simulation.instrument_messages import BASE
 from cable_tracker.simulation.targets.chase import ChaseSettings, ChaseView, ChaseWorld
-from cable_tracker.simulation.vehicle import Motion
+from cable_tracker.simulation.vehicle import VehicleState
 
 
 class TargetSimulatorNode(VehicleNode):
@@ -67,11 +67,11 @@ class TargetSimulatorNode(VehicleNode):
             PoseWithCovarianceStamped, node_topics.TRUE_TARGET.name, qos.RESULTS
         )
 
-    def _draw(self, motion: Motion) -> RawImage:
+    def _draw(self, motion: VehicleState) -> RawImage:
         self._view = self._world.view(motion)
         return raw_from_array(self._view.image, "bgr8")
 
-    def _publish_truth(self, motion: Motion, stamp: int) -> None:
+    def _publish_truth(self, motion: VehicleState, stamp: int) -> None:
         assert self._view is not None
         header = make_header(self._factory, stamp, BASE)
         # Of what is out of view the place is told, too; its variance says that it cannot be seen.
@@ -80,7 +80,7 @@ class TargetSimulatorNode(VehicleNode):
             make_relative_pose(self._factory, header, self._view.place, np.eye(3) * variance)
         )
 
-    def _is_at_end(self, motion: Motion) -> bool:
+    def _is_at_end(self, motion: VehicleState) -> bool:
         return self._world.time >= self._world.settings.duration
 
     def _last_publishers(self) -> tuple[Publisher, ...]:

@@ -21,7 +21,7 @@ from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.health.watched_endpoints import create_watched_subscription
 from cable_tracker.ros.inputs.image_input import AnyImage
-from cable_tracker.ros.nodes.camera_node import CameraNode, FrameOutcome
+from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.target_inputs import TargetInputs
 from cable_tracker.ros.nodes.target_outputs import TargetAnswer, TargetOutputs
 from cable_tracker.sequences import node_topics
@@ -174,7 +174,7 @@ class TargetTrackerNode(CameraNode):
         """Return the picture in colour, shape (H, W, 3)."""
         return decode_bgr(image)
 
-    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameOutcome:
+    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameResult:
         begin = time.perf_counter()
         size = (picture.shape[1], picture.shape[0])
         self._take_marks(size)
@@ -196,7 +196,7 @@ class TargetTrackerNode(CameraNode):
         self._outputs.publish_pictures(header, answers, picture)
         self._outputs.publish_states(header, answers, milliseconds, place)
         events = dict.fromkeys(estimate.event for estimate in estimates if estimate.event)
-        return FrameOutcome(status_of(estimates), "; ".join(events))
+        return FrameResult(status_of(estimates), "; ".join(events))
 
     def _take_marks(self, size: tuple[int, int]) -> None:
         """Hand on what is marked, if a frame of this size can hold it."""

@@ -32,7 +32,7 @@ from cable_tracker.ros.health.diagnostics import estimate_values
 from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
 from cable_tracker.ros.health.watched_endpoints import create_watched_subscription
-from cable_tracker.ros.nodes.camera_node import CameraNode, FrameOutcome
+from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.code_variants import few_particles, variant_of
 from cable_tracker.ros.nodes.frame_tracker import FrameTracker
 from cable_tracker.ros.nodes.initial_search import InitialSearch
@@ -160,7 +160,7 @@ class TrackerNode(CameraNode):
     def _has_all_of(self, stamp: int) -> bool:
         return self._metric.has_all_of(stamp)
 
-    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameOutcome:
+    def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameResult:
         begin = time.perf_counter()
         seen = self._search.look(picture)
         if seen is not None:
@@ -177,7 +177,7 @@ class TrackerNode(CameraNode):
         self._outputs.publish_pictures(header, estimate, self._tracker.particles, picture)
         metres = report_metres(self._metric.result)
         self._outputs.publish_state(header, estimate, milliseconds, metres)
-        return FrameOutcome(estimate.status.value, estimate.event)
+        return FrameResult(estimate.status.value, estimate.event)
 
     def _answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         self._outputs.answer_without_estimate(header, status, reason)

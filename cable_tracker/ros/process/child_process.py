@@ -29,13 +29,13 @@ class NodeProcess:
     Parameters
     ----------
     node : str
-        Its name among `cable_tracker.ros.entry.NODES`.
+        Name of the node in `cable_tracker.ros.entry.NODES`.
     arguments : sequence of str
-        What follows ``--ros-args``.
+        Command line arguments after ``--ros-args``.
     environment : mapping
         Environment of the process.
     module : str
-        What is run, with the node's name as its first argument.
+        Python module to run, with the node's name as its first argument.
     """
 
     def __init__(

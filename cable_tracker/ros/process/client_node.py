@@ -1,4 +1,4 @@
-"""A node of this process that lives as long as what it is needed for."""
+"""Context manager of a client node in this process."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ class NodeGroup:
     Parameters
     ----------
     namespace : str
-        Of the nodes. With the number of this process in it they meet no other ones.
+        Namespace of the nodes. One that contains this process's id keeps them from meeting others.
     remappings : mapping
         Other names of topics, for all of them; `/diagnostics` goes into the namespace anyhow.
     """
@@ -59,15 +59,15 @@ class NodeGroup:
         Parameters
         ----------
         name : str
-            Of the node; once in a group.
+            Name of the node, unique in its group.
         parameters : mapping
-            Its parameters; others keep their defaults.
+            Parameters of the node; others keep their defaults.
         remappings : mapping
             Other names of topics, for this node.
         may_end : bool
             It ends by itself when its work is done.
         module : str
-            What is run, with the node's name as its first argument.
+            Python module to run, with the node's name as its first argument.
         """
         words = ["-r", f"__ns:={self._namespace}"]
         if parameters:

@@ -21,35 +21,28 @@ YOUNGEST = 60.0
 """A lock file younger than this may belong to a process that is about to take the lock [s]."""
 
 
-def remove_dead_segments(folder: Path = FOLDER, youngest: float = YOUNGEST) -> list[str]:
+def remove_dead_segments() -> list[str]:
     """Remove the segments whose owner is dead; return their names.
 
     Those of other users are left alone, and so are those whose lock is held.
-
-    Parameters
-    ----------
-    folder : Path
-        Where the segments are.
-    youngest : float
-        Age below which nothing is touched [s].
     """
-    if not folder.is_dir():
+    if not FOLDER.is_dir():
         return []
     removed = []
-    for path in sorted(folder.iterdir()):
+    for path in sorted(FOLDER.iterdir()):
         match = LOCK_FILE.fullmatch(path.name)
         if match is None:
             continue
         # Another process may be removing it at this moment.
         with suppress(OSError):
-            if _is_ours_and_old(path, youngest) and _remove_if_unlocked(path, folder / match[1]):
+            if _is_ours_and_old(path) and _remove_if_unlocked(path, FOLDER / match[1]):
                 removed.append(match[1])
     return removed
 
 
-def _is_ours_and_old(path: Path, youngest: float) -> bool:
+def _is_ours_and_old(path: Path) -> bool:
     status = path.stat()
-    return status.st_uid == os.getuid() and time.time() - status.st_mtime >= youngest
+    return status.st_uid == os.getuid() and time.time() - status.st_mtime >= YOUNGEST
 
 
 def _remove_if_unlocked(lock_file: Path, segment: Path) -> bool:

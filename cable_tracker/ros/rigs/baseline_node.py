@@ -36,7 +36,7 @@ class MethodTracker:
     make : callable
         Makes a fresh method from a seed.
     parameters : TrackerParameters
-        Those of the node. Only the seed has a meaning for a baseline.
+        Parameters of the node; a baseline uses the seed only.
     """
 
     def __init__(self, make: Callable[[int], Method], parameters: TrackerParameters) -> None:

@@ -82,7 +82,7 @@ def run_chase(
     Parameters
     ----------
     request : ChaseRequest
-        What to run.
+        Settings of the chase.
     path : Path
         The folder.
     overwrite : bool

@@ -34,9 +34,9 @@ class ChaseRecorder(Node):  # type: ignore[misc]
     Parameters
     ----------
     context : Context
-        Of this process.
+        rclpy context of this process.
     namespace : str
-        Of the nodes.
+        Namespace of the nodes.
     """
 
     def __init__(self, context: Context, namespace: str) -> None:

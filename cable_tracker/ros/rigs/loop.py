@@ -105,7 +105,7 @@ class LoopRequest:
 
     @property
     def burial(self) -> Burial | None:
-        """Where the cable is under sand."""
+        """Buried stretch along the cable's course; None without one."""
         world = self.world
         if not world.buried:
             return None
@@ -129,7 +129,7 @@ def run_loop(
     Parameters
     ----------
     request : LoopRequest
-        What to run. In lockstep the same request writes the same files.
+        Settings of the loop. In lockstep the same request writes the same files.
     path : Path
         The folder.
     overwrite : bool

@@ -103,9 +103,9 @@ class LoopRecorder(Node):  # type: ignore[misc]
     Parameters
     ----------
     context : Context
-        Of this process.
+        rclpy context of this process.
     namespace : str
-        Of the loop's nodes.
+        Namespace of the loop's nodes.
     with_images : bool
         Listen to the camera as well.
     """

@@ -34,7 +34,7 @@ class ReleasedCommands:
     Attributes
     ----------
     heard : int
-        How many have come.
+        Number of commands received.
     """
 
     def __init__(self, node: Node) -> None:

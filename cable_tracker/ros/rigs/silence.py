@@ -49,7 +49,7 @@ class QuietWatch:
         Parameters
         ----------
         heard : int
-            How many messages of the run have been taken by now.
+            Number of messages received so far in the run.
         """
         self._turns = self._turns + 1 if heard == self._heard else 0
         self._heard = heard

@@ -35,7 +35,7 @@ class SoakFrames:
     compressed : bool
         Whether they are sent as JPEG.
     stamp : int
-        Of the last one [ns].
+        Stamp of the last frame [ns].
     """
 
     def __init__(self, frames: Sequence[Frame]) -> None:

@@ -32,7 +32,7 @@ class MemorySample:
     Attributes
     ----------
     minutes : float
-        Since the beginning of the soak test.
+        Time since the beginning of the soak test [min].
     frames : int
         Number of answers of this process.
     process : int
@@ -59,7 +59,7 @@ class LatencyWindow:
     frames : int
         Frames in lockstep in it.
     median, percentile_99, longest : float
-        Of those [ms].
+        Median, 99th percentile and maximum of these latencies [ms].
     """
 
     minutes: float
@@ -144,14 +144,14 @@ class SoakRecord:
         if growth > LARGEST_GROWTH:
             self.broken(f"the memory of a tracker grew by {growth:.1f} MB after its warm-up")
 
-    def latency_windows(self, minutes: float = 1.0) -> list[LatencyWindow]:
-        """Return the latencies in windows of some minutes."""
+    def latency_windows(self) -> list[LatencyWindow]:
+        """Return the latencies by the minute."""
         if not self.latencies:
             return []
         table: FloatArray = np.array(self.latencies)
-        numbers = (table[:, 0] // minutes).astype(int)
+        numbers = table[:, 0].astype(int)
         return [
-            _window(number * minutes, table[numbers == number, 1]) for number in np.unique(numbers)
+            _window(float(number), table[numbers == number, 1]) for number in np.unique(numbers)
         ]
 
     def as_json(self, settings: dict[str, object]) -> str:
@@ -165,14 +165,12 @@ class SoakRecord:
             "messages_checked": dict(sorted(self.messages.items())),
             "broken_promises": self.breaches,
             "memory_growth_mb": round(self.growth(), 3),
-            "latency": [_rounded(window, LatencyWindow.__slots__) for window in self.windows()],
+            "latency": [
+                _rounded(window, LatencyWindow.__slots__) for window in self.latency_windows()
+            ],
             "memory": [_rounded(sample, MemorySample.__slots__) for sample in self.memory],
         }
         return json.dumps(content, indent=1, allow_nan=False) + "\n"
-
-    def windows(self) -> list[LatencyWindow]:
-        """Return the latencies by the minute."""
-        return self.latency_windows()
 
 
 def _rounded(record: object, names: Sequence[str]) -> dict[str, float]:

@@ -97,22 +97,22 @@ class SoakRig:
     frames : sequence of Frame
         8-bit grey or colour, all of one size.
     settings : SoakSettings
-        What is asked.
+        Settings of the soak test.
     context : Context
-        Of this process.
+        rclpy context of this process.
 
     Attributes
     ----------
     settings : SoakSettings
-        What is asked.
+        Settings of the soak test.
     soaked : SoakedNode
         The kind of tracker.
     rng : numpy.random.Generator
         Draws the faults.
     record : SoakRecord
-        What has happened.
+        Record of events, latencies and memory so far.
     frames : SoakFrames
-        What is sent.
+        Generator of the frames that are published.
     camera : SoakCamera
         Sends it, and hears the answers.
     folder : Path

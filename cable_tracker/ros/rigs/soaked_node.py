@@ -35,7 +35,7 @@ class SoakedNode:
     Attributes
     ----------
     name : str
-        Of the node.
+        Name of the node.
     what : str
         It claims.
     table : tuple of ParameterSpec

@@ -1,4 +1,4 @@
-"""What is known of a cable: its state, its centreline, and the facts of a frame's report.
+"""Messages about a cable: its state, its centreline, and the values of a frame's report.
 
 The image frame has its origin at the image centre, x right, y up [px].
 """

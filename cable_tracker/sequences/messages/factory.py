@@ -1,4 +1,4 @@
-"""What makes messages of one ROS implementation or another.
+"""Interface for making messages with one ROS implementation or another.
 
 Functions that pack take a `MessageFactory`: so they serve the nodes, whose messages are rclpy's,
 and the recorder without ROS, whose messages are rosbags'. They alone know the fields; a message

@@ -1,4 +1,4 @@
-"""What was done with one frame."""
+"""Report message about the processing of one frame."""
 
 from __future__ import annotations
 

@@ -24,9 +24,9 @@ def make_joint_state(
     factory : MessageFactory
         Makes the message.
     header : Message
-        Its stamp and its frame.
+        Header with stamp and frame.
     names : sequence of str
-        Of K scalars.
+        Names of the K scalars.
     values : FloatArray
         Shape (K,), or (0,) if they are not known; so are the others.
     rates : FloatArray

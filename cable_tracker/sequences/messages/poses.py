@@ -72,13 +72,13 @@ def make_stamped_pose(
     factory : MessageFactory
         Makes the messages.
     header : Message
-        Its stamp and its frame.
+        Header with stamp and frame.
     place : (float, float, float)
         In the unit of the frame, [px] or [m].
     yaw : float
         Rotation about z [rad].
     covariance : FloatArray
-        Of x, y, z, roll, pitch, yaw, shape (6, 6).
+        Covariance of x, y, z, roll, pitch, yaw, shape (6, 6) [m, rad].
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What is known of a target: its centre, its state, its contour, and where it was marked.
+"""Messages about a target: its centre, state, contour, and the box it was initialised with.
 
 Centre and state are in the image frame: origin at the image centre, x right, y up [px]. Contours,
 boxes and marks count from the top left corner of the picture, y down [px], as boxes of pictures do

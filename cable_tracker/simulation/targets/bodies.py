@@ -34,13 +34,13 @@ class Patch:
 
 
 @dataclass(frozen=True, slots=True)
-class Pose:
-    """Where a body is in the image.
+class ImagePose:
+    """Pose of a body in the image.
 
     Attributes
     ----------
     x, y : float
-        Of its origin, from the top left corner, y downwards [px].
+        Position of the body's origin, from the top left corner, y downwards [px].
     size : float
         Length of its unit [px].
     angle : float
@@ -48,7 +48,7 @@ class Pose:
     shortening : float
         Factor on its x: it turns towards the camera.
     phase : float
-        Of its own movement [rad].
+        Phase of the body's own movement [rad].
     """
 
     x: float
@@ -135,7 +135,7 @@ def box_vehicle(_phase: float) -> list[Patch]:
     ]
 
 
-def paint(patches: list[Patch], pose: Pose, size: tuple[int, int]) -> tuple[Image, Image]:
+def paint(patches: list[Patch], pose: ImagePose, size: tuple[int, int]) -> tuple[Image, Image]:
     """Paint a body.
 
     Returns

@@ -17,14 +17,18 @@ from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.metric.frames import rotation_of
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
-from cable_tracker.simulation.targets.bodies import Pose, buoy, paint
+from cable_tracker.simulation.targets.bodies import ImagePose, buoy, paint
 from cable_tracker.simulation.targets.sequence import HAZE, box_of
-from cable_tracker.simulation.targets.surroundings import MARGIN, Surroundings, make_surroundings
+from cable_tracker.simulation.targets.surroundings import (
+    MARGIN,
+    TargetBackground,
+    make_surroundings,
+)
 from cable_tracker.simulation.vehicle import (
     Current,
-    Motion,
     Vehicle,
     VehicleModel,
+    VehicleState,
     VelocityCommand,
 )
 from cable_tracker.tracking.image_frame import to_pixel
@@ -111,7 +115,7 @@ class ChaseView:
 def shown_size() -> float:
     """Return the root of the area that the float shows [m], as `target_size` wants it."""
     unit = 120.0
-    _, coverage = paint(buoy(0.0), Pose(150.0, 150.0, unit), (300, 300))
+    _, coverage = paint(buoy(0.0), ImagePose(150.0, 150.0, unit), (300, 300))
     return math.sqrt(float(coverage.sum())) / unit * DIAMETER
 
 
@@ -121,7 +125,7 @@ class ChaseWorld:
     Parameters
     ----------
     settings : ChaseSettings
-        What it is like.
+        Settings of the chase.
     """
 
     def __init__(self, settings: ChaseSettings) -> None:
@@ -157,7 +161,7 @@ class ChaseWorld:
         )
         self.time += seconds
 
-    def motion(self) -> Motion:
+    def motion(self) -> VehicleState:
         """Return where the vehicle is, and how it moves."""
         return self._vehicle.motion()
 
@@ -168,12 +172,12 @@ class ChaseWorld:
         into = self.time % settings.hidden_every
         return self.time >= settings.hidden_every and into < settings.hidden_for
 
-    def place(self, motion: Motion) -> FloatArray:
+    def place(self, motion: VehicleState) -> FloatArray:
         """Return where the target is in base_link, shape (3,) [m]; the camera is its origin."""
         there: FloatArray = rotation_of(motion.angles).T @ (self._target - motion.position)
         return there
 
-    def view(self, motion: Motion) -> ChaseView:
+    def view(self, motion: VehicleState) -> ChaseView:
         """Return what the camera sees."""
         width, height = self.settings.image_size
         focal = self.camera.focal
@@ -184,7 +188,7 @@ class ChaseWorld:
         coverage = np.zeros((height, width), np.float32)
         if place[0] > NEAREST and not self.is_hidden:
             ahead, left, up = (float(value) for value in place)
-            pose = Pose(
+            pose = ImagePose(
                 *to_pixel(-focal * left / ahead, focal * up / ahead, (width, height)),
                 focal * DIAMETER / float(np.linalg.norm(place)),
                 -roll,
@@ -200,7 +204,7 @@ class ChaseWorld:
         return ChaseView(image, coverage > 0.5, place)
 
 
-def _closed(surroundings: Surroundings, around: int) -> Surroundings:
+def _closed(surroundings: TargetBackground, around: int) -> TargetBackground:
     """Return surroundings whose right end goes over into the left one: one may look all round."""
     panorama = surroundings.panorama.copy()
     # What lies beyond the round, on both sides, is what lies at its other end.
@@ -213,4 +217,6 @@ def _closed(surroundings: Surroundings, around: int) -> Surroundings:
     wrapped = np.concatenate(
         (panorama[:, : around + MARGIN], panorama[:, MARGIN : MARGIN + right + MARGIN]), axis=1
     )
-    return Surroundings(np.ascontiguousarray(wrapped), surroundings.flakes, surroundings.glitter)
+    return TargetBackground(
+        np.ascontiguousarray(wrapped), surroundings.flakes, surroundings.glitter
+    )

@@ -9,9 +9,16 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cable_tracker.simulation.targets.bodies import Patch, Pose, box_vehicle, buoy, diver, vehicle
+from cable_tracker.simulation.targets.bodies import (
+    ImagePose,
+    Patch,
+    box_vehicle,
+    buoy,
+    diver,
+    vehicle,
+)
 
-Way = Callable[[float], Pose | None]
+Way = Callable[[float], ImagePose | None]
 """The pose at a time [s]; None while there is no target."""
 
 Body = Callable[[float], list[Patch]]
@@ -48,7 +55,7 @@ class TargetScenario:
     name, purpose : str
         For people.
     body : Body
-        What the target looks like.
+        Body of the target.
     cast : callable
         Makes the ways from the size of the pictures, the duration [s] and random numbers.
     clearness : float
@@ -77,10 +84,10 @@ def _buoy_cast(width: float, height: float, duration: float, rng: np.random.Gene
     across, up, tilt = _sway(rng, 45.0), _sway(rng, 24.0), _sway(rng, 0.15)
     approaches = rng.random() < 0.5
 
-    def way(time: float) -> Pose:
+    def way(time: float) -> ImagePose:
         share = time / duration if approaches else 1.0 - time / duration
         size = far * (near / far) ** share
-        return Pose(x + across(time), y + up(time), size, tilt(time))
+        return ImagePose(x + across(time), y + up(time), size, tilt(time))
 
     return Cast(way)
 
@@ -94,12 +101,12 @@ def _swimming(
     y, phase = height * rng.uniform(0.35, 0.6), rng.uniform(-0.7, 0.7)
     up, tilt, nearness = _sway(rng, 22.0), _sway(rng, 0.22), _sway(rng, 0.28)
 
-    def way(time: float) -> Pose:
+    def way(time: float) -> ImagePose:
         turn = 2.0 * math.pi * time / period + phase
         facing = heading * math.cos(turn)
         shortening = math.copysign(max(abs(facing), 0.35), facing)
         x = width / 2 + heading * reach * math.sin(turn)
-        return Pose(
+        return ImagePose(
             x, y + up(time), size * math.exp(nearness(time)), tilt(time), shortening, 7.0 * time
         )
 
@@ -119,7 +126,7 @@ def _hazy_cast(width: float, height: float, duration: float, rng: np.random.Gene
     return Cast(lambda time: replace(_there(way(time)), shortening=1.0))
 
 
-def _there(pose: Pose | None) -> Pose:
+def _there(pose: ImagePose | None) -> ImagePose:
     assert pose is not None
     return pose
 
@@ -131,11 +138,11 @@ def _leaving_cast(width: float, height: float, duration: float, rng: np.random.G
     back_lower = rng.uniform(-30.0, 30.0)
     reach = width * 0.5 + size * rng.uniform(1.6, 2.2)
 
-    def way(time: float) -> Pose:
+    def way(time: float) -> ImagePose:
         out = math.sin(math.pi * time / duration) ** 2
         x = width / 2 + side * (reach * 1.25 * out - width * 0.15)
         lower = back_lower if time > duration / 2 else 0.0
-        return Pose(x, y + lower + up(time), size)
+        return ImagePose(x, y + lower + up(time), size)
 
     return Cast(way)
 
@@ -144,9 +151,9 @@ def _occlusion_cast(width: float, height: float, duration: float, rng: np.random
     size, side = rng.uniform(30.0, 40.0), rng.choice((-1.0, 1.0))
     y, up = height * rng.uniform(0.35, 0.6), _sway(rng, 14.0)
 
-    def way(time: float) -> Pose:
+    def way(time: float) -> ImagePose:
         x = width * (0.5 + side * (0.36 - 0.72 * time / duration))
-        return Pose(x, y + up(time), size)
+        return ImagePose(x, y + up(time), size)
 
     stalks = tuple(
         (width * (0.5 + side * place), half)
@@ -160,12 +167,12 @@ def _crossing_cast(width: float, height: float, duration: float, rng: np.random.
     y, up, twin_up = height * rng.uniform(0.4, 0.55), _sway(rng, 12.0), _sway(rng, 12.0)
     apart = rng.uniform(-8.0, 8.0)
 
-    def way(time: float) -> Pose:
-        return Pose(width * (0.5 + side * (0.35 - 0.7 * time / duration)), y + up(time), size)
+    def way(time: float) -> ImagePose:
+        return ImagePose(width * (0.5 + side * (0.35 - 0.7 * time / duration)), y + up(time), size)
 
-    def twin(time: float) -> Pose:
+    def twin(time: float) -> ImagePose:
         x = width * (0.5 - side * (0.33 - 0.66 * time / duration))
-        return Pose(x, y + apart + twin_up(time), size)
+        return ImagePose(x, y + apart + twin_up(time), size)
 
     return Cast(way, twin, twin_in_front=bool(rng.random() < 0.5))
 
@@ -173,7 +180,9 @@ def _crossing_cast(width: float, height: float, duration: float, rng: np.random.
 def _surface_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
     size, x, y = rng.uniform(34.0, 48.0), width * rng.uniform(0.35, 0.65), height * 0.58
     across, up, nearness = _sway(rng, 60.0), _sway(rng, 14.0), _sway(rng, 0.2)
-    return Cast(lambda time: Pose(x + across(time), y + up(time), size * math.exp(nearness(time))))
+    return Cast(
+        lambda time: ImagePose(x + across(time), y + up(time), size * math.exp(nearness(time)))
+    )
 
 
 def _vanishing_cast(width: float, height: float, duration: float, rng: np.random.Generator) -> Cast:
@@ -181,9 +190,9 @@ def _vanishing_cast(width: float, height: float, duration: float, rng: np.random
     side, size = rng.choice((-1.0, 1.0)), rng.uniform(34.0, 46.0)
     y = height * rng.uniform(0.35, 0.6)
 
-    def way(time: float) -> Pose | None:
+    def way(time: float) -> ImagePose | None:
         x = width / 2 + side * (0.5 * width + size) * time / (0.2 * duration)
-        return Pose(x, y, size) if time < 0.25 * duration else None
+        return ImagePose(x, y, size) if time < 0.25 * duration else None
 
     return Cast(way)
 

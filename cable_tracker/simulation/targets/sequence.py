@@ -10,9 +10,9 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, Image
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.targets.bodies import Pose, paint
+from cable_tracker.simulation.targets.bodies import ImagePose, paint
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS, Cast, TargetScenario
-from cable_tracker.simulation.targets.surroundings import Surroundings, make_surroundings
+from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
 
 FIRST_STAMP = 1_000_000_000
 """Stamp of the first frame [ns]; not 0, which ROS takes for "no time"."""
@@ -25,6 +25,9 @@ LEAST_AREA = 40
 
 HAZE = np.array([140.0, 118.0, 58.0], np.float32)
 """Colour of the water between target and camera: blue, green, red."""
+
+NOISE = 3.0
+"""Standard deviation of the sensor's noise [grey levels]."""
 
 STALK = np.array([52.0, 74.0, 58.0], np.float32)
 
@@ -40,7 +43,7 @@ class TargetFrame:
     stamp : int
         Time [ns].
     mask : BoolArray
-        What can be seen of the target, shape (H, W); empty while it is out of view.
+        Visible pixels of the target, shape (H, W); empty while it is out of view.
     twin_mask : BoolArray
         The same of the other one.
     size : float
@@ -92,24 +95,21 @@ def simulate_target(
     *,
     rate: float = 25.0,
     size: tuple[int, int] = (320, 240),
-    noise: float = 3.0,
 ) -> Iterator[TargetFrame]:
     """Yield the frames of one run of a scenario.
 
     Parameters
     ----------
     name : str
-        Of `TARGET_SCENARIOS`.
+        Name of the scenario, one of `TARGET_SCENARIOS`.
     seed : int
         The same arguments give the same frames, bit for bit.
     frame_count : int
-        How many; the way is the same, in more or fewer steps of time.
+        Number of frames; the way is the same, in more or fewer steps of time.
     rate : float
         Frames per second.
     size : (int, int)
         Width and height [px].
-    noise : float
-        Standard deviation of the sensor's noise [grey levels].
 
     Raises
     ------
@@ -128,18 +128,17 @@ def simulate_target(
         offset = drift[0] * zoom * np.sin(drift[1] * time + drift[2])
         picture = surroundings.view(size, (float(offset[0]), float(offset[1])), time)
         stamp = FIRST_STAMP + round(index * 1e9 / rate)
-        yield _frame(scenario, cast, surroundings, picture, time, stamp, zoom, noise, rng)
+        yield _frame(scenario, cast, surroundings, picture, time, stamp, zoom, rng)
 
 
 def _frame(  # noqa: PLR0917
     scenario: TargetScenario,
     cast: Cast,
-    surroundings: Surroundings,
+    surroundings: TargetBackground,
     picture: Image,
     time: float,
     stamp: int,
     zoom: float,
-    noise: float,
     rng: np.random.Generator,
 ) -> TargetFrame:
     height, width = picture.shape[:2]
@@ -158,7 +157,7 @@ def _frame(  # noqa: PLR0917
     twin_hidden = hidden if cast.twin_in_front else np.maximum(hidden, own[1])
     surroundings.snow(picture, time)
     picture = cv2.GaussianBlur(picture, (0, 0), 0.7)
-    picture += rng.normal(0.0, noise, picture.shape).astype(np.float32)
+    picture += rng.normal(0.0, NOISE, picture.shape).astype(np.float32)
     mask = _visible(own[1], own_hidden, cast.way(time), zoom)
     pose = cast.way(time)
     return TargetFrame(
@@ -171,7 +170,7 @@ def _frame(  # noqa: PLR0917
 
 
 def _painted(
-    scenario: TargetScenario, pose: Pose | None, picture: Image, zoom: float
+    scenario: TargetScenario, pose: ImagePose | None, picture: Image, zoom: float
 ) -> tuple[Image, Image]:
     height, width = picture.shape[:2]
     if pose is None:
@@ -219,7 +218,7 @@ def _stalks(cast: Cast, picture: Image, time: float, zoom: float) -> Image:
     return coverage
 
 
-def _visible(coverage: Image, hidden: Image, pose: Pose | None, zoom: float) -> BoolArray:
+def _visible(coverage: Image, hidden: Image, pose: ImagePose | None, zoom: float) -> BoolArray:
     mask: BoolArray = (coverage > 0.5) & (hidden < 0.5)
     seen = int(mask.sum())
     whole = _whole_area(coverage, pose, zoom)
@@ -228,7 +227,7 @@ def _visible(coverage: Image, hidden: Image, pose: Pose | None, zoom: float) -> 
     return mask
 
 
-def _whole_area(coverage: Image, pose: Pose | None, zoom: float) -> float:
+def _whole_area(coverage: Image, pose: ImagePose | None, zoom: float) -> float:
     """Return about how large the body is, also beyond the border of the picture [px²]."""
     if pose is None:
         return 0.0

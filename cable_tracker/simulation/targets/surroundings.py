@@ -22,7 +22,7 @@ SAND = np.array([122.0, 128.0, 105.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surroundings:
+class TargetBackground:
     """All but the target.
 
     Attributes
@@ -67,7 +67,7 @@ class Surroundings:
 
 def make_surroundings(
     size: tuple[int, int], rng: np.random.Generator, *, surface: float | None = None
-) -> Surroundings:
+) -> TargetBackground:
     """Make surroundings at random.
 
     Parameters
@@ -95,7 +95,7 @@ def make_surroundings(
         ),
         axis=1,
     )  # fmt: skip
-    return Surroundings(panorama, flakes, _clouds((256, 256), 14.0, rng))
+    return TargetBackground(panorama, flakes, _clouds((256, 256), 14.0, rng))
 
 
 def _clouds(shape: tuple[int, int], length: float, rng: np.random.Generator) -> Image:

@@ -59,18 +59,18 @@ class CableLook:
     Attributes
     ----------
     step : float
-        Of its borders, positive if it is bright [standard deviations of the bottom].
+        Brightness step at the borders, positive if bright [standard deviations of the bottom].
     turn_length, turn_phase : float
         Way from bright to dark and back [radii], 0 if it does not change, and where on it it is at
         the start [rad].
     growth : float
         Share that growth covers.
     silt : float
-        How far silt takes the contrast away.
+        Share of the contrast that silt takes away.
     drifts : tuple of Drift
         Sand on it.
     place : (float, float)
-        Where in the textures the cable begins [texels].
+        Start of the cable in the textures [texels].
     """
 
     step: float

@@ -42,7 +42,7 @@ def random_light(optics: Optics, image_size: tuple[int, int], rng: np.random.Gen
 
 
 @dataclass(frozen=True, slots=True)
-class Sway:
+class LampMotion:
     """How the light of the lamps moves over the picture.
 
     Attributes
@@ -50,7 +50,7 @@ class Sway:
     reach : (float, float)
         Largest way to the right and up [px].
     rates, phases : (float, float)
-        Of both [rad/s, rad].
+        Angular rates and phases of the motions to the right and up [rad/s, rad].
     """
 
     reach: tuple[float, float]
@@ -71,11 +71,11 @@ class Sway:
         return np.asarray(moved, np.float32)
 
 
-def random_sway(optics: Optics, scale: float, rng: np.random.Generator) -> Sway:
+def random_sway(optics: Optics, scale: float, rng: np.random.Generator) -> LampMotion:
     """Draw how the lamps move; `scale`: pixels per pixel at 320 px."""
     reach = scale * rng.uniform(*optics.sway, 2)
     rates, phases = rng.uniform(0.5, 3.0, 2), rng.uniform(0.0, 2 * np.pi, 2)
-    return Sway(*((float(right), float(up)) for right, up in (reach, rates, phases)))
+    return LampMotion(*((float(right), float(up)) for right, up in (reach, rates, phases)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -161,7 +161,7 @@ def _draw_part(pixels: Image, where: BoolArray, rng: np.random.Generator) -> Non
     pixels[mask > 0] = np.clip(grain, 0, 255).astype(np.uint8)[mask > 0]
 
 
-class Recorder:
+class LossyCodec:
     """Compresses pictures as a camera or a recorder does, and decodes them again.
 
     Parameters

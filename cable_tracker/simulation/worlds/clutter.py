@@ -26,11 +26,11 @@ class Thing:
     Attributes
     ----------
     kind : str
-        What it looks like: a key of `PROFILES`.
+        Profile of the object: a key of `PROFILES`.
     x, y : float
-        Its middle [texels].
+        Centre [texels].
     angle : float
-        Of its length from the y axis [rad].
+        Angle of the long axis from the y axis [rad].
     half_width, half_length : float
         [texels].
     strength : float
@@ -115,7 +115,7 @@ def strew(
     way : (float, float)
         From where to where along the y axis [texels].
     lines, pairs : float
-        How many single and double ones lie in a view on average.
+        Mean number of single and double lines in a view.
     """
     views = (way[1] - way[0]) / SPACING
     counts = rng.poisson(lines * views), rng.poisson(pairs * views)

@@ -80,20 +80,17 @@ def _is_seen(state: FloatArray, image_size: tuple[int, int]) -> bool:
     return bool(view.radius.min() >= NARROWEST_SHARE * state[2] / 2)
 
 
-def simulate_strip(
-    seed: int, frame_count: int = 10, image_size: tuple[int, int] = (640, 480)
-) -> Iterator[SimulatedFrame]:
-    """Yield the frames of a random strip that drifts a little, at 25 frames per second.
+def simulate_strip(seed: int, frame_count: int = 10) -> Iterator[SimulatedFrame]:
+    """Yield frames of 640 x 480 of a random strip that drifts a little, at 25 frames per second.
 
     Parameters
     ----------
     seed : int
         Not negative; each is another strip.
     frame_count : int
-        How many.
-    image_size : (int, int)
-        Width and height [px].
+        Number of frames.
     """
+    image_size = 640, 480
     rng = np.random.default_rng((3, seed))
     state = random_strip(image_size, rng)
     scale = image_size[0] / REFERENCE_WIDTH

@@ -16,7 +16,7 @@ LEAST_SCALE = 0.06
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StripView:
-    """Where pixels lie on the bottom, relative to a cable, float32 arrays of one shape.
+    """Coordinates of pixels on the bottom relative to a cable, float32 arrays of one shape.
 
     Attributes
     ----------

@@ -106,9 +106,9 @@ class World:
     name : str
         Begins with the name of its split.
     description : str
-        What is hard about it.
+        Difficulty of the world, in a few words.
     split : Split
-        What it is for: the splits have no texture, no seed and no kind of clutter in common.
+        Split: the splits have no texture, no seed and no kind of clutter in common.
     photographed : bool
         Whether the bottom is made of photographs.
     motions : tuple of MotionKind

@@ -21,7 +21,7 @@ from cable_tracker.simulation.worlds.cable_look import (
     random_cable,
 )
 from cable_tracker.simulation.worlds.camera_faults import (
-    Recorder,
+    LossyCodec,
     random_light,
     random_overlaid,
     random_sway,
@@ -85,7 +85,7 @@ class WorldDive:
     Parameters
     ----------
     world : World
-        What it is like.
+        World to draw the dive from.
     seed : int
         Not negative. The same seed gives the same frames, bit for bit.
     image_size : (int, int)
@@ -172,7 +172,7 @@ class WorldDive:
         self._noise = float(rng.uniform(*optics.noise))
         self._overlaid = random_overlaid(self.world.disturbance, self._size, rng)
         quality = None if optics.quality is None else int(rng.integers(*optics.quality))
-        self._recorder = Recorder(quality, as_video=bool(rng.random() < 0.5))
+        self._recorder = LossyCodec(quality, as_video=bool(rng.random() < 0.5))
         self._sway = random_sway(optics, self._scale, rng)
         self._x, self._y = pixel_grid(self._size)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from cable_tracker.survey.forwards import ForwardDive
+from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import STATUSES
 from cable_tracker.survey.route import Course
 
@@ -61,10 +61,12 @@ def _table(recording: str, dive: ForwardDive, course: Course | None, part: slice
     places, smoothed = np.full((count, 3), np.nan), np.full((count, 4), np.nan)
     if course is not None:
         places = course.poses.at(rows["stamp"])
-        cable, look = course.cable, course.looks.of_rows(part)
-        known, look = look >= 0, look[look >= 0]
-        sigma = np.sqrt(cable.covariances[look, 0, 0])
-        smoothed[known] = np.column_stack((cable.states[look, :2], sigma, cable.along[look]))
+        cable, keyframe = course.cable, course.keyframes.of_rows(part)
+        known, keyframe = keyframe >= 0, keyframe[keyframe >= 0]
+        sigma = np.sqrt(cable.covariances[keyframe, 0, 0])
+        smoothed[known] = np.column_stack(
+            (cable.states[keyframe, :2], sigma, cable.along[keyframe])
+        )
     for name, column in zip(("x", "y", "yaw"), places.T, strict=True):
         columns[name] = pa.array(column, from_pandas=True)
     names = ("smoothed_aside", "smoothed_heading", "smoothed_sigma", "along")

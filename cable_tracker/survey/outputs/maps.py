@@ -50,11 +50,11 @@ class SurveyMap:
     routes : tuple of MergedRoute
         In metres.
     frame : LocalFrame or None
-        Where their origin lies on the earth; None: in the frame of odometry.
+        Earth frame of the routes; None: frame of odometry.
     names : tuple of str
         One for each route.
     events_in_time : tuple of Event
-        Of recordings without metres.
+        Events of recordings without metres.
     """
 
     routes: tuple[MergedRoute, ...]

@@ -37,7 +37,7 @@ class RecordingRow:
     Attributes
     ----------
     name : str
-        Of the recording.
+        Name of the recording.
     state : str
         "done", or why not.
     frames, tracked : int
@@ -45,7 +45,7 @@ class RecordingRow:
     seconds : float
         Length.
     notes : tuple of str
-        What the user should know.
+        Remarks for the user.
     """
 
     name: str

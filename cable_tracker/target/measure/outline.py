@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.compilation import compiled
-from cable_tracker.contour.evolution import ContourSettings, Window, evolve_by_ratio
+from cable_tracker.contour.evolution import ContourSettings, evolve_by_ratio
 from cable_tracker.contour.shape_prior import log_odds
 from cable_tracker.contour.switching import FEWEST
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.model.template import SIDE, UNIT, Template
 from cable_tracker.tracking.image_frame import to_pixel
+
+Window: TypeAlias = tuple[int, int, int, int]
+"""First column, first row, and the column and row after the last [px]."""
 
 MARGIN = 1.4
 """The window reaches this much farther than the template."""
@@ -153,7 +157,7 @@ def distances_at(
     Parameters
     ----------
     template : array
-        Its distances, shape (SIDE, SIDE).
+        Distances of the template from its outline, shape (SIDE, SIDE).
     column, row : float
         Pixel of the template's origin [px].
     size : float

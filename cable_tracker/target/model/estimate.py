@@ -46,7 +46,7 @@ class TargetEstimate:
     score : float
         Mean log-likelihood ratio inside the estimated region less that around it.
     event : str
-        What happened that a person should know; empty on ordinary frames.
+        Event that a user should know of; empty on ordinary frames.
     """
 
     stamp: int

@@ -6,13 +6,13 @@ from typer.testing import CliRunner
 
 from cable_tracker.cli import app
 from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.evaluation_sequences import scenario_sequences
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.thesis_experiments import (
     EXPERIMENTS,
     SPEED_SEQUENCE,
     SpeedExperiment,
 )
-from cable_tracker.evaluation.judged_sequences import scenario_sequences
 
 pytestmark = pytest.mark.slow
 

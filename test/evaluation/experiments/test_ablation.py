@@ -4,8 +4,8 @@ import math
 import pytest
 
 from cable_tracker.errors import ParameterError
+from cable_tracker.evaluation.evaluation_sequences import scenario_sequences
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment, mean_and_error
-from cable_tracker.evaluation.judged_sequences import scenario_sequences
 
 pytestmark = pytest.mark.slow
 

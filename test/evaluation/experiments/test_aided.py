@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.evaluation.experiments.aided import AidedFilter, OdometryFault, faulty
-from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 
 pytestmark = pytest.mark.slow
 

@@ -7,7 +7,7 @@ from cable_tracker.evaluation.experiments.experiment_result import (
     TABLE_CSV,
     TABLE_MARKDOWN,
     ExperimentResult,
-    Picture,
+    FigureFile,
     ResultTable,
     result_markdown,
     table_csv,
@@ -18,7 +18,7 @@ from cable_tracker.evaluation.experiments.experiment_result import (
 def test_tables_and_figures_are_written(tmp_path):
     picture = cv2.imencode(".png", np.zeros((4, 4), np.uint8))[1].tobytes()
     table = ResultTable(("a", "b [px]"), (("x", "−1.5"),))
-    result = ExperimentResult("T", (table,), (Picture("f.png", picture),))
+    result = ExperimentResult("T", (table,), (FigureFile("f.png", picture),))
     write_experiment(tmp_path, result, "On a machine.")
     with (tmp_path / TABLE_CSV).open() as file:
         assert list(csv.reader(file)) == [["a", "b [px]"], ["x", "-1.5"]]

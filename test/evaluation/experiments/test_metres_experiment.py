@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
+from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.evaluation.experiments.metres_experiment import MetresExperiment
-from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 
 pytestmark = pytest.mark.slow
 

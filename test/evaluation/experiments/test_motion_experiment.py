@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
 from cable_tracker.evaluation.experiments.aided import OdometryFault
 from cable_tracker.evaluation.experiments.motion_experiment import (
     FAULT_SEEDS,
@@ -9,7 +10,6 @@ from cable_tracker.evaluation.experiments.motion_experiment import (
     MotionExperiment,
     MotionSetting,
 )
-from cable_tracker.evaluation.judged_sequences import ScenarioSequence
 
 pytestmark = pytest.mark.slow
 

@@ -8,8 +8,8 @@ import pytest
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.targets.comparison import (
     FIGURES,
-    Follower,
     RunFigures,
+    TargetMethodRun,
     TargetTask,
     make_method,
     markdown_table,
@@ -59,7 +59,7 @@ def test_parameters_of_the_users_are_a_method_of_their_own():
 
 def test_frames_that_are_not_judged_do_not_count():
     frames = list(SimulatedTarget("near_surface", 6).pictures(1))
-    follower = Follower("CamShift", make_method("CamShift", 1))
+    follower = TargetMethodRun("CamShift", make_method("CamShift", 1))
     for index, frame in enumerate(frames):
         follower.see(replace(frame, is_judged=index % 2 == 0))
     assert len(follower.claims) == 3
@@ -67,7 +67,7 @@ def test_frames_that_are_not_judged_do_not_count():
 
 def test_a_frame_that_the_tracker_refuses_is_one_without_a_claim():
     first, second = list(SimulatedTarget("near_surface", 2).pictures(1))
-    follower = Follower("default", make_method("default", 1))
+    follower = TargetMethodRun("default", make_method("default", 1))
     follower.see(first)
     follower.see(replace(second, stamp=first.stamp))
     assert [claim.claim is not None for claim in follower.claims] == [True, False]

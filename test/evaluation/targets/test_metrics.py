@@ -3,7 +3,7 @@ import math
 import pytest
 
 from cable_tracker.evaluation.targets.metrics import (
-    JudgedClaim,
+    EvaluatedClaim,
     claimed_in_view,
     claimed_while_absent,
     keeps_its_own,
@@ -16,7 +16,7 @@ HERE, BESIDE, FAR = (0, 0, 10, 10), (0, 4, 10, 14), (50, 50, 60, 60)
 
 
 def judged(*pairs, twin=None):
-    return [JudgedClaim(truth, claim, twin, 1.0) for truth, claim in pairs]
+    return [EvaluatedClaim(truth, claim, twin, 1.0) for truth, claim in pairs]
 
 
 def test_overlap_is_intersection_over_union():

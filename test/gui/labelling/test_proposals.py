@@ -6,7 +6,7 @@ from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel
 from cable_tracker.gui.labelling.proposals import (
     MOST_FRAMES,
     MOST_FRAMES_IN_DOUBT,
-    Proposal,
+    LabelProposal,
     Proposer,
 )
 from cable_tracker.sequences.encodings import raw_from_array
@@ -84,14 +84,14 @@ def test_shortly_behind_a_label_an_unclaimed_cable_is_proposed_in_doubt():
 def test_far_behind_a_label_an_unclaimed_cable_is_lost():
     labels = {0: FrameLabel(true_state(0))}
     found = Proposer(mud, preset("default")).propose(MOST_FRAMES_IN_DOUBT + 1, labels)
-    assert found == Proposal(
+    assert found == LabelProposal(
         MOST_FRAMES_IN_DOUBT + 1, None, "the tracker has lost the cable since frame 0"
     )
 
 
 def test_where_nothing_is_seen_nothing_is_proposed():
     found = Proposer(mud, preset("default")).propose(0, {})
-    assert found == Proposal(0, None, "no cable was detected")
+    assert found == LabelProposal(0, None, "no cable was detected")
 
 
 def test_the_tracker_is_not_sent_too_far(proposer):

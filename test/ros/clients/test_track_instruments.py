@@ -10,14 +10,14 @@ import pytest
 from cable_tracker import cli
 from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.simulation.survey_bag import write_survey_bag
-from cable_tracker.simulation.survey_dive import SurveySettings
+from cable_tracker.simulation.survey_dive import SurveyDiveSettings
 
 pytestmark = pytest.mark.slow
 
 
 def test_the_estimates_and_the_metres_are_the_same_with_ros_and_without(tmp_path, monkeypatch):
     bag = tmp_path / "dive"
-    write_survey_bag(bag, SurveySettings(length=2.0, rate=8.0, image_size=(160, 120), seed=3))
+    write_survey_bag(bag, SurveyDiveSettings(length=2.0, rate=8.0, image_size=(160, 120), seed=3))
 
     def tracked(name: str, *words: str) -> Path:
         output = tmp_path / name

@@ -6,7 +6,7 @@ from rclpy.serialization import serialize_message
 
 from cable_tracker.cable.model.estimate import CableEstimate, Hypothesis, TrackingStatus
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.tracking.track_recording import row_of
+from cable_tracker.offline.track_recording import row_of
 from cable_tracker.ros.clients.recorder import RecordedFrame
 from cable_tracker.ros.clients.track_recording import _row
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages

@@ -14,7 +14,7 @@ from visualization_msgs.msg import MarkerArray
 from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.evaluation.tracking.track_recording import start_from
+from cable_tracker.offline.track_recording import start_from
 from cable_tracker.ros.nodes import tracker_outputs
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.cable_particles import read_particles

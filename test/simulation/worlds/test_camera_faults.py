@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cable_tracker.simulation.worlds.camera_faults import (
-    Recorder,
-    Sway,
+    LampMotion,
+    LossyCodec,
     random_light,
     random_overlaid,
     random_sway,
@@ -22,13 +22,13 @@ def picture() -> np.ndarray:
 
 
 def test_without_a_quality_pictures_stay_as_they_are(picture):
-    assert Recorder(None, as_video=True).record(picture) is picture
+    assert LossyCodec(None, as_video=True).record(picture) is picture
 
 
 @pytest.mark.parametrize("as_video", [False, True])
 def test_worse_quality_leaves_less_of_the_picture(picture, as_video):
     def error(quality: int) -> float:
-        recorder = Recorder(quality, as_video=as_video)
+        recorder = LossyCodec(quality, as_video=as_video)
         last = [recorder.record(picture) for _ in range(4)][-1]
         return float(np.abs(last.astype(float) - picture).mean())
 
@@ -36,7 +36,7 @@ def test_worse_quality_leaves_less_of_the_picture(picture, as_video):
 
 
 def test_a_video_keeps_what_does_not_move_the_same(picture):
-    recorder = Recorder(30, as_video=True)
+    recorder = LossyCodec(30, as_video=True)
     first = recorder.record(picture)
     assert np.abs(recorder.record(first).astype(int) - first).max() <= 2
 
@@ -58,7 +58,7 @@ def test_lamps_that_do_not_sway_leave_the_light_as_it_is():
 def test_the_light_sways_to_the_right_and_up_and_back():
     light = np.zeros((48, 64), np.float32)
     light[20, 30] = 1.0
-    sway = Sway(reach=(6.0, 4.0), rates=(np.pi, np.pi), phases=(0.0, 0.0))
+    sway = LampMotion(reach=(6.0, 4.0), rates=(np.pi, np.pi), phases=(0.0, 0.0))
     for seconds, place in ((0.0, (20, 30)), (0.5, (16, 36)), (1.5, (24, 24))):
         moved = sway.moved(light, seconds)
         assert np.unravel_index(moved.argmax(), moved.shape) == place

@@ -1,0 +1,267 @@
+"""Cases that are timed: steps of the filters, whole frames, rivals, copies of memory."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.benchmark.footage import FIRST_STAMP, FRAME_STEP, Footage, FrameLoop
+from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
+from cable_tracker.benchmark.round_robin import BenchmarkCase, CaseLabel, Step
+from cable_tracker.benchmark.yardstick import Yardstick
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.working_image import WorkingImage, working_image_for
+from cable_tracker.cable.model.geometry import project_borders, sample_points
+from cable_tracker.cable.model.initial_state import GivenState
+from cable_tracker.cable.model.movement import CableMovement
+from cable_tracker.cable.model.statistics import cable_mean_and_covariance
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.cable.parameters.presets import PRESETS, preset
+from cable_tracker.cable.proposer_interface import CableProposer
+from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
+from cable_tracker.particle_filter.particles import Particles
+from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+from cable_tracker.trackers import make_proposer
+
+BASELINES = tuple(name for name in METHODS if name not in PRESETS)
+
+TIMED_PRESETS = ("default", "thesis")
+"""Presets that are timed; the others differ from `default` in limits and variances only."""
+
+REFERENCE_PARTICLES = 500
+SPACINGS = (5.0, 10.0, 20.0, 40.0)
+"""Distances between sample points whose cost is compared [px at the reference width]."""
+
+FRAMES_BEFORE_STEPS = 4
+"""Frames that a filter has seen when its steps are timed."""
+
+DT = FRAME_STEP * 1e-9
+
+
+def _itself(step: Step) -> Step:
+    return step
+
+
+def _loop(make: Callable[[], Method], shown: Footage) -> Step:
+    return FrameLoop(make(), shown)
+
+
+def yardstick_case(yardstick: Yardstick) -> BenchmarkCase:
+    """Return the yardstick as one to be held against itself."""
+    size = yardstick.pixels.shape[1], yardstick.pixels.shape[0]
+    label = CaseLabel("yardstick", "literal observation", size, len(yardstick.states))
+    return BenchmarkCase(label, functools.partial(_itself, yardstick))
+
+
+def copy_cases(yardstick: Yardstick, footages: Sequence[Footage]) -> list[BenchmarkCase]:
+    """Return plain copies of each size of frame, and of as many pixels as the yardstick reads."""
+    named = [("frame, uint8", shown.size, shown.images[0]) for shown in footages]
+    touched = np.ones(yardstick.pixels_touched(), np.float32)
+    named.append(("pixels that the yardstick reads, float32", footages[0].size, touched))
+    cases = []
+    for name, size, source in named:
+        step = functools.partial(np.copyto, np.empty_like(source), source)
+        label = CaseLabel("copy", name, size, amount=float(source.nbytes))
+        cases.append(BenchmarkCase(label, functools.partial(_itself, step)))
+    return cases
+
+
+def frame_cases(footages: Sequence[Footage], particles: Sequence[int]) -> list[BenchmarkCase]:
+    """Return `default` and `thesis` on whole frames, the fewest particles first."""
+    return [
+        filter_case("frame", name, count, shown)
+        for shown in footages
+        for name in TIMED_PRESETS
+        for count in sorted(particles)
+    ]
+
+
+def spacing_cases(shown: Footage) -> list[BenchmarkCase]:
+    """Return `default` and `thesis` with several distances between the sample points."""
+    return [
+        filter_case("spacing", name, REFERENCE_PARTICLES, shown, spacing)
+        for name in TIMED_PRESETS
+        for spacing in SPACINGS
+    ]
+
+
+def filter_case(
+    section: str,
+    name: str,
+    count: int,
+    shown: Footage,
+    spacing: float | None = None,
+) -> BenchmarkCase:
+    """Return a preset on whole frames, perhaps with another distance between sample points."""
+    values: dict[str, object] = {"particle_count": count}
+    amount = 0.0
+    if spacing is not None:
+        values["sample_spacing"] = spacing
+        amount = count * points_of_a_cable(shown, spacing)
+    chosen = ConfiguredFilter(name, preset(name).replaced(values))
+    label = CaseLabel(section, name, shown.size, count, amount)
+    return BenchmarkCase(label, functools.partial(_loop, functools.partial(chosen.make, 0), shown))
+
+
+def points_of_a_cable(shown: Footage, spacing: float) -> float:
+    """Return the number of sample points on both borders inside the image, as a mean over truths.
+
+    `spacing` is in px at the reference width.
+    """
+    borders = project_borders(np.array([truth.to_array() for truth in shown.truths]))
+    width = shown.size[0]
+    _, inside = sample_points(borders, spacing * width / REFERENCE_WIDTH, shown.size)
+    return float(inside.sum(axis=(1, 2)).mean())
+
+
+def rival_cases(shown: Footage) -> list[BenchmarkCase]:
+    """Return the baselines of the evaluation, and the filter of the thesis on libraries."""
+    cases = [
+        BenchmarkCase(
+            CaseLabel("method", name, shown.size),
+            functools.partial(_loop, functools.partial(METHODS[name].make, 0), shown),
+        )
+        for name in BASELINES
+    ]
+    for name in LIBRARY_LOOPS:
+        if is_installed(name):
+            make = functools.partial(LibraryMethod, name, REFERENCE_PARTICLES)
+            label = CaseLabel("library", name, shown.size, REFERENCE_PARTICLES)
+            cases.append(BenchmarkCase(label, functools.partial(_loop, make, shown)))
+    return cases
+
+
+def step_cases(shown: Footage) -> list[BenchmarkCase]:
+    """Return the steps of `default` and `thesis`, as far as they exist alone."""
+    cases = []
+    for name in TIMED_PRESETS:
+        parameters = preset(name).replaced({"particle_count": REFERENCE_PARTICLES})
+        for step_name, step in FilterSteps(parameters, shown).steps().items():
+            label = CaseLabel("step", f"{name}: {step_name}", shown.size, REFERENCE_PARTICLES)
+            cases.append(BenchmarkCase(label, functools.partial(_itself, step)))
+    return cases
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """A filter in the middle of a dive.
+
+    Attributes
+    ----------
+    particles : Particles
+        Particles before the step.
+    frame : Image
+        The frame that it has seen last.
+    image : WorkingImage
+        The same, with all that was worked out of it.
+    """
+
+    particles: Particles
+    frame: Image
+    image: WorkingImage
+
+
+class _NotingProposer:
+    """Asks another proposer, and keeps the picture that it was shown."""
+
+    def __init__(self, asked: CableProposer) -> None:
+        self._asked = asked
+        self.seen: WorkingImage | None = None
+
+    def propose(self, image: WorkingImage, *, is_searching: bool) -> FloatArray:
+        self.seen = image
+        return self._asked.propose(image, is_searching=is_searching)
+
+
+def moment_of(parameters: TrackerParameters, shown: Footage, frames: int) -> Moment:
+    """Follow the cable for some frames, and stop."""
+    noting = _NotingProposer(make_proposer(parameters))
+    tracker = CableTracker(parameters, noting)
+    tracker.initialise(GivenState.around(shown.truths[0]))
+    for number in range(frames):
+        frame = shown.images[shown.index_at(number)]
+        tracker.process(frame, FIRST_STAMP + number * FRAME_STEP)
+    assert tracker.particles is not None
+    image = noting.seen if noting.seen is not None else working_image_for(frame, parameters)
+    return Moment(tracker.particles, frame, image)
+
+
+class FilterSteps:
+    """The steps of a filter on one frame, with particles that it had there.
+
+    A step is what can be called alone.
+
+    Parameters
+    ----------
+    parameters : TrackerParameters
+        All of them.
+    shown : Footage
+        Its first frames are tracked before.
+    """
+
+    def __init__(self, parameters: TrackerParameters, shown: Footage) -> None:
+        self._parameters = parameters
+        self._rng = np.random.default_rng(parameters.seed)
+        self._width = shown.size[0]
+        self._moment = moment_of(parameters, shown, FRAMES_BEFORE_STEPS)
+        self._movement = CableMovement(parameters, self._width)
+
+    def steps(self) -> dict[str, Step]:
+        """Return what can be called alone, by name, in the order of a frame."""
+        frame, particles = self._moment.frame, self._moment.particles
+        scheme = RESAMPLING_SCHEMES[self._parameters.resampling]
+        measuring = (
+            self._thesis_steps()
+            if self._parameters.observation == "responses"
+            else self._default_steps()
+        )
+        return {
+            "working image": lambda: working_image_for(frame, self._parameters),
+            **self.picture_steps(),
+            "resample": lambda: scheme(particles.weights, particles.count, self._rng),
+            "predict": lambda: self._movement.propagate(particles.states, DT, self._rng),
+            **measuring,
+        }
+
+    def picture_steps(self) -> dict[str, Step]:
+        """Return what the filter had worked out of the picture, each from its very beginning."""
+        image = self._moment.image
+        names = [
+            name
+            for name, member in vars(type(image)).items()
+            if isinstance(member, functools.cached_property) and name in vars(image)
+        ]
+        return {f"picture: {name}": functools.partial(_worked_out, image, name) for name in names}
+
+    def _thesis_steps(self) -> dict[str, Step]:
+        image = self._moment.image
+        observation = BorderResponseModel(self._parameters)
+        states, weights = self._moment.particles.states, self._moment.particles.weights
+        mean, _ = cable_mean_and_covariance(states, weights)
+        return {
+            "measure": lambda: observation.log_likelihoods(states, image),
+            "estimate": lambda: cable_mean_and_covariance(states, weights),
+            "evidence": lambda: observation.evidence(mean, image),
+        }
+
+    def _default_steps(self) -> dict[str, Step]:
+        image = self._moment.image
+        observation = BorderLikelihoodRatio(self._parameters)
+        states = self._moment.particles.states
+        proposer = make_proposer(self._parameters)
+        return {
+            "detector": lambda: proposer.propose(image, is_searching=False),
+            "detector, searching": lambda: proposer.propose(image, is_searching=True),
+            "measure": lambda: observation.measure(states, image),
+        }
+
+
+def _worked_out(image: WorkingImage, name: str) -> object:
+    # A replaced picture has nothing worked out yet.
+    return getattr(replace(image), name)

@@ -1,0 +1,342 @@
+"""Sequences with ground truth for evaluation: simulated scenarios and labelled recordings."""
+
+from __future__ import annotations
+
+import fnmatch
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Protocol
+
+from cable_tracker.arrays import Image, eight_bits
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.evaluation.labelled_recording import LabelledRecording
+from cable_tracker.evaluation.trace import UNKNOWN_VISIBILITY
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.image_folder import ImageFolderSource
+from cable_tracker.sequences.sequence_file import Label, read_labels
+from cable_tracker.sequences.source import Source, is_bag
+from cable_tracker.simulation.dive import SimulatedFrame
+from cable_tracker.simulation.scenario import simulate_scenario
+from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
+from cable_tracker.simulation.worlds.crisp import simulate_strip
+from cable_tracker.simulation.worlds.ground import photographs_of
+from cable_tracker.simulation.worlds.world import World
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EvaluationFrame:
+    """A frame, decoded, with what is known about it.
+
+    Attributes
+    ----------
+    index : int
+        Number of the frame in its sequence.
+    stamp : int
+        Time of the frame [ns].
+    image : Image
+        Grey levels, uint8, shape (H, W).
+    truth : CableState or None
+        True state of the cable; None if there is none, or it is unknown.
+    visibility : float
+        Share of the borders that can be seen, 0 to 1; NaN if unknown.
+    """
+
+    index: int
+    stamp: int
+    image: Image
+    truth: CableState | None
+    visibility: float
+
+
+class EvaluationSequence(Protocol):
+    """Something to judge methods on. It is sent to other processes, and opened there."""
+
+    @property
+    def name(self) -> str:
+        """Name of the sequence in reports."""
+        ...
+
+    @property
+    def description(self) -> str:
+        """One sentence about the sequence."""
+        ...
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames; None if it is unknown before all have been read."""
+        ...
+
+    def frames(self, seed: int) -> Iterator[EvaluationFrame]:
+        """Make or read the frames."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedSequence(ABC):
+    """A built-in dive of the simulator; each seed is another one.
+
+    Attributes
+    ----------
+    name : str
+        A key of the table that it stands in.
+    limit : int or None
+        Number of frames used from the beginning; None: all.
+    """
+
+    name: str
+    limit: int | None = None
+
+    @property
+    @abstractmethod
+    def description(self) -> str:
+        """One sentence about the sequence."""
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames.
+
+        Raises
+        ------
+        RecordingError
+            It needs photographs, and there are none.
+        """
+        count = self._whole_count()
+        return count if self.limit is None else min(count, self.limit)
+
+    def frames(self, seed: int) -> Iterator[EvaluationFrame]:
+        """Simulate the dive of a seed."""
+        for item in islice(self._dive(seed), self.limit):
+            yield _judged(item.frame, item.visibility)
+
+    @abstractmethod
+    def _whole_count(self) -> int:
+        """Return the number of frames where there is no limit."""
+
+    @abstractmethod
+    def _dive(self, seed: int) -> Iterator[SimulatedFrame]:
+        """Simulate all frames of a seed."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioSequence(SimulatedSequence):
+    """A scenario: a key of `SCENARIOS`."""
+
+    @property
+    def description(self) -> str:
+        """Description of the scenario."""
+        return SCENARIOS[self.name].description
+
+    def _whole_count(self) -> int:
+        return SCENARIOS[self.name].frame_count
+
+    def _dive(self, seed: int) -> Iterator[SimulatedFrame]:
+        return simulate_scenario(self.name, seed)
+
+
+@dataclass(frozen=True, slots=True)
+class WorldSequence(SimulatedSequence):
+    """A world: a key of `WORLDS`."""
+
+    @property
+    def description(self) -> str:
+        """Description of the world."""
+        return WORLDS[self.name].description
+
+    def _whole_count(self) -> int:
+        world = WORLDS[self.name]
+        if world.photographed:
+            photographs_of(world.split)
+        return world.frame_count
+
+    def _dive(self, seed: int) -> Iterator[SimulatedFrame]:
+        return simulate_world(self.name, seed)
+
+
+@dataclass(frozen=True, slots=True)
+class StripSequence:
+    """A crisp strip on a plain ground; each seed is another one.
+
+    Attributes
+    ----------
+    length : int
+        Number of frames.
+    """
+
+    length: int = 10
+    name: str = "strip"
+    description: str = "a crisp strip on a plain ground"
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames."""
+        return self.length
+
+    def frames(self, seed: int) -> Iterator[EvaluationFrame]:
+        """Draw the strip of a seed."""
+        for item in simulate_strip(seed, self.length):
+            yield _judged(item.frame, item.visibility)
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingSequence(LabelledRecording):
+    """A recording of the user's, labelled with cables."""
+
+    @property
+    def description(self) -> str:
+        """Origin of the labels."""
+        return f"labelled by {self.truth.name}" if self.truth is not None else ""
+
+    def frame_count(self) -> int | None:
+        """Return the number of frames, and see that there is something to judge.
+
+        Raises
+        ------
+        RecordingError
+            The recording or the labels cannot be read, do not fit, or there are none.
+        """
+        with self.open() as source:
+            if self.truth is not None:
+                check_labels(source, self.truth)
+            if not (source.has_truth or self.unlabelled_is_empty):
+                raise RecordingError(
+                    f"{self.path}: has no ground truth to judge by; give labels with --truth FILE,"
+                    " or say with --unlabelled-is-empty that it shows no cable"
+                )
+            return source.frame_count
+
+    def frames(self, seed: int) -> Iterator[EvaluationFrame]:
+        """Read the recording.
+
+        Raises
+        ------
+        RecordingError
+            It is damaged, or has no frames.
+        """
+        unlabelled = 0.0 if self.unlabelled_is_empty else UNKNOWN_VISIBILITY
+        count = 0
+        with self.open() as source:
+            for frame in source.frames():
+                count += 1
+                yield _judged(frame, unlabelled if frame.truth is None else 1.0)
+        if not count:
+            raise RecordingError(f"{self.path}: holds no frames; record it again")
+
+
+def _judged(frame: Frame, visibility: float) -> EvaluationFrame:
+    image = eight_bits(decode_grey(frame.image))
+    return EvaluationFrame(frame.index, frame.stamp, image, frame.truth, visibility)
+
+
+def check_labels(source: Source, truth: Path) -> None:
+    """See that every label belongs to a frame of the source, and no frame has two.
+
+    Raises
+    ------
+    RecordingError
+        A label does not; the message names its line.
+    """
+    if is_bag(truth):
+        return
+    labels = read_labels(truth)
+    own = {label.filename for label in labels if Path(label.filename).name == source.path.name}
+    first_line: dict[str, int] = {}
+    for line, label in zip(label_lines(truth), labels, strict=True):
+        name = str(label)
+        if name in first_line:
+            raise RecordingError(
+                f"{truth}: line {line} labels {name} again, after line {first_line[name]};"
+                " remove one of them"
+            )
+        first_line[name] = line
+        if own and label.filename not in own:
+            continue
+        reason = _mismatch(source, label)
+        if reason:
+            raise RecordingError(f"{truth}: line {line} labels {name}, but {reason}")
+
+
+def _mismatch(source: Source, label: Label) -> str:
+    """Return why a label belongs to no frame; empty if it does, or if that cannot be told."""
+    name, count = source.path.name, source.frame_count
+    if isinstance(source, ImageFolderSource) and label.frame is None:
+        known = any(picture.name == Path(label.filename).name for picture in source.pictures)
+        return "" if known else f"{name} holds no such picture"
+    if label.frame is not None and count is not None and label.frame >= count:
+        return f"{name} has only {count} frames, counted from 0"
+    return ""
+
+
+def label_lines(truth: Path) -> list[int]:
+    """Return the line numbers of the labels in a sequence file, from 1; see `read_labels`."""
+    lines = truth.read_text(encoding="utf-8-sig").split("\n")
+    texts = ((number, line.strip()) for number, line in enumerate(lines, start=1))
+    return [number for number, text in texts if text and not text.startswith("#")]
+
+
+def simulated_sequences(
+    names: Sequence[str], limit: int | None = None
+) -> tuple[EvaluationSequence, ...]:
+    """Return scenarios and worlds by name, each once, in the order given.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Keys of `SCENARIOS` or `WORLDS`, or patterns of them such as "report_*"; all scenarios, but
+        no world, if no name is given.
+    limit : int or None
+        Number of frames used of each; None: all.
+
+    Raises
+    ------
+    ParameterError
+        There is no such scenario or world.
+    """
+    chosen: dict[str, EvaluationSequence] = {}
+    for pattern in names or SCENARIOS:
+        scenarios = fnmatch.filter(SCENARIOS, pattern)
+        worlds = fnmatch.filter(WORLDS, pattern)
+        if not (scenarios or worlds):
+            known = " | ".join((*SCENARIOS, *WORLDS))
+            raise ParameterError(f"scenario: {pattern!r} is none of {known}")
+        chosen |= {name: ScenarioSequence(name, limit) for name in scenarios}
+        chosen |= {name: WorldSequence(name, limit) for name in worlds}
+    return tuple(chosen.values())
+
+
+def available_worlds(
+    worlds: Iterable[World], limit: int | None = None
+) -> tuple[tuple[EvaluationSequence, ...], tuple[str, ...]]:
+    """Return the worlds that can be drawn here, and notes about the others.
+
+    `limit`: number of frames used of each.
+    """
+    sequences: list[EvaluationSequence] = []
+    notes = []
+    for world in worlds:
+        sequence = WorldSequence(world.name, limit)
+        try:
+            sequence.frame_count()
+        except RecordingError as error:
+            notes.append(f"`{world.name}` is left out: {error}")
+        else:
+            sequences.append(sequence)
+    return tuple(sequences), tuple(notes)
+
+
+def scenario_sequences(
+    names: Sequence[str], limit: int | None = None
+) -> tuple[ScenarioSequence, ...]:
+    """Return scenarios by name, each once, in the order given; all of them if no name is given.
+
+    Raises
+    ------
+    ParameterError
+        There is no such scenario.
+    """
+    for name in names:
+        if name not in SCENARIOS:
+            raise ParameterError(f"scenario: {name!r} is none of {' | '.join(SCENARIOS)}")
+    return tuple(ScenarioSequence(name, limit) for name in dict.fromkeys(names or SCENARIOS))

@@ -1,0 +1,176 @@
+"""Vehicle of a simulated scenario: its poses, instrument messages and ground truth."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.metric.altitude import Altimeter
+from cable_tracker.metric.calibration import Calibration
+from cable_tracker.metric.cross_track import MetricSettings
+from cable_tracker.metric.frames import Attitude, Mounting
+from cable_tracker.metric.instruments import Instruments, InstrumentSettings
+from cable_tracker.metric.motion import TWIST
+from cable_tracker.simulation.camera import Camera
+from cable_tracker.simulation.dive import FIRST_STAMP, Dive
+from cable_tracker.simulation.flight import Flight, flight_at, twists_at
+from cable_tracker.simulation.scenario import SCENARIO_SIZE, scenario_dive
+from cable_tracker.simulation.scenario_description import SCENARIO_RATE
+from cable_tracker.simulation.scenarios import find_scenario
+from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.image_frame import image_centre
+
+ODOMETRY_RATE = 50.0
+"""Twists per second."""
+
+LOOK_AHEAD = 0.5
+"""Distance for the offset ahead of the vehicle [m]."""
+
+TRUTH_REACH, TRUTH_STEP = 3.0, 0.02
+"""Length to both sides of the vehicle over which the cable is followed, and step between the points
+[m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class InstrumentNoise:
+    """How wrong the instruments are: standard deviations.
+
+    Attributes
+    ----------
+    velocity, velocity_bias : float
+        Standard deviations of noise and constant bias of each linear velocity [m/s].
+    turn, turn_bias : float
+        Standard deviations of noise and constant bias of each angular velocity [rad/s].
+    scale : float
+        Standard deviation of the scale factor on all linear velocities.
+    altitude : float
+        Share of the altitude, for each measurement.
+    attitude : float
+        Standard deviation of each measured roll and pitch [rad].
+    """
+
+    velocity: float = 0.02
+    velocity_bias: float = 0.01
+    turn: float = math.radians(0.2)
+    turn_bias: float = math.radians(0.1)
+    scale: float = 0.01
+    altitude: float = 0.01
+    attitude: float = math.radians(0.2)
+
+
+def cables_below(dive: Dive, flight: Flight) -> FloatArray:
+    """Return the true offset at x = 0, offset ahead, and heading, shape (N, 3) [m, rad].
+
+    In the level frame of each instant. The heading is that of the cable where the camera looks.
+    """
+    reach = np.arange(-TRUTH_REACH, TRUTH_REACH, TRUTH_STEP)
+    truths = []
+    for position, angles in zip(flight.positions, flight.angles, strict=True):
+        points, _ = dive.tube.axis(position[1] + reach)
+        yaw = angles[2]
+        relative = points[:, :2] - position[:2]
+        ahead = relative @ [-math.sin(yaw), math.cos(yaw)]
+        left = relative @ [-math.cos(yaw), -math.sin(yaw)]
+        order = np.argsort(ahead)
+        seen = position[2] * math.tan(dive.camera.mounting)
+        places = np.array([0.0, LOOK_AHEAD, seen - 0.1, seen + 0.1])
+        foot, far, near, beyond = np.interp(places, ahead[order], left[order])
+        truths.append((foot, far, math.atan2(beyond - near, 0.2)))
+    return np.array(truths)
+
+
+def calibration_of(camera: Camera) -> Calibration:
+    """Return the calibration of a simulated camera."""
+    return Calibration(
+        camera.image_size,
+        "plumb_bob",
+        (camera.focal, camera.focal),
+        image_centre(camera.image_size),
+        camera.distortion if camera.is_distorted else (),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SimulatedVehicle:
+    """The instruments of a scenario's vehicle, with everything that they say during the dive.
+
+    Attributes
+    ----------
+    truths : FloatArray
+        Offset at x = 0, offset ahead, heading in each frame, shape (N, 3) [m, rad].
+    altitudes : FloatArray
+        True ones in each frame, shape (N,) [m].
+    instruments : Instruments
+        Calibration, altitude, attitude.
+    twists : FloatArray
+        Measured twists, shape (M, 6), at `twist_stamps` [ns].
+    twist_stamps : list of int
+        Length M.
+    covariance : FloatArray
+        Covariance that odometry states of its twists, shape (6, 6).
+    """
+
+    truths: FloatArray
+    altitudes: FloatArray
+    instruments: Instruments
+    twists: FloatArray
+    twist_stamps: list[int]
+    covariance: FloatArray
+
+
+def simulated_vehicle(scenario: str, seed: int, noise: InstrumentNoise) -> SimulatedVehicle:
+    """Return the vehicle of a scenario; the same seed gives the same errors of its instruments."""
+    rng = np.random.default_rng([seed, 20])
+    dive = scenario_dive(scenario, seed, SCENARIO_SIZE)
+    count = find_scenario(scenario).frame_count
+    frame_times = np.arange(count) / SCENARIO_RATE
+    flight = flight_at(dive, frame_times)
+    twist_times = np.arange(0.0, frame_times[-1] + 1e-9, 1.0 / ODOMETRY_RATE)
+    twists, covariance = _disturbed(twists_at(dive, twist_times), noise, rng)
+    return SimulatedVehicle(
+        truths=cables_below(dive, flight),
+        altitudes=flight.positions[:, 2],
+        instruments=_instruments(dive, flight, noise, rng),
+        twists=twists,
+        twist_stamps=[_stamp(time) for time in twist_times],
+        covariance=covariance,
+    )
+
+
+def _stamp(time: float) -> int:
+    return FIRST_STAMP + round(time * NANOSECONDS)
+
+
+def _disturbed(
+    twists: FloatArray, noise: InstrumentNoise, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    steps = np.repeat([noise.velocity, noise.turn], 3)
+    biases = np.repeat([noise.velocity_bias, noise.turn_bias], 3)
+    scale = 1.0 + noise.scale * float(rng.standard_normal())
+    wrong = twists + biases * rng.standard_normal(TWIST)
+    wrong += steps * rng.standard_normal(twists.shape)
+    wrong[:, :3] *= scale
+    return wrong, np.diag(steps**2 + biases**2)
+
+
+def _instruments(
+    dive: Dive, flight: Flight, noise: InstrumentNoise, rng: np.random.Generator
+) -> Instruments:
+    mounting = Mounting(pitch=math.pi / 2 - dive.camera.mounting)
+    instruments = Instruments(
+        InstrumentSettings(
+            metric=MetricSettings(mounting, LOOK_AHEAD, dive.tube.height),
+            altimeter=Altimeter(is_vertical=True, relative_sigma=noise.altitude),
+        )
+    )
+    instruments.take_calibration(calibration_of(dive.camera))
+    for time, position, angles in zip(flight.times, flight.positions, flight.angles, strict=True):
+        altitude = float(position[2]) * (1.0 + noise.altitude * float(rng.standard_normal()))
+        roll, pitch = angles[:2] + noise.attitude * rng.standard_normal(2)
+        stamp = _stamp(float(time))
+        instruments.take_altitude(stamp, altitude, (0.1, 50.0))
+        instruments.take_attitude(stamp, Attitude(float(roll), float(pitch), noise.attitude))
+    return instruments

@@ -1,1 +1,0 @@
-"""Track a recording, and write what came of it into a folder."""

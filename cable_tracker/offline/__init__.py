@@ -1,0 +1,1 @@
+"""Tracking of recordings without ROS, and the folders of results that it writes."""

@@ -1,0 +1,97 @@
+"""Reasons against a cable where none was claimed in a whole recording, and advice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
+from cable_tracker.sequences.estimates import EstimateRow
+
+TRACKING = "TRACKING"
+NEAR_LIMIT = 1.1
+"""A width within this factor of a limit is taken to be held by it."""
+
+
+def advice(
+    rows: Sequence[EstimateRow],
+    widths: Sequence[tuple[float, int]],
+    parameters: TrackerParameters,
+) -> list[str]:
+    """Say why no cable was claimed, in a few lines; nothing where one was.
+
+    Parameters
+    ----------
+    rows : sequence of EstimateRow
+        All frames of the recording.
+    widths : sequence of (float, int)
+        Width of the leading hypothesis and of the image, of the frames that have one [px].
+    parameters : TrackerParameters
+        Parameters of the tracker that ran on the recording.
+    """
+    if not rows or any(row.status == TRACKING for row in rows):
+        return []
+    lines = ["no cable was claimed in any frame"]
+    presence = [row.presence for row in rows if row.presence is not None]
+    evidence = [row.evidence for row in rows if row.evidence is not None]
+    is_likely = bool(presence) and max(presence) >= parameters.presence_to_track
+    width = _median_width(widths)
+    asking, needed = _evidence_for_a_claim(parameters, width)
+    is_clear = bool(evidence) and max(evidence) >= needed
+    if presence and not is_likely:
+        lines.append(
+            f"presence: at most {max(presence):.0%}, presence_to_track asks for"
+            f" {parameters.presence_to_track:.0%}; is the cable in view, with both its borders?"
+        )
+    if evidence and not is_clear:
+        lines.append(
+            f"evidence: the weaker border reached {max(evidence):.2g}, {asking} asks for"
+            f" {needed:.3g}; try a lower one, or learn a response table from"
+            " labelled frames of yours (cable-tracker label, learn)"
+        )
+    if is_likely and is_clear:
+        lines.append(
+            "presence and evidence were high enough, but not together for confirmation_time"
+            f" ({parameters.confirmation_time:g} s); try a shorter one"
+        )
+    if width is not None:
+        lines += _width_advice(width, parameters)
+    lines.append("docs/troubleshooting.md says what else to try; cable-tracker gui shows why")
+    return lines
+
+
+def _median_width(widths: Sequence[tuple[float, int]]) -> float | None:
+    """Return the median width [px at the reference width]; None without any."""
+    if not widths:
+        return None
+    return float(np.median([width * REFERENCE_WIDTH / image for width, image in widths]))
+
+
+def _evidence_for_a_claim(parameters: TrackerParameters, width: float | None) -> tuple[str, float]:
+    """Return the parameter that the first claim needs most evidence for, and how much.
+
+    `width` is that of the cable [px at the reference width]; None: not known.
+    """
+    tracked, found = parameters.evidence_to_track, parameters.evidence_to_find
+    if width is not None:
+        found = needed_clearness(width, parameters, REFERENCE_WIDTH)
+    if parameters.filter == "multi_hypothesis" and found > tracked:
+        return "evidence_to_find", found
+    return "evidence_to_track", tracked
+
+
+def _width_advice(width: float, parameters: TrackerParameters) -> list[str]:
+    low, high = parameters.width_minimum, parameters.initial_width_maximum
+    if width <= NEAR_LIMIT * max(low, parameters.initial_width_minimum):
+        return [
+            f"width: {width:.0f} px at 320 px, at its lower limit; for a thinner cable lower"
+            " initial_width_minimum and width_minimum"
+        ]
+    if width >= high / NEAR_LIMIT:
+        return [
+            f"width: {width:.0f} px at 320 px, at its upper limit; for a wider one raise"
+            " initial_width_maximum and width_maximum"
+        ]
+    return []

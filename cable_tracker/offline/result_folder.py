@@ -1,0 +1,175 @@
+"""The folder that a tracked recording ends up in: table, video, pictures, bag."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.model.estimate import Hypothesis
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import FrameError
+from cable_tracker.offline.results import BAG, CONTACT_SHEET, ESTIMATES, VIDEO, Results
+from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.estimates import EstimateRow, write_estimates
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.stored_rows import StoredRows
+from cable_tracker.visualisation.contact_sheet import ContactSheet
+from cable_tracker.visualisation.drawing_thread import DrawingThread
+from cable_tracker.visualisation.overlay import draw_overlay, with_presence
+from cable_tracker.visualisation.palette import status_colour
+from cable_tracker.visualisation.plots import plot_estimates
+from cable_tracker.visualisation.video import VideoWriter
+
+PLOTS = "estimates.png"
+
+SMALLEST_PICTURE, LARGEST_PICTURE = 480, 960
+"""Narrower frames are enlarged, and wider ones shrunk, to these widths in the video [px]."""
+
+
+@dataclass(frozen=True, slots=True)
+class WantedResults:
+    """Content of a result folder beside the table.
+
+    Attributes
+    ----------
+    video : bool
+        The frames with all that the tracker believes drawn over them.
+    bag : bool
+        The messages that the node publishes.
+    pictures : bool
+        A contact sheet and the plots.
+    """
+
+    video: bool = True
+    bag: bool = True
+    pictures: bool = True
+
+    def names(self) -> tuple[str, ...]:
+        """Return the names of the files, in the order in which they are told."""
+        wanted = (
+            (ESTIMATES, True),
+            (VIDEO, self.video),
+            (CONTACT_SHEET, self.pictures),
+            (PLOTS, self.pictures),
+            (BAG, self.bag),
+        )
+        return tuple(name for name, is_wanted in wanted if is_wanted)
+
+
+EVERYTHING = WantedResults()
+
+
+class ResultFolder(Results):
+    """Results of a tracked cable, see `Results`.
+
+    Parameters
+    ----------
+    wanted : WantedResults
+        Files to write beside the table.
+
+    Attributes
+    ----------
+    rows : StoredRows of EstimateRow
+        The table so far.
+    truths : dict
+        Ground truth by frame number, of the frames that have one.
+    widths : StoredRows of (float, int)
+        Widths of the leading hypothesis and of the image, of the frames that have one [px].
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        *,
+        overwrite: bool = False,
+        timing: bool = True,
+        wanted: WantedResults = EVERYTHING,
+    ) -> None:
+        super().__init__(path, overwrite=overwrite, timing=timing, with_bag=wanted.bag)
+        self.wanted = wanted
+        self.truths: dict[int, CableState] = {}
+        self._sheet = ContactSheet() if wanted.pictures else None
+        self._video: VideoWriter | None = None
+
+    def _open_writers(self, stack: ExitStack) -> None:
+        self.rows: StoredRows[EstimateRow] = StoredRows(self._content)
+        self.widths: StoredRows[tuple[float, int]] = StoredRows(self._content)
+        if self.wanted.video:
+            self._video = stack.enter_context(VideoWriter(self._content / VIDEO))
+        # Entered last, so that all is drawn before the video is closed.
+        self._drawing = stack.enter_context(DrawingThread())
+
+    def add(
+        self,
+        frame: Frame,
+        row: EstimateRow,
+        cloud: FloatArray | None,
+        hypotheses: Sequence[Hypothesis] = (),
+        image_width: int = 0,
+    ) -> None:
+        """Add one frame.
+
+        Parameters
+        ----------
+        frame : Frame
+            The frame as it was recorded.
+        row : EstimateRow
+            Row of the frame in the table.
+        cloud : FloatArray or None
+            Particles of the frame, shape (N, 9): eight state columns and the weight.
+        hypotheses : sequence of Hypothesis
+            Hypotheses of the frame, as far as they are known; for the pictures.
+        image_width : int
+            Width of the frame [px]; needed with hypotheses.
+        """
+        self.rows.append(row if self._timing else replace(row, ms=None))
+        if frame.truth is not None:
+            self.truths[frame.index] = frame.truth
+        if hypotheses:
+            self.widths.append((hypotheses[0].state.width, image_width))
+        if self._video is None and self._sheet is None:
+            return
+        self._drawing.do(lambda: self._draw(frame, row, cloud, hypotheses))
+
+    def _draw(
+        self,
+        frame: Frame,
+        row: EstimateRow,
+        cloud: FloatArray | None,
+        hypotheses: Sequence[Hypothesis],
+    ) -> None:
+        """Draw a frame into the video and onto the sheet, in the thread that draws."""
+        try:
+            picture = decode_bgr(frame.image)
+        except FrameError:
+            return  # Refused frames stand in the table; there is no picture to show.
+        draw = partial(
+            draw_overlay,
+            picture,
+            state=row.state,
+            status=row.status,
+            sigma=row.sigma,
+            truth=frame.truth,
+            cloud=cloud,
+            hypotheses=hypotheses,
+            presence=row.presence,
+            caption=f"frame {frame.index}",
+            minimum_width=SMALLEST_PICTURE,
+            maximum_width=LARGEST_PICTURE,
+        )
+        if self._video is not None:
+            self._video.add(draw(), frame.stamp)
+        if self._sheet is not None:
+            overlay = draw(legend=False) if self._sheet.wants_next() else None
+            words = with_presence(row.status, row.presence)
+            self._sheet.add(overlay, frame.index, words, status_colour(row.status))
+
+    def _write_summaries(self) -> None:
+        write_estimates(self._content / ESTIMATES, self.rows)
+        if self._sheet is not None:
+            self._sheet.write(self._content / CONTACT_SHEET)
+            plot_estimates(self._content / PLOTS, self.rows, self.truths)

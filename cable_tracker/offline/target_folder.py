@@ -1,0 +1,79 @@
+"""Result folder of a target followed through a recording."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+
+from cable_tracker.arrays import Image
+from cable_tracker.errors import OutputError
+from cable_tracker.offline.results import BAG, CONTACT_SHEET, ESTIMATES, VIDEO, Results
+from cable_tracker.offline.target_table import HEADER, METRES, METRES_HEADER, TargetRow
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.visualisation.contact_sheet import ContactSheet
+from cable_tracker.visualisation.video import VideoWriter
+
+SMALLEST_PICTURE = 480
+"""Narrower frames are enlarged to this width in the pictures [px]."""
+
+
+class TargetFolder(Results):
+    """Results of a followed target, see `Results`.
+
+    Attributes
+    ----------
+    rows : list of TargetRow
+        The table so far.
+    metres : list of tuple of str
+        The table in metres so far; it is written if it has rows.
+    """
+
+    def __init__(self, path: Path, *, overwrite: bool, timing: bool, with_bag: bool) -> None:
+        super().__init__(path, overwrite=overwrite, timing=timing, with_bag=with_bag)
+        self.rows: list[TargetRow] = []
+        self.metres: list[tuple[str, ...]] = []
+        self._sheet = ContactSheet()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the written files."""
+        metres = (METRES,) if self.metres else ()
+        return (ESTIMATES, *metres, VIDEO, CONTACT_SHEET, *((BAG,) if self._with_bag else ()))
+
+    def _open_writers(self, stack: ExitStack) -> None:
+        self._video = stack.enter_context(VideoWriter(self._content / VIDEO))
+
+    def add(self, frame: Frame, row: TargetRow, picture: Image | None) -> None:
+        """Add one frame, with the picture that shows what was found; None for a refused frame."""
+        self.rows.append(row if self._timing else replace(row, ms=None))
+        if picture is None:
+            return
+        width = picture.shape[1]
+        if width < SMALLEST_PICTURE:
+            zoom = SMALLEST_PICTURE / width
+            picture = cv2.resize(picture, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_LINEAR)
+        self._video.add(picture, frame.stamp)
+        self._sheet.add(picture if self._sheet.wants_next() else None, frame.index)
+
+    def _write_summaries(self) -> None:
+        _write_csv(self._content / ESTIMATES, HEADER, (row.cells() for row in self.rows))
+        if self.metres:
+            _write_csv(self._content / METRES, METRES_HEADER, self.metres)
+        self._sheet.write(self._content / CONTACT_SHEET)
+        if not (self._content / CONTACT_SHEET).is_file():
+            raise OutputError(
+                f"{self.path / CONTACT_SHEET}: could not be written; check the folder and its"
+                " free space"
+            )
+
+
+def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)

@@ -1,0 +1,92 @@
+"""The tables of a followed target: a row for each frame, in pixels and in metres."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cable_tracker.metric.target_facts import TARGET_METRES_KEYS
+from cable_tracker.sequences.estimates import format_stamp
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.target.model.estimate import TargetEstimate, is_claimed
+from cable_tracker.target.model.state import PoseColumn
+
+METRES = "metres.csv"
+
+HEADER = (
+    "frame", "stamp", "status", "x", "y", "scale", "angle", "v_x", "v_y", "sigma_x", "sigma_y",
+    "box_x0", "box_y0", "box_x1", "box_y1", "area", "presence", "n_eff", "ms",
+)  # fmt: skip
+
+METRES_HEADER = ("frame", "stamp", *TARGET_METRES_KEYS)
+
+CLAIM_SIZE = 13
+"""Columns of the table from `x` to `area`."""
+
+
+@dataclass(frozen=True, slots=True)
+class TargetRow:
+    """One frame of a followed target.
+
+    Attributes
+    ----------
+    frame, stamp : int
+        Number, and time [ns].
+    status : str
+        TRACKING, LOST, INITIALISING, or REFUSED for a frame that could not be used.
+    claim : tuple of float or None
+        Columns `x` to `area` of the table; None without a claim.
+    presence, n_eff : float or None
+        None for a refused frame.
+    ms : float or None
+        Time the tracker took [ms].
+    event : str
+        Event of the frame that a user should know of.
+    """
+
+    frame: int
+    stamp: int
+    status: str
+    claim: tuple[float, ...] | None = None
+    presence: float | None = None
+    n_eff: float | None = None
+    ms: float | None = None
+    event: str = ""
+
+    def cells(self) -> list[str]:
+        """Return the fields of the table; those of the state are empty without a claim."""
+        cells = [str(self.frame), format_stamp(self.stamp), self.status]
+        cells += [""] * CLAIM_SIZE if self.claim is None else [repr(x) for x in self.claim]
+        cells += ["" if x is None else repr(x) for x in (self.presence, self.n_eff)]
+        return [*cells, "" if self.ms is None else f"{self.ms:.3f}"]
+
+
+def row_of(frame: Frame, estimate: TargetEstimate, ms: float | None) -> TargetRow:
+    """Return the row of the table for a frame that was used."""
+    claim = None
+    if is_claimed(estimate) and estimate.box is not None:
+        state, sigma = estimate.state, estimate.standard_deviations()
+        numbers = [
+            state[PoseColumn.X], state[PoseColumn.Y], estimate.scale, state[PoseColumn.ANGLE],
+            state[PoseColumn.X_RATE], state[PoseColumn.Y_RATE], sigma[0], sigma[1],
+            *estimate.box, estimate.area,
+        ]  # fmt: skip
+        claim = tuple(float(number) for number in numbers)
+    return TargetRow(
+        frame.index, frame.stamp, estimate.status.value, claim, float(estimate.presence),
+        float(estimate.effective_sample_size), ms, estimate.event,
+    )  # fmt: skip
+
+
+def metres_row(frame: Frame, facts: Mapping[str, str]) -> tuple[str, ...]:
+    """Return a frame's row of the table in metres; empty cells where something is not told.
+
+    Parameters
+    ----------
+    frame : Frame
+        The frame.
+    facts : mapping
+        Values of the report in metres, see `target_facts`.
+    """
+    cells = (facts.get(key, "") for key in TARGET_METRES_KEYS)
+    return (str(frame.index), format_stamp(frame.stamp), *cells)

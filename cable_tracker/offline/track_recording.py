@@ -1,0 +1,246 @@
+"""Track a whole recording in this process, without ROS."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.initial_state import GivenState
+from cable_tracker.cable.model.initial_state_text import parse_initial_state
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.detection.baselines.detectors import DETECTORS
+from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
+from cable_tracker.errors import FrameError, ParameterError, RecordingError
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.messages import report_metres
+from cable_tracker.metric.recorded import RecordedMetres
+from cable_tracker.metric.withheld import Withheld
+from cable_tracker.offline.frame_messages import FrameMessages
+from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.bag_writer import MessageSink
+from cable_tracker.sequences.convert import write_truth
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.estimates import REFUSED, EstimateRow, RowMetres
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.jpeg import encode_jpeg
+from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
+from cable_tracker.sequences.messages.cable_markers import make_markers
+from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
+from cable_tracker.sequences.messages.frame_report import make_report
+from cable_tracker.sequences.messages.images import make_compressed_image
+from cable_tracker.sequences.source import Source
+from cable_tracker.visualisation.overlay import draw_overlay
+
+TRUTH = "truth"
+
+
+def initial_state_for(
+    source: Source, init: str, limits: PairLimits = DEFAULT_LIMITS
+) -> CableState | None:
+    """Return where to start: from `random`, `truth`, a detector's name, or `d,alpha,w,beta`.
+
+    Parameters
+    ----------
+    source : Source
+        The recording.
+    init : str
+        These words.
+    limits : PairLimits
+        Widths and skews of the cables that a detector reports.
+
+    Raises
+    ------
+    ParameterError
+        The words are none of these, or the first frame has no ground truth, or shows no cable to
+        the detector.
+    RecordingError
+        The recording cannot be read.
+    """
+    if init != TRUTH and init not in DETECTORS:
+        return parse_initial_state(init)
+    first = next(source.frames(), None)
+    if first is None:
+        raise RecordingError(f"{source.path}: holds no frames; record it again")
+    if init == TRUTH:
+        return _true_state(source, first)
+    return _detected_state(source, first, init, limits)
+
+
+def _detected_state(source: Source, first: Frame, detector: str, limits: PairLimits) -> CableState:
+    try:
+        found = DETECTORS[detector](limits).detect(decode_grey(first.image))
+    except FrameError as error:
+        raise ParameterError(
+            f"{source.path}: no start from its first frame ({error}); use --init random"
+        ) from error
+    if not found:
+        raise ParameterError(
+            f"{source.path}: the detector {detector} sees no cable in its first frame; start with"
+            " another detector, with --init random or with --init d,alpha,w,beta"
+        )
+    return found[0].state
+
+
+def _true_state(source: Source, first: Frame) -> CableState:
+    if first.truth is None:
+        raise ParameterError(
+            f"{source.path}: its first frame has no ground truth to start from; give labels with"
+            " --truth FILE, or start with --init random or --init d,alpha,w,beta"
+        )
+    truth = first.truth
+    # The rates are left to the filter: a label file has none, and `--init d,alpha,w,beta` neither.
+    return CableState(truth.distance, truth.angle, truth.width, truth.skew)
+
+
+def row_of(
+    frame: Frame,
+    estimate: CableEstimate,
+    ms: float | None,
+    metres: CrossTrack | Withheld | None = None,
+) -> EstimateRow:
+    """Return the row of the table for a tracked frame."""
+    claimed = estimate.status is TrackingStatus.TRACKING
+    d, alpha, w, beta = (float(value) for value in estimate.standard_deviations()[:4])
+    return EstimateRow(
+        frame=frame.index,
+        stamp=frame.stamp,
+        status=estimate.status.value,
+        state=estimate.state if claimed else None,
+        sigma=(d, alpha, w, beta) if claimed else None,
+        n_eff=estimate.effective_sample_size,
+        presence=estimate.presence,
+        evidence=estimate.evidence,
+        hypotheses=len(estimate.hypotheses),
+        ms=ms,
+        metres=_row_metres(metres) if isinstance(metres, CrossTrack) else None,
+        no_metres=str(metres) if isinstance(metres, Withheld) else "",
+    )
+
+
+def _row_metres(known: CrossTrack) -> RowMetres:
+    sigma = known.standard_deviations()
+    return RowMetres(known.offset, known.heading, float(sigma[0]), float(sigma[2]))
+
+
+def track_recording(
+    source: Source,
+    tracker: CableTracker,
+    results: ResultFolder,
+    advance: Callable[[], None] = lambda: None,
+    metres: RecordedMetres | None = None,
+) -> RecordingError | None:
+    """Track all frames of a source and collect the results.
+
+    Parameters
+    ----------
+    source : Source
+        An open recording.
+    tracker : CableTracker
+        The tracker, initialised as wanted.
+    results : ResultFolder
+        Folder of results.
+    advance : callable
+        Called after each frame.
+    metres : RecordedMetres or None
+        The recording's instruments; None: everything stays in pixels.
+
+    Returns
+    -------
+    RecordingError or None
+        Where the recording broke off; the frames before that are in the results.
+    """
+    try:
+        for frame in source.frames():
+            _track_frame(frame, tracker, results, metres)
+            advance()
+    except RecordingError as error:
+        return error
+    return None
+
+
+def start_from(tracker: CableTracker, state: CableState | None) -> None:
+    """Start a tracker from a state, or at random if there is none."""
+    if state is not None:
+        tracker.initialise(GivenState.around(state))
+
+
+def _track_frame(
+    frame: Frame, tracker: CableTracker, results: ResultFolder, metres: RecordedMetres | None
+) -> None:
+    output = _CableMessages(results.bag, frame) if results.wanted.bag else None
+    if metres is not None:
+        metres.advance(frame)
+    try:
+        grey = decode_grey(frame.image)
+        begin = time.perf_counter()
+        motion = metres.motion(frame.stamp, grey) if metres is not None else None
+        estimate = tracker.process(grey, frame.stamp, motion)
+        ms = (time.perf_counter() - begin) * 1e3
+    except FrameError as error:
+        if output is not None:
+            output.write_refusal(str(error))
+        results.add(frame, EstimateRow(frame.index, frame.stamp, REFUSED), None)
+        return
+    assert tracker.particles is not None
+    cloud = cloud_of(tracker.particles)
+    known = None
+    if metres is not None:
+        metres.observe(estimate)
+        known = metres.measure(estimate)
+    if output is not None:
+        output.write_estimate(estimate, grey, cloud, ms, known)
+    row = row_of(frame, estimate, ms, known)
+    results.add(frame, row, cloud, estimate.hypotheses, estimate.image_size[0])
+
+
+class _CableMessages(FrameMessages):
+    """Writes the messages that the node would publish about one frame."""
+
+    def __init__(self, bag: MessageSink, frame: Frame) -> None:
+        super().__init__(bag, frame)
+        write_truth(bag, frame)
+
+    def write_refusal(self, reason: str) -> None:
+        """Write that there is no estimate."""
+        factory, header = self._factory, self._header
+        self._write(node_topics.STATE, make_state(factory, header, None))
+        report = make_report(factory, header, REFUSED, {"event": reason})
+        self._write(node_topics.FRAME_REPORT, report)
+
+    def write_estimate(
+        self,
+        estimate: CableEstimate,
+        grey: Image,
+        cloud: FloatArray,
+        ms: float,
+        known: CrossTrack | Withheld | None,
+    ) -> None:
+        """Write everything about a tracked frame."""
+        factory, header = self._factory, self._header
+        claimed = estimate.state if estimate.status is TrackingStatus.TRACKING else None
+        sigma = estimate.standard_deviations()[:4]
+        self._write(node_topics.STATE, make_state(factory, header, claimed, sigma))
+        values = report_values(estimate, ms) | ({} if known is None else report_metres(known))
+        report = make_report(factory, header, estimate.status.value, values)
+        self._write(node_topics.FRAME_REPORT, report)
+        if claimed is not None:
+            centreline = make_centreline(factory, header, claimed, estimate.covariance)
+            self._write(node_topics.CENTRELINE, centreline)
+        self._write(node_topics.PARTICLES, make_particles(factory, header, cloud))
+        markers = make_markers(factory, header, claimed, estimate.image_size)
+        self._write(node_topics.MARKERS, markers)
+        overlay = draw_overlay(
+            grey,
+            state=claimed,
+            status=estimate.status.value,
+            sigma=sigma,
+            cloud=cloud,
+            hypotheses=estimate.hypotheses,
+            presence=estimate.presence,
+        )
+        jpeg = make_compressed_image(factory, encode_jpeg(overlay), header)
+        self._write(node_topics.OVERLAY, jpeg)

@@ -1,0 +1,100 @@
+"""Follow a target through a whole recording."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.metric.recorded_target import RecordedSight
+from cable_tracker.metric.target_facts import target_facts
+from cable_tracker.offline.target_folder import TargetFolder
+from cable_tracker.offline.target_messages import TargetMessages
+from cable_tracker.offline.target_table import TargetRow, metres_row, row_of
+from cable_tracker.sequences.encodings import decode_bgr
+from cable_tracker.sequences.estimates import REFUSED
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.source import Source
+from cable_tracker.target.model.start import TargetStart
+from cable_tracker.target.model.start_text import DETECT, parse_box
+from cable_tracker.target.tracker import TargetTracker
+from cable_tracker.visualisation.target_overlay import draw_target
+
+
+def parse_start(init: str) -> TargetStart | None:
+    """Return the start that the words say: `x0,y0,x1,y1`, or None for `detect`.
+
+    Raises
+    ------
+    ParameterError
+        They say neither, or the box has no area.
+    """
+    if init == DETECT:
+        return None
+    return parse_box(init)
+
+
+def track_target(
+    source: Source,
+    tracker: TargetTracker,
+    results: TargetFolder,
+    advance: Callable[[], None],
+    sight: RecordedSight | None = None,
+) -> RecordingError | None:
+    """Follow the target through a recording, and collect the results.
+
+    Parameters
+    ----------
+    source : Source
+        The recording.
+    tracker : TargetTracker
+        Ready to begin.
+    results : TargetFolder
+        Folder of results.
+    advance : callable
+        Called after every frame.
+    sight : RecordedSight or None
+        Instruments of the recording; None: everything stays in pixels.
+
+    Returns
+    -------
+    RecordingError or None
+        Why the recording ended early.
+    """
+    try:
+        for frame in source.frames():
+            _follow(frame, tracker, results, sight)
+            advance()
+    except RecordingError as error:
+        return error
+    return None
+
+
+def _follow(
+    frame: Frame, tracker: TargetTracker, results: TargetFolder, sight: RecordedSight | None
+) -> None:
+    messages = TargetMessages(results.bag, frame)
+    if sight is not None:
+        sight.advance(frame)
+    try:
+        image = decode_bgr(frame.image)
+        begin = time.perf_counter()
+        motion = None
+        if sight is not None:
+            motion = sight.camera_motion(frame.stamp, (image.shape[1], image.shape[0]))
+        estimate = tracker.process(image, frame.stamp, motion)
+        ms = (time.perf_counter() - begin) * 1e3
+    except FrameError as error:
+        messages.write_refusal(str(error))
+        results.add(frame, TargetRow(frame.index, frame.stamp, REFUSED, event=str(error)), None)
+        return
+    particles = tracker.particles
+    picture = draw_target(image, estimate, particles.states if particles is not None else None)
+    facts: dict[str, str] = {}
+    if sight is not None:
+        metres = sight.take(estimate)
+        messages.write_metres(metres, sight)
+        facts = target_facts(metres, sight.settings.mounting.position)
+        results.metres.append(metres_row(frame, facts))
+    messages.write_estimate(estimate, particles, picture, ms, facts)
+    results.add(frame, row_of(frame, estimate, ms), picture)

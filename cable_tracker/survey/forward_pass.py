@@ -1,0 +1,313 @@
+"""Forward pass of a survey: track a dive, and write the cable's position in each frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.errors import FrameError, ParameterError, RecordingError
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.homography import Overflight
+from cable_tracker.metric.recorded import (
+    Pauses,
+    RecordedMetres,
+    RecordedVehicle,
+    recorded_vehicle,
+)
+from cable_tracker.metric.withheld import Withheld
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import Frame
+from cable_tracker.sequences.instrument_source import InstrumentMessage
+from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
+from cable_tracker.sequences.messages.poses import yaw_of
+from cable_tracker.sequences.source import Source, open_source
+from cable_tracker.survey.crossing_search import CrossingSearch
+from cable_tracker.survey.frame_metres import put_metres, put_profile, put_view
+from cable_tracker.survey.frame_table import STATUSES, FrameRow, FrameTable, Samples
+from cable_tracker.survey.memory_mapped import Disk
+from cable_tracker.trackers import make_tracker
+
+POSE_WIDTH = 4
+"""x, y, yaw, and speed [m, rad, m/s]."""
+
+FIX_WIDTH = 5
+"""Latitude, longitude, height, variances of east and north."""
+
+UNSAID_FIX_VARIANCE = 25.0
+"""Variance of a fix that states none [m²]."""
+
+MOST_RATE = 5.0
+"""Largest number of pictures per second that are tracked with odometry [1/s]: it tells how the
+cable moves in between, and another measurement some centimetres farther on adds little."""
+
+FASTEST_RATE = 1000.0
+
+EARLY = 0.05
+"""A picture that is early by this share of the pause between two counts as in time."""
+
+METRES_PAUSE = 190_000_000
+"""Interval between two pictures in which metres are computed [ns]: at half a metre a second, a
+cable is looked at every 10 cm, and each place of it several times."""
+
+TEXTURE_PAUSE = 0.5
+"""Interval between two measurements of the sea bed's texture while odometry agrees with it [s]."""
+
+INSTRUMENT_PAUSE = 45_000_000
+"""Shortest interval between two readings of a fast instrument that are read [ns]."""
+
+POSE_PAUSE = 90_000_000
+"""Shortest interval between two poses that are kept [ns]: a vehicle's way is smooth over a tenth of
+a second."""
+
+CALIBRATION_PAUSE = 1_000_000_000
+"""Shortest interval between two calibrations that are read [ns]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForwardSettings:
+    """How to track.
+
+    Attributes
+    ----------
+    parameters : TrackerParameters
+        Parameters of the filter.
+    topic : str or None
+        Image topic; None if there is just one.
+    rate : float
+        Frames per second of image folders.
+    choice : InstrumentChoice
+        Topics of the instruments.
+    vehicle : Path or None
+        The user's `vehicle.yaml`.
+    most_rate : float
+        Pictures per second that are tracked at most where there is odometry [1/s]; 0: all.
+    """
+
+    parameters: TrackerParameters = field(default_factory=lambda: preset("default"))
+    topic: str | None = None
+    rate: float = 25.0
+    choice: InstrumentChoice = field(default_factory=InstrumentChoice)
+    vehicle: Path | None = None
+    most_rate: float = MOST_RATE
+
+    def open(self, path: Path) -> Source:
+        """Open a recording; see `open_source`."""
+        return open_source(
+            path, topic=self.topic, rate=self.rate, skip_bad_frames=True, with_truth=False
+        )
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.most_rate <= FASTEST_RATE:
+            raise ParameterError(f"most-rate is {self.most_rate:g}: give 0 to {FASTEST_RATE:g} /s")
+
+
+@dataclass(slots=True, eq=False)
+class ForwardDive:
+    """A dive as it was tracked.
+
+    Attributes
+    ----------
+    path : Path
+        The recording.
+    disk : Disk
+        Allocator of the arrays.
+    table : FrameTable
+        One row a frame.
+    poses : Samples
+        Poses from odometry, `POSE_WIDTH` numbers each.
+    fixes : Samples
+        `FIX_WIDTH` numbers each.
+    notes : list of str
+        Remarks for the user: missing topics, where the recording broke off.
+    flight : Overflight or None
+        The camera over the cable, when metres were known last; None if they never were.
+    given_name : str
+        Instead of the recording's own name; empty: none.
+    recording : Source or None
+        Open, so that pictures can be looked at again; None: there are none.
+    """
+
+    path: Path
+    disk: Disk = field(default_factory=Disk)
+    notes: list[str] = field(default_factory=list)
+    flight: Overflight | None = None
+    given_name: str = ""
+    recording: Source | None = None
+    table: FrameTable = field(init=False)
+    poses: Samples = field(init=False)
+    fixes: Samples = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.table = FrameTable(self.disk)
+        self.poses, self.fixes = Samples(POSE_WIDTH, self.disk), Samples(FIX_WIDTH, self.disk)
+
+    @property
+    def name(self) -> str:
+        """Name of the recording: its own, unless another is given."""
+        return self.given_name or self.path.name
+
+
+def track_forwards(
+    recording: Source,
+    settings: ForwardSettings,
+    advance: Callable[[int], None] = lambda count: None,
+    disk: Disk | None = None,
+) -> ForwardDive:
+    """Track an open recording from its beginning to its end, or to where it breaks off.
+
+    Frames that cannot be used are passed over. `advance` is told of every frame. What is noted
+    goes to `disk`; None: among the temporary files.
+
+    Raises
+    ------
+    RecordingError
+        Not one frame can be read.
+    ParameterError
+        The vehicle file is not acceptable.
+    """
+    dive = ForwardDive(recording.path, disk or Disk(), recording=recording)
+    vehicle = recorded_vehicle(recording, settings.choice, settings.vehicle)
+    dive.notes += [*([recording.note] if recording.note else []), *vehicle.notes]
+    run = _Run(dive, settings, vehicle)
+    try:
+        _run_all(recording, run, advance)
+    except RecordingError as error:
+        if not len(dive.table):
+            raise
+        dive.notes.append(str(error))
+    dive.notes += vehicle.remarks()
+    if run.passed_over:
+        total = run.passed_over + len(dive.table)
+        dive.notes.append(
+            f"{len(dive.table)} of {total} pictures were tracked, {settings.most_rate:g} a"
+            " second: odometry tells what lies between"
+        )
+    if not len(dive.table):
+        raise RecordingError(f"{recording.path}: holds no frames; record it again")
+    return dive
+
+
+def _run_all(recording: Source, run: _Run, advance: Callable[[int], None]) -> None:
+    def wanted(stamp: int) -> bool:
+        advance(1)
+        return run.wants(stamp)
+
+    try:
+        for frame in recording.chosen_frames(wanted):
+            run.take(frame)
+    finally:
+        run.close()
+
+
+class _Run:
+    def __init__(
+        self, dive: ForwardDive, settings: ForwardSettings, vehicle: RecordedVehicle
+    ) -> None:
+        self._dive = dive
+        self._tracker = make_tracker(settings.parameters)
+        pauses = Pauses(INSTRUMENT_PAUSE, CALIBRATION_PAUSE, TEXTURE_PAUSE)
+        metres = vehicle.metres(pauses)
+        self._metres = metres if metres is not None else RecordedMetres(vehicle.vehicle, None)
+        aided = self._metres.is_aided and settings.most_rate > 0.0
+        self._pause = round(1e9 / settings.most_rate) if aided else 0
+        self._due: int | None = None
+        self.passed_over = 0
+        self._crossings = CrossingSearch(dive.table)
+        self._measured = self._posed = -(2**62)
+
+    def close(self) -> None:
+        self._metres.__exit__(None, None, None)
+
+    def wants(self, stamp: int) -> bool:
+        """Tell whether the picture of a time [ns] is tracked; each is asked about once."""
+        due, pause = self._due, self._pause
+        if due is not None and due - 2 * pause < stamp < due - EARLY * pause:
+            self.passed_over += 1
+            return False
+        # After a silence, or where the clock has jumped back, the count begins anew.
+        on_time = due is not None and 0 <= stamp - due + pause < 2 * pause
+        self._due = (due if on_time and due is not None else stamp) + pause
+        return True
+
+    def take(self, frame: Frame) -> None:
+        for message in self._metres.advance(frame):
+            self._note(message)
+        row = self._dive.table.append()
+        row["frame"], row["stamp"] = frame.index, frame.stamp
+        try:
+            grey = decode_grey(frame.image)
+            motion = self._metres.motion(frame.stamp, grey)
+            estimate = self._tracker.process(grey, frame.stamp, motion)
+        except FrameError:
+            row["status"] = STATUSES.index("REFUSED")
+            return
+        row["status"] = STATUSES.index(estimate.status.value)
+        row["presence"] = np.nan if estimate.presence is None else estimate.presence
+        self._metres.observe(estimate)
+        if estimate.status is TrackingStatus.TRACKING:
+            row["d"], row["alpha"], row["w"], row["beta"] = estimate.state.to_array()[:4]
+        if 0 <= frame.stamp - self._measured < METRES_PAUSE:
+            return
+        self._measured = frame.stamp
+        self._measure(row, grey, estimate)
+
+    def _measure(self, row: FrameRow, grey: Image, estimate: CableEstimate) -> None:
+        """Say where the cable is in metres, and what can be seen of it."""
+        result = self._metres.measure(estimate)
+        if isinstance(result, Withheld):
+            row["reason"] = self._dive.table.reason_number(result.reason.value)
+        flight = self._metres.instruments.overflight(estimate)
+        if isinstance(flight, Overflight):
+            self._dive.flight = flight
+            put_view(row, flight, estimate)
+        if isinstance(result, CrossTrack) and isinstance(flight, Overflight):
+            put_metres(row, result)
+            put_profile(row, flight, grey, estimate.state)
+            self._crossings.search(flight, grey, estimate)
+
+    def _note(self, given: InstrumentMessage) -> None:
+        message = given.message
+        if given.instrument is Instrument.ODOMETRY:
+            if 0 <= given.stamp - self._posed < POSE_PAUSE:
+                return
+            pose = read_pose(message)
+            if np.isfinite(pose).all():
+                self._posed = given.stamp
+                self._dive.poses.add(given.stamp, pose)
+        elif given.instrument is Instrument.FIX:
+            fix = read_fix(message)
+            if fix is not None:
+                self._dive.fixes.add(given.stamp, fix)
+
+
+def read_pose(message: object) -> list[float]:
+    """Read x, y, yaw of a nav_msgs/Odometry, and its speed [m, rad, m/s]."""
+    odometry: Any = message
+    p, q = odometry.pose.pose.position, odometry.pose.pose.orientation
+    twist = odometry.twist.twist
+    speed = math.hypot(float(twist.linear.x), float(twist.linear.y), float(twist.linear.z))
+    return [float(p.x), float(p.y), yaw_of(q), speed]
+
+
+def read_fix(message: object) -> list[float] | None:
+    """Read a sensor_msgs/NavSatFix; None if it says that it has none."""
+    fix: Any = message
+    if int(fix.status.status) < 0:
+        return None
+    place = [float(fix.latitude), float(fix.longitude)]
+    if not (np.isfinite(place).all() and abs(place[0]) <= 90.0 and abs(place[1]) <= 360.0):
+        return None
+    height = float(fix.altitude) if math.isfinite(float(fix.altitude)) else 0.0
+    variances = [float(fix.position_covariance[0]), float(fix.position_covariance[4])]
+    if int(fix.position_covariance_type) == 0 or not all(value > 0.0 for value in variances):
+        variances = [UNSAID_FIX_VARIANCE] * 2
+    return [*place, height, *variances]

@@ -1,0 +1,303 @@
+"""Frames of a dive grouped into keyframes: position of the look line, and claim of the cable."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.compilation import compiled
+from cable_tracker.survey.frame_table import Rows, is_claimed
+from cable_tracker.survey.memory_mapped import Disk, interpolated, running_sum
+from cable_tracker.survey.visibility import border_step_of
+
+STEP = 0.05
+"""Smallest distance between keyframes; frames that are nearer together become one [m]."""
+
+LONGEST_STEP = 2.0
+"""Largest distance between consecutive keyframes of a connected piece [m]."""
+
+ODD_DIAMETER = 0.25
+"""Deviation of an odd diameter from the dive's usual one, as a share; a claim with such a diameter
+may be of something else."""
+
+WEAK_BORDERS = 0.6
+"""Border steps of a weak claim as a share of the dive's usual ones; a claim below it may be of
+something else."""
+
+SILENCE, SHORT_RUN = 1.0, 2.0
+"""Way without claims, and length of a short run of claims between two such ways, which may be of
+something else [m]: a cable that comes out of the sand is mostly seen for longer."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Keyframes:
+    """S keyframes: pose of the look line and claim of the cable at each.
+
+    Attributes
+    ----------
+    places : FloatArray
+        Position and direction of the look line in the dive's frame, shape (S, 3) [m, rad].
+    stamps : FloatArray
+        Int64, shape (S,) [ns].
+    claims : FloatArray
+        Place beside the look line and direction from it, shape (S, 2) [m, rad]; NaN without.
+    covariances : FloatArray
+        Variance of place, covariance, variance of direction, shape (S, 3).
+    doubtful : BoolArray
+        Whether a claim may be of something else than the cable, shape (S,): its diameter is out of
+        the ordinary, its borders are hardly seen, or it is one of a few between silences.
+    breaks : BoolArray
+        Whether a step does not go on from the one before, shape (S,).
+    first, last : FloatArray
+        Rows of the table that a step stands for, shape (S,): from, and up to but without.
+    """
+
+    places: FloatArray
+    stamps: IndexArray
+    claims: FloatArray
+    covariances: FloatArray
+    doubtful: BoolArray
+    breaks: BoolArray
+    first: IndexArray
+    last: IndexArray
+
+    def of_rows(self, part: slice) -> IndexArray:
+        """Return the keyframes that a slice of K table rows belongs to, shape (K,); -1: none."""
+        return self.of(np.arange(part.start, part.stop))
+
+    def of(self, rows: IndexArray) -> IndexArray:
+        """Return the keyframes that rows (K,) of the table belong to, shape (K,); -1: none."""
+        keyframes = np.searchsorted(self.first, rows, "right") - 1
+        return np.where((keyframes >= 0) & (rows < self.last[keyframes]), keyframes, -1)
+
+
+def make_keyframes(rows: Rows, poses: FloatArray, disk: Disk | None = None) -> Keyframes:
+    """Put frames together into steps of at least `STEP`.
+
+    Parameters
+    ----------
+    rows : Rows
+        Rows of a `FrameTable`, shape (N,).
+    poses : FloatArray
+        x, y, yaw of the vehicle in each frame, shape (N, 3); NaN where it is not known.
+    disk : Disk or None
+        Allocator of the keyframes' arrays; None: temporary files.
+    """
+    disk = disk or Disk()
+    look = filled(rows["look"], disk)
+
+    def look_lines(part: slice) -> FloatArray:
+        (x, y, yaw), reach = poses[part].T, look[part]
+        return np.column_stack((x + reach * np.cos(yaw), y + reach * np.sin(yaw), yaw))
+
+    places = disk.filled(len(rows), look_lines)
+    first, last = _first_and_last(places, disk)
+    count = len(first)
+    own = disk.filled(count, lambda part: places[first[part]])
+    claims, covariances = disk.array((count, 2)), disk.array((count, 3))
+    diameters, border_steps = disk.array(count), disk.array(count)
+    for part in disk.blocks(count):
+        _put_claims(
+            rows, places, (first[part], last[part]),
+            (claims[part], covariances[part], diameters[part], border_steps[part]),
+        )  # fmt: skip
+    gaps = disk.filled(count, lambda part: way_to(own, part))
+    breaks = disk.filled(count, lambda part: gaps[part] > LONGEST_STEP, np.bool_)
+    breaks[:1] = True
+    isolated = _isolated_claims(summed(gaps, disk), claims, disk)
+    odd, weak = _odd_limits(diameters, disk), _weak_limit(border_steps, disk)
+
+    def doubts(part: slice) -> BoolArray:
+        with np.errstate(invalid="ignore"):
+            found: BoolArray = odd(diameters[part]) | (border_steps[part] < weak) | isolated[part]
+        return found
+
+    return Keyframes(
+        own,
+        disk.filled(count, lambda part: rows["stamp"][first[part]], np.int64),
+        claims,
+        covariances,
+        disk.filled(count, doubts, np.bool_),
+        breaks,
+        first,
+        last,
+    )
+
+
+def _first_and_last(places: FloatArray, disk: Disk) -> tuple[IndexArray, IndexArray]:
+    """Return rows from which, and up to but without which, keyframes go; places (N, 3)."""
+    starts, usable = disk.growing(np.int64), -1
+    latest = np.full(2, np.inf)
+    for part in disk.blocks(len(places)):
+        known = np.flatnonzero(np.isfinite(places[part]).all(axis=1))
+        own = places[part][known, :2]
+        found = known[_starts(own, latest, STEP)] + part.start
+        starts.extend(found)
+        if len(found):
+            latest = places[found[-1], :2].copy()
+        if len(known):
+            usable = part.start + int(known[-1])
+    first = starts.rows()
+    last = disk.array(len(first), np.int64)
+    last[:-1], last[-1:] = first[1:], usable + 1
+    return first, last
+
+
+def _put_claims(
+    rows: Rows,
+    places: FloatArray,
+    steps: tuple[IndexArray, IndexArray],
+    columns: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+) -> None:
+    """Write what each of some steps claims: claims, covariances, diameters, border steps."""
+    first, last = steps
+    start, end = int(first[0]), int(last[-1])
+    rows, places = rows[start:end], places[start:end]
+    names = ("aside", "heading", "aside_variance", "aside_heading", "heading_variance")
+    table = np.column_stack([rows[name].astype(np.float64) for name in names])
+    tracked = is_claimed(rows) & np.isfinite(table).all(axis=1) & np.isfinite(places).all(axis=1)
+    clear = border_step_of(rows["profile_score"].astype(np.float32))
+    claims, covariances, diameters, border_steps = columns
+    for column in columns:
+        column[:] = np.nan
+    claimed = np.flatnonzero(tracked)
+    edges = np.searchsorted(claimed, np.append(first, end) - start)
+    for number in np.flatnonzero(np.diff(edges)):
+        members = claimed[edges[number] : edges[number + 1]]
+        reference = places[first[number] - start]
+        seen = _in_frame(reference, places[members], table[members, :2])
+        if len(members) == 1:
+            claims[number], covariances[number] = seen[0], table[members[0], 2:]
+            diameters[number], border_steps[number] = (
+                rows["diameter"][members[0]],
+                clear[members[0]],
+            )
+            continue
+        claims[number] = np.median(seen, axis=0)
+        covariances[number] = table[members, 2:].mean(axis=0)
+        diameters[number] = np.median(rows["diameter"][members])
+        border_steps[number] = np.median(clear[members])
+
+
+def way_to(places: FloatArray, part: slice) -> FloatArray:
+    """Return how far it is to each of some places (N, 2 or more) from the one before [m]."""
+    some = places[max(part.start - 1, 0) : part.stop, :2]
+    steps: FloatArray = np.hypot(*np.diff(some, axis=0, prepend=some[:1]).T)
+    return steps[len(steps) - (part.stop - part.start) :]
+
+
+def summed(steps: FloatArray, disk: Disk) -> FloatArray:
+    """Return the sum of steps (S,) up to each."""
+    sums, before = disk.array(len(steps)), 0.0
+    for part in disk.blocks(len(steps)):
+        sums[part] = running_sum(steps[part], before)
+        before = float(sums[part.stop - 1])
+    whole: FloatArray = sums
+    return whole
+
+
+def filled(values: FloatArray, disk: Disk) -> FloatArray:
+    """Return values (N,) with those between for what is not known."""
+    places, known = disk.growing(np.float64), disk.growing(np.float64)
+    for part in disk.blocks(len(values)):
+        some = values[part]
+        there = np.flatnonzero(np.isfinite(some))
+        places.extend(there + part.start)
+        known.extend(some[there])
+    where, what = places.rows(), known.rows()
+
+    def between(part: slice) -> FloatArray:
+        if len(where) < 2:
+            return np.full(part.stop - part.start, what[0] if len(where) else 0.0)
+        return interpolated(np.arange(part.start, part.stop, dtype=float), where, what)
+
+    whole: FloatArray = disk.filled(len(values), between)
+    return whole
+
+
+def _odd_limits(diameters: FloatArray, disk: Disk) -> Callable[[FloatArray], BoolArray]:
+    """Return what tells which diameters are out of the ordinary among all (S,) [m]; NaN is not."""
+    usual = _usual(diameters, disk)
+
+    def odd(some: FloatArray) -> BoolArray:
+        found: BoolArray = np.abs(some - usual) > ODD_DIAMETER * usual
+        return found
+
+    return odd
+
+
+def _weak_limit(border_steps: FloatArray, disk: Disk) -> float:
+    """Return below which steps of the borders are far below the usual of all (S,); or NaN."""
+    return WEAK_BORDERS * _usual(border_steps, disk)
+
+
+def _usual(values: FloatArray, disk: Disk) -> float:
+    """Return the median of the values (S,) that are known; NaN: none is."""
+    if not any(np.isfinite(values[part]).any() for part in disk.blocks(len(values))):
+        return math.nan
+    return disk.median(values, lambda part: np.isfinite(values[part]))
+
+
+def _isolated_claims(way: FloatArray, claims: FloatArray, disk: Disk) -> BoolArray:
+    """Tell which claims (S, 2) are of a short run between silences, shape (S,); none if most are.
+
+    `way` (S,) is how far the look line has gone [m].
+    """
+    isolated: BoolArray = disk.array(len(way), np.bool_)
+    runs: list[tuple[int, int, int, float, float]] = []
+    for part in disk.blocks(len(way)):
+        claimed = np.flatnonzero(np.isfinite(claims[part, 0])) + part.start
+        if not len(claimed):
+            continue
+        edges = np.flatnonzero(np.diff(way[claimed]) > SILENCE) + 1
+        for some in np.split(claimed, edges):
+            run = (
+                int(some[0]),
+                int(some[-1]),
+                len(some),
+                float(way[some[0]]),
+                float(way[some[-1]]),
+            )
+            if runs and not run[3] - runs[-1][4] > SILENCE:
+                before = runs.pop()
+                run = (before[0], run[1], before[2] + run[2], before[3], run[4])
+            runs.append(run)
+    short = [run for run in runs if run[4] - run[3] < SHORT_RUN]
+    if sum(run[2] for run in short) < 0.5 * sum(run[2] for run in runs):
+        for start, end, *_ in short:
+            isolated[start : end + 1] = np.isfinite(claims[start : end + 1, 0])
+    return isolated
+
+
+def _in_frame(reference: FloatArray, places: FloatArray, claims: FloatArray) -> FloatArray:
+    """Return claims (K, 2) made at places (K, 3) as seen from one place (3,), shape (K, 2)."""
+    turn = places[:, 2] - reference[2]
+    cos, sin = math.cos(reference[2]), math.sin(reference[2])
+    apart = places[:, :2] - reference[:2]
+    x = apart[:, 0] * cos + apart[:, 1] * sin - claims[:, 0] * np.sin(turn)
+    y = -apart[:, 0] * sin + apart[:, 1] * cos + claims[:, 0] * np.cos(turn)
+    heading = claims[:, 1] + turn
+    return np.column_stack((y - x * np.tan(heading), heading))
+
+
+@compiled
+def _starts(places: FloatArray, before: FloatArray, step: float) -> IndexArray:
+    """Return the first of each run of places (N, 2) that are nearer together than a step.
+
+    The run of the place `before` (2,) may go on.
+    """
+    starts = np.empty(len(places), np.int64)
+    x, y = before[0], before[1]
+    count = 0
+    for k in range(len(places)):
+        dx, dy = places[k, 0] - x, places[k, 1] - y
+        if dx * dx + dy * dy < step * step:
+            continue
+        x, y = places[k, 0], places[k, 1]
+        starts[count] = k
+        count += 1
+    return starts[:count]

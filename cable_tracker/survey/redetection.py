@@ -1,0 +1,190 @@
+"""Re-detection of the cable in frames without a claim, around its smoothed position.
+
+The tracker goes forwards only: where the cable comes out of the sand it may still be on a rope, or
+may need a second to find it. When a dive has been smoothed, the place of the cable is known there
+from what comes later. So these pictures are read again, and the cable is looked for beside that
+place, with the width that it has elsewhere.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.cable.model.geometry import wrap_state
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.metric.frames import Attitude
+from cable_tracker.metric.homography import Overflight, move_states
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.sequences.frame import CompressedImage, RawImage
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_metres import put_profile
+from cable_tracker.survey.frame_table import HIDDEN, NOT_AGAIN, SEEN, TRACKING, FrameRow, Rows
+from cable_tracker.survey.route import LEAST_WEIGHT, Course
+from cable_tracker.survey.smoothing import SURE_ENOUGH
+from cable_tracker.survey.visibility import border_step_of, find_beside
+
+REACH = 2.0
+"""Distance to either side of its smoothed place within which the cable is looked for [standard
+deviations]."""
+
+LEAST_REACH = 0.5
+"""Smallest distance within which the cable is looked for, to either side [diameters]."""
+
+CLEAR_ENOUGH = 0.65
+"""Smallest border steps with which the cable is found, as a share of the dive's usual ones."""
+
+HEADING_SIGMA = math.radians(5.0)
+"""Standard deviation of the cable's direction, which re-detection does not measure [rad]."""
+
+SHARE_OF_DIAMETER = 0.25
+"""Standard deviation of the cable's place [diameters]."""
+
+
+def redetect_cable(dive: ForwardDive, course: Course) -> int:
+    """Look for the cable in pictures without a claim that counts; return in how many it was found.
+
+    The rows of the dive's table are written: the cable's columns where it is found, else only how
+    clearly it is seen at its smoothed place.
+    """
+    rows = dive.table.rows
+    wanted = _without_claim(dive, course)
+    usual = _usual(dive, course)
+    if not len(wanted) or usual is None or dive.flight is None or dive.recording is None:
+        return 0
+    stamps = dive.disk.filled(len(wanted), lambda part: rows["stamp"][wanted[part]], np.int64)
+    stamps.sort()
+    last, found, number = int(rows["frame"][wanted[-1]]), 0, 0
+    try:
+        for frame in dive.recording.chosen_frames(lambda stamp: _is_among(stamps, stamp)):
+            while number < len(wanted) and rows["frame"][wanted[number]] < frame.index:
+                number += 1
+            if number < len(wanted) and rows["frame"][wanted[number]] == frame.index:
+                row = int(wanted[number])
+                keyframe = int(course.keyframes.of(np.array([row]))[0])
+                place = row, keyframe
+                found += _look(rows, course, dive.flight, place, frame.image, usual)
+                if row % dive.disk.block == 0:
+                    dive.disk.let_go()
+            if frame.index >= last:
+                break
+    except RecordingError:
+        # Where it breaks off stands in the notes already.
+        pass
+    return found
+
+
+def _is_among(sorted_stamps: IndexArray, stamp: int) -> bool:
+    place = int(np.searchsorted(sorted_stamps, stamp))
+    return place < len(sorted_stamps) and int(sorted_stamps[place]) == stamp
+
+
+def _without_claim(dive: ForwardDive, course: Course) -> IndexArray:
+    """Return rows without a claim that counts, where the cable's place is known and in view."""
+    cable, wanted = course.cable, dive.disk.growing(np.int64)
+    for part in dive.disk.blocks(len(dive.table)):
+        rows, owner = dive.table.rows[part], course.keyframes.of_rows(part)
+        sure = cable.covariances[owner, 0, 0] < SURE_ENOUGH**2
+        known = (owner >= 0) & sure & np.isfinite(rows["roll"])
+        # A claim that looks like the cable is not of something else, even if it does not fit.
+        counts = (cable.weights[owner] > LEAST_WEIGHT) | ~course.keyframes.doubtful[owner]
+        counts &= (rows["status"] == TRACKING) & np.isfinite(rows["aside"])
+        in_view = np.abs(cable.states[owner, 0]) < rows["half_view"]
+        chosen = known & ~counts & in_view & (rows["again"] == NOT_AGAIN)
+        wanted.extend(part.start + np.flatnonzero(chosen))
+    return wanted.rows()
+
+
+def _usual(dive: ForwardDive, course: Course) -> tuple[float, float] | None:
+    """Return the usual diameter [m] and step of the borders; None without a claim."""
+    disk = dive.disk
+    diameters, steps = disk.growing(np.float32), disk.growing(np.float32)
+    for part in disk.blocks(len(dive.table)):
+        rows, owner = dive.table.rows[part], course.keyframes.of_rows(part)
+        counts = (owner >= 0) & (course.cable.weights[owner] > LEAST_WEIGHT)
+        counts &= (rows["status"] == TRACKING) & np.isfinite(rows["diameter"])
+        own = border_step_of(rows["profile_score"][counts].astype(np.float32))
+        diameters.extend(rows["diameter"][counts])
+        steps.extend(own[np.isfinite(own)])
+    if not len(steps):
+        return None
+    return disk.middle(diameters), disk.middle(steps)
+
+
+def _look(  # noqa: PLR0917
+    rows: Rows,
+    course: Course,
+    flight: Overflight,
+    place: tuple[int, int],
+    encoded: RawImage | CompressedImage,
+    usual: tuple[float, float],
+) -> bool:
+    """Look for the cable around its state at a row's keyframe; tell whether it is seen."""
+    number, keyframe = place
+    row, (diameter, border_step) = rows[number], usual
+    attitude = Attitude(float(row["roll"]), float(row["pitch"]), flight.attitude.sigma)
+    flight = replace(flight, attitude=attitude, height=float(row["altitude"]))
+    try:
+        grey = decode_grey(encoded)
+    except FrameError:
+        return False
+    aside, heading = (float(value) for value in course.cable.states[keyframe, :2])
+    sigma = math.sqrt(float(course.cable.covariances[keyframe, 0, 0])) * math.cos(heading)
+    reach = max(REACH * sigma / diameter, LEAST_REACH)
+    expected = place_in_image(flight, float(row["look"]), (aside, heading), diameter)
+    beside = find_beside(grey, expected, reach)
+    if beside is None:
+        return False
+    shift, clear = beside
+    if clear < CLEAR_ENOUGH * border_step:
+        if put_profile(row, flight, grey, expected):
+            row["again"] = HIDDEN
+        return False
+    aside -= shift * diameter / math.cos(heading)
+    state = place_in_image(flight, float(row["look"]), (aside, heading), diameter)
+    if not put_profile(row, flight, grey, state):
+        return False
+    row["again"] = SEEN
+    _put_cable(row, state, (aside, heading), diameter)
+    return True
+
+
+def _put_cable(
+    row: FrameRow, state: CableState, place: tuple[float, float], diameter: float
+) -> None:
+    aside, heading = place
+    look, variance = float(row["look"]), (SHARE_OF_DIAMETER * diameter) ** 2
+    row["d"], row["alpha"], row["w"], row["beta"] = wrap_state(state.to_array())[:4]
+    row["aside"], row["heading"], row["diameter"] = aside, heading, diameter
+    row["aside_variance"], row["aside_heading"] = variance, 0.0
+    row["heading_variance"] = HEADING_SIGMA**2
+    row["offset"] = aside - look * math.tan(heading)
+    row["sigma_offset"] = math.sqrt(variance + (look * HEADING_SIGMA) ** 2)
+    row["sigma_heading"] = HEADING_SIGMA
+
+
+def place_in_image(
+    flight: Overflight, look: float, place: tuple[float, float], diameter: float
+) -> CableState:
+    """Return where in the picture a cable is seen that lies beside a look line [m, rad]."""
+    aside, heading = place
+    # The ground from above, x to the right and y ahead, is an image frame in metres.
+    distance = -aside * math.cos(heading) + look * math.sin(heading)
+    seen = move_states(np.array([[distance, heading, diameter, 0.0]]), _to_image(flight))[0]
+    return CableState.from_array(seen)
+
+
+def _to_image(flight: Overflight) -> FloatArray:
+    """Return what takes the ground, seen from above, to the image, shape (3, 3)."""
+    level = flight.attitude.rotation
+    centre = level @ flight.mounting.position
+    ground = np.array(
+        [[0.0, 1.0, -centre[0]], [-1.0, 0.0, -centre[1]], [0.0, 0.0, -(flight.height + centre[2])]]
+    )
+    mapping: FloatArray = flight.camera.image_matrix @ (level @ flight.mounting.rotation).T @ ground
+    mapping /= mapping[2, 2]
+    return mapping

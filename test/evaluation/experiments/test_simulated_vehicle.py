@@ -1,0 +1,101 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.evaluation.experiments.simulated_vehicle import (
+    LOOK_AHEAD,
+    InstrumentNoise,
+    flight_at,
+    simulated_vehicle,
+    twists_at,
+)
+from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.metric.homography import homography, move_states
+from cable_tracker.metric.instruments import Instruments
+from cable_tracker.metric.motion import Odometry, PoseChange
+from cable_tracker.simulation.dive import FIRST_STAMP
+from cable_tracker.simulation.scenario import scenario_dive, scenario_states
+
+pytestmark = pytest.mark.slow
+
+EXACT = InstrumentNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+FRAME = 40_000_000
+SCENARIOS = ("S1", "S3", "S6")
+
+
+def estimate_of(states, index) -> CableEstimate:
+    state = CableState.from_array(states[index])
+    stamp = FIRST_STAMP + index * FRAME
+    return CableEstimate(
+        stamp, TrackingStatus.TRACKING, state, np.zeros((8, 8)), 1.0, 1.0, (320, 240)
+    )
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_the_exact_cable_in_the_image_is_the_exact_cable_on_the_bottom(scenario):
+    vehicle = simulated_vehicle(scenario, 0, EXACT)
+    states = scenario_states(scenario, 0)
+    errors = []
+    for index in range(0, 100, 5):
+        result = vehicle.instruments.cross_track(estimate_of(states, index))
+        assert isinstance(result, CrossTrack)
+        found = np.array([result.offset, result.offset_ahead, result.heading])
+        errors.append((found - vehicle.truths[index]) / [*[vehicle.altitudes[index]] * 2, 1.0])
+        assert result.diameter == pytest.approx(0.16, rel=0.05)
+        assert result.look_ahead == LOOK_AHEAD
+    offset, ahead, heading = np.sqrt(np.mean(np.square(errors), axis=0))
+    assert offset < 0.01 and ahead < 0.005 and math.degrees(heading) < 0.5
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_exact_odometry_predicts_how_the_cable_moves_in_the_image(scenario):
+    vehicle = simulated_vehicle(scenario, 0, EXACT)
+    states = scenario_states(scenario, 0)
+    odometry = Odometry()
+    residuals, steps = [], []
+    for stamp, twist in zip(vehicle.twist_stamps[:150], vehicle.twists, strict=False):
+        odometry.add(stamp, twist, vehicle.covariance)
+    for index in range(60):
+        before = estimate_of(states, index)
+        change = odometry.motion(before.stamp, before.stamp + FRAME)
+        assert isinstance(change, PoseChange)
+        flight = vehicle.instruments.overflight(before)
+        moved = move_states(states[index : index + 1], homography(flight, change))[0]
+        residuals.append(states[index + 1, :2] - moved[:2])
+        steps.append(states[index + 1, :2] - states[index, :2])
+    rms, still = (np.sqrt(np.mean(np.square(each), axis=0)) for each in (residuals, steps))
+    assert rms[0] < 0.2 and math.degrees(rms[1]) < 0.2
+    assert (rms < 0.2 * still).all()
+
+
+def test_twists_are_the_derivatives_of_poses():
+    dive = scenario_dive("S6", 1)
+    times = np.array([0.4, 0.44])
+    flight = flight_at(dive, times)
+    middle = twists_at(dive, np.array([0.42]))[0]
+    rotation = flight_at(dive, np.array([0.42])).rotations()[0]
+    velocity = rotation.T @ (flight.positions[1] - flight.positions[0]) / 0.04
+    np.testing.assert_allclose(middle[:3], velocity, atol=0.02)
+    assert middle[5] == pytest.approx((flight.angles[1, 2] - flight.angles[0, 2]) / 0.04, abs=0.05)
+
+
+def test_the_instruments_of_a_seed_err_alike_each_time_and_otherwise_for_another():
+    noise = InstrumentNoise()
+    one, again, other = (simulated_vehicle("S6", seed, noise) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(one.twists, again.twists)
+    assert not np.array_equal(one.twists, other.twists)
+    assert isinstance(one.instruments, Instruments)
+
+
+def test_the_stated_covariance_is_that_of_the_errors():
+    noise = InstrumentNoise(scale=0.0)
+    exact = simulated_vehicle("S6", 3, EXACT).twists
+    errors = np.concatenate([simulated_vehicle("S6", 3, noise).twists - exact])
+    stated = np.sqrt(np.diag(simulated_vehicle("S6", 3, noise).covariance))
+    spread = np.sqrt((errors**2).mean(axis=0))
+    assert (spread < 2.0 * stated).all() and (spread > 0.5 * stated).all()

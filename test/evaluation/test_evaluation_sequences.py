@@ -1,0 +1,159 @@
+import math
+
+import numpy as np
+import pytest
+
+from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.evaluation.evaluation_sequences import (
+    RecordingSequence,
+    ScenarioSequence,
+    WorldSequence,
+    available_worlds,
+    label_lines,
+    scenario_sequences,
+    simulated_sequences,
+)
+from cable_tracker.sequences.image_writer import write_sequence
+from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.simulation.scenarios import SCENARIOS
+from cable_tracker.simulation.worlds.catalogue import worlds_of
+from cable_tracker.simulation.worlds.ground import FOLDER_VARIABLE
+from cable_tracker.simulation.worlds.split import Split
+
+
+@pytest.fixture(scope="module")
+def frames():
+    return tuple(simulate(SimulationSettings(frame_count=5, image_size=(64, 48))))
+
+
+@pytest.fixture
+def recording(tmp_path, frames):
+    """Five labelled pictures with their sequence file."""
+    folder = tmp_path / "dive"
+    write_sequence(folder, frames)
+    return folder
+
+
+@pytest.fixture
+def label_file(recording):
+    (path,) = recording.glob("*.txt")
+    return path
+
+
+@pytest.fixture
+def pictures(recording):
+    return next(path.parent for path in sorted(recording.rglob("*.png")))
+
+
+def test_scenarios_are_found_by_name_each_once():
+    assert [s.name for s in scenario_sequences(["S3", "S1", "S3"])] == ["S3", "S1"]
+    assert [s.name for s in scenario_sequences([])] == list(SCENARIOS)
+
+
+def test_an_unknown_scenario_is_named_with_what_there_is():
+    with pytest.raises(ParameterError, match=r"'S7' is none of S1 \| S2"):
+        scenario_sequences(["S7"])
+
+
+def test_a_scenario_can_be_cut_short_but_not_made_longer():
+    assert ScenarioSequence("S6", 3).frame_count() == 3
+    assert len(list(ScenarioSequence("S6", 3).frames(0))) == 3
+    assert ScenarioSequence("S6", 9999).frame_count() == SCENARIOS["S6"].frame_count
+
+
+def test_frames_of_a_scenario_are_grey_and_judged():
+    frame = next(ScenarioSequence("S1", 1).frames(0))
+    assert frame.image.shape == (240, 320)
+    assert frame.image.dtype == np.uint8
+    assert frame.truth is not None
+    assert 0.0 < frame.visibility <= 1.0
+
+
+def test_without_a_cable_nothing_is_visible():
+    assert next(ScenarioSequence("no_cable", 1).frames(0)).visibility == 0.0
+
+
+def test_every_frame_of_a_sequence_file_is_labelled(label_file):
+    sequence = RecordingSequence(label_file)
+    assert sequence.frame_count() == 5
+    assert [frame.visibility for frame in sequence.frames(0)] == [1.0] * 5
+
+
+@pytest.mark.parametrize("empty", [True, False])
+def test_frames_without_a_label_are_empty_or_not_judged(pictures, label_file, tmp_path, empty):
+    some = tmp_path / "some.txt"
+    some.write_text("\n".join(label_file.read_text().splitlines()[:3]) + "\n")
+    sequence = RecordingSequence(pictures, truth=some, unlabelled_is_empty=empty)
+    assert sequence.frame_count() == 5
+    visibility = [frame.visibility for frame in sequence.frames(0)]
+    assert visibility[:2] == [1.0, 1.0]
+    assert all(v == 0.0 if empty else math.isnan(v) for v in visibility[2:])
+
+
+def test_a_recording_without_labels_says_what_to_do(pictures):
+    with pytest.raises(RecordingError, match=r"no ground truth.*--truth FILE"):
+        RecordingSequence(pictures).frame_count()
+
+
+def test_a_malformed_line_is_named(pictures, label_file):
+    label_file.write_text("# comment\n\n1 2 3 # 00000.png\n")
+    with pytest.raises(RecordingError, match=r"line 3 is malformed \(3 numbers"):
+        RecordingSequence(pictures, truth=label_file).frame_count()
+
+
+def test_a_label_without_a_frame_is_named(pictures, label_file):
+    with label_file.open("a") as file:
+        file.write("\n# more\n1 0.1 30 0 # missing.png\n")
+    line = len(label_file.read_text().splitlines())
+    with pytest.raises(RecordingError, match=rf"line {line} labels missing\.png.*no such picture"):
+        RecordingSequence(pictures, truth=label_file).frame_count()
+
+
+def test_a_label_beyond_the_last_frame_is_named(pictures, label_file):
+    label_file.write_text("1 0.1 30 0 # any.mp4:4\n1 0.1 30 0 # any.mp4:5\n")
+    with pytest.raises(RecordingError, match=r"line 2 labels any\.mp4:5.*only 5 frames"):
+        RecordingSequence(pictures, truth=label_file).frame_count()
+
+
+def test_a_second_label_of_a_frame_is_named(pictures, label_file):
+    lines = label_file.read_text().splitlines()
+    label_file.write_text("\n".join([*lines, lines[-1]]) + "\n")
+    with pytest.raises(RecordingError, match=rf"line {len(lines) + 1} .* again, after line"):
+        RecordingSequence(pictures, truth=label_file).frame_count()
+
+
+def test_label_lines_skip_comments_and_empty_lines(tmp_path):
+    path = tmp_path / "labels.txt"
+    path.write_text("# head\n1 2 3 4 # a\n\n  # note\n1 2 3 4 # b\n")
+    assert label_lines(path) == [2, 5]
+
+
+def test_worlds_are_chosen_by_name_or_pattern():
+    names = [each.name for each in simulated_sequences(["tune_*", "S3", "tune_faint"], 7)]
+    assert names[-1] == "S3"
+    assert len(names) == len(set(names)) == 1 + len(worlds_of(Split.TUNE))
+    assert simulated_sequences(["tune_faint"], 7)[0].frame_count() == 7
+
+
+def test_without_names_no_world_is_chosen():
+    assert {each.name for each in simulated_sequences([])} == set(SCENARIOS)
+
+
+def test_an_unknown_world_is_refused():
+    with pytest.raises(ParameterError, match="report_faint"):
+        simulated_sequences(["report_nothing*"])
+
+
+def test_a_world_is_judged_by_its_truth():
+    frames = list(WorldSequence("tune_clear", 3).frames(0))
+    assert len(frames) == 3
+    assert all(frame.truth is not None and frame.visibility > 0.5 for frame in frames)
+
+
+def test_worlds_that_need_photographs_are_left_out_with_words(monkeypatch, tmp_path):
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "none"))
+    sequences, notes = available_worlds(worlds_of(Split.REPORT), 7)
+    assert sequences
+    assert {sequence.frame_count() for sequence in sequences} == {7}
+    assert not any(sequence.name.startswith("tune") for sequence in sequences)
+    assert any("report_inspection" in note and FOLDER_VARIABLE in note for note in notes)

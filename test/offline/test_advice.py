@@ -1,0 +1,55 @@
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.presets import preset
+from cable_tracker.offline.advice import advice
+from cable_tracker.sequences.estimates import EstimateRow
+
+PARAMETERS = TrackerParameters()
+
+
+def rows(presence=0.3, evidence=-2.0, status="INITIALISING") -> list[EstimateRow]:
+    return [
+        EstimateRow(index, index, status, presence=presence, evidence=evidence)
+        for index in range(5)
+    ]
+
+
+def words(*arguments) -> str:
+    return "\n".join(advice(*arguments))
+
+
+def test_nothing_is_said_where_a_cable_was_claimed():
+    claimed = EstimateRow(9, 9, "TRACKING", presence=1.0, evidence=1.0)
+    assert advice([*rows(), claimed], [], PARAMETERS) == []
+    assert advice([], [], PARAMETERS) == []
+
+
+def test_what_was_too_low_is_said_with_what_is_asked_for():
+    said = words(rows(), [], PARAMETERS)
+    assert "presence: at most 30%, presence_to_track asks for 95%" in said
+    assert "evidence: the weaker border reached -2" in said
+    assert "evidence_to_find asks for 0.45" in said
+    assert "evidence_to_track asks for 1.6" in words(rows(), [], preset("thesis"))
+    assert "evidence" not in words(rows(evidence=3.0), [], PARAMETERS)
+    assert "presence:" not in words(rows(presence=1.0), [], PARAMETERS)
+
+
+def test_a_thin_cable_is_asked_for_more_evidence():
+    assert "evidence_to_find asks for 1.35" in words(rows(), [(32.0, 1280)] * 3, PARAMETERS)
+    assert "evidence_to_find asks for 0.3" in words(rows(), [(100.0, 320)] * 3, PARAMETERS)
+
+
+def test_high_values_that_did_not_last_are_told_apart():
+    assert "confirmation_time" in words(rows(1.0, 3.0), [], PARAMETERS)
+
+
+def test_a_width_at_its_limit_is_said_in_units_of_the_parameters():
+    thin = [(4 * PARAMETERS.initial_width_minimum, 1280)] * 5
+    wide = [(PARAMETERS.initial_width_maximum, 320)] * 5
+    assert "at its lower limit" in words(rows(), thin, PARAMETERS)
+    assert "at its upper limit" in words(rows(), wide, PARAMETERS)
+    assert "limit" not in words(rows(), [(160.0, 1280)] * 5, PARAMETERS)
+
+
+def test_refused_frames_alone_lead_to_the_docs():
+    refused = [EstimateRow(0, 0, "REFUSED")]
+    assert "troubleshooting" in words(refused, [], PARAMETERS)

@@ -1,0 +1,229 @@
+from __future__ import annotations
+
+import errno
+from dataclasses import replace
+
+import av
+import cv2
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+
+from cable_tracker.errors import OutputError
+from cable_tracker.offline import result_folder, results
+from cable_tracker.offline.result_folder import ResultFolder, WantedResults
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.estimates import EstimateRow, read_estimates
+
+NAMES = {"estimates.csv", "overlay.webm", "overlay.png", "estimates.png", "bag"}
+
+
+def tracking_row(frame) -> EstimateRow:
+    return EstimateRow(
+        frame.index,
+        frame.stamp,
+        "TRACKING",
+        state=frame.truth,
+        sigma=(1.0, 0.01, 1.0, 0.01),
+        n_eff=100.0,
+        ms=1.5,
+    )
+
+
+def cloud_of(frame) -> np.ndarray:
+    return np.tile([*frame.truth.to_array(), 0.1], (10, 1))
+
+
+def fill(results, frames) -> None:
+    for frame in frames:
+        results.add(frame, tracking_row(frame), cloud_of(frame))
+
+
+def names_in(folder) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+def test_all_results_are_there_and_can_be_opened(tmp_path, dive):
+    with ResultFolder(tmp_path / "out") as results:
+        assert names_in(tmp_path) == {".out.partial"}
+        fill(results, dive)
+    assert names_in(tmp_path) == {"out"}
+    assert names_in(tmp_path / "out") == NAMES
+    rows = read_estimates(tmp_path / "out" / "estimates.csv")
+    assert rows == [tracking_row(frame) for frame in dive]
+    with av.open(str(tmp_path / "out" / "overlay.webm")) as video:
+        shapes = [picture.to_ndarray(format="bgr24").shape for picture in video.decode(video=0)]
+    assert len(shapes) == 12
+    assert len(set(shapes)) == 1
+    assert shapes[0][1] >= 480
+    for picture in ("overlay.png", "estimates.png"):
+        pixels = cv2.imread(str(tmp_path / "out" / picture))
+        assert pixels is not None
+        assert pixels.std() > 5
+    with AnyReader([tmp_path / "out" / "bag"]) as reader:
+        assert reader.message_count == 0
+
+
+@pytest.mark.parametrize(
+    ("wanted", "missing"),
+    [
+        (WantedResults(video=False), {"overlay.webm"}),
+        (WantedResults(bag=False), {"bag"}),
+        (WantedResults(pictures=False), {"overlay.png", "estimates.png"}),
+        (WantedResults(False, False, False), NAMES - {"estimates.csv"}),
+    ],
+)
+def test_what_is_not_wanted_is_not_written(tmp_path, dive, wanted, missing):
+    with ResultFolder(tmp_path / "out", wanted=wanted) as results:
+        fill(results, dive)
+        results.bag.write_serialised("/state", "std_msgs/msg/Empty", b"\0\1\0\0", 1)
+    assert names_in(tmp_path / "out") == NAMES - missing
+    assert set(wanted.names()) == NAMES - missing
+
+
+def test_a_disk_that_is_full_amid_the_video_is_told(tmp_path, dive, monkeypatch):
+    def refuse(writer, image, stamp):
+        raise OutputError("overlay.webm: cannot be written (No space left on device)")
+
+    monkeypatch.setattr(result_folder.VideoWriter, "add", refuse)
+    with (
+        pytest.raises(OutputError, match="No space left on device"),
+        ResultFolder(tmp_path / "out") as results,
+    ):
+        fill(results, dive)
+    assert names_in(tmp_path) == set()
+
+
+def test_large_frames_are_shrunk_in_the_video(tmp_path, dive):
+    large = raw_from_array(np.zeros((720, 1280), np.uint8), "mono8")
+    with ResultFolder(tmp_path / "out") as results:
+        fill(results, [replace(dive[0], image=large)])
+    with av.open(str(tmp_path / "out" / "overlay.webm")) as video:
+        (picture,) = (picture.to_ndarray(format="bgr24") for picture in video.decode(video=0))
+    assert picture.shape == (540, 960, 3)
+
+
+def test_truths_are_kept_by_frame_number(tmp_path, dive):
+    with ResultFolder(tmp_path / "out") as results:
+        fill(results, dive[3:5])
+    assert results.truths == {3: dive[3].truth, 4: dive[4].truth}
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, OutputError])
+def test_an_exception_leaves_nothing_behind(tmp_path, dive, error):
+    with pytest.raises(error), ResultFolder(tmp_path / "out") as results:
+        fill(results, dive[:2])
+        raise error
+    assert names_in(tmp_path) == set()
+
+
+def test_a_run_without_a_picture_leaves_nothing_behind(tmp_path, dive, undecodable):
+    with pytest.raises(OutputError), ResultFolder(tmp_path / "out") as results:
+        results.add(undecodable(dive[0]), EstimateRow(0, 0, "REFUSED"), None)
+    assert names_in(tmp_path) == set()
+
+
+def test_refused_frames_stand_in_the_table_and_not_in_the_video(tmp_path, dive, undecodable):
+    with ResultFolder(tmp_path / "out") as results:
+        fill(results, dive[:2])
+        results.add(undecodable(dive[2]), EstimateRow(2, dive[2].stamp, "REFUSED"), None)
+    assert [row.status for row in results.rows] == ["TRACKING", "TRACKING", "REFUSED"]
+    with av.open(str(tmp_path / "out" / "overlay.webm")) as video:
+        assert len(list(video.decode(video=0))) == 2
+
+
+def test_results_are_replaced_only_where_that_is_wanted(tmp_path, dive):
+    for overwrite in (False, True):
+        with ResultFolder(tmp_path / "out", overwrite=overwrite) as results:
+            fill(results, dive[: 3 if overwrite else 1])
+    assert len(read_estimates(tmp_path / "out" / "estimates.csv")) == 3
+    with pytest.raises(OutputError, match="exists already"), ResultFolder(tmp_path / "out"):
+        pass
+    assert len(read_estimates(tmp_path / "out" / "estimates.csv")) == 3
+    assert names_in(tmp_path) == {"out"}
+
+
+def test_earlier_results_outlive_a_failed_run(tmp_path, dive):
+    with ResultFolder(tmp_path / "out") as results:
+        fill(results, dive[:1])
+    with pytest.raises(RuntimeError), ResultFolder(tmp_path / "out", overwrite=True) as results:
+        raise RuntimeError
+    assert len(read_estimates(tmp_path / "out" / "estimates.csv")) == 1
+    assert names_in(tmp_path) == {"out"}
+
+
+def test_what_is_something_else_is_never_replaced(tmp_path, dive):
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "thesis" / "chapter.tex").write_text("precious")
+    (tmp_path / "file").write_text("precious")
+    for name in ("thesis", "file"):
+        with (
+            pytest.raises(OutputError, match="is no earlier output of this kind"),
+            ResultFolder(tmp_path / name, overwrite=True),
+        ):
+            pass
+    assert (tmp_path / "thesis" / "chapter.tex").read_text() == "precious"
+    assert (tmp_path / "file").read_text() == "precious"
+
+
+def test_an_empty_folder_may_be_filled(tmp_path, dive):
+    (tmp_path / "out").mkdir()
+    with ResultFolder(tmp_path / "out", overwrite=True) as results:
+        fill(results, dive[:1])
+    assert names_in(tmp_path / "out") == NAMES
+
+
+def test_a_place_that_cannot_be_written_is_refused(tmp_path):
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(OutputError, match="cannot be written"), ResultFolder(tmp_path / "file/out"):
+        pass
+
+
+def full_disk(*_, **__):
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+@pytest.mark.parametrize("name", ["write_estimates", "plot_estimates"])
+def test_a_disk_that_is_full_at_the_end_is_told_in_one_line(tmp_path, dive, monkeypatch, name):
+    monkeypatch.setattr(result_folder, name, full_disk)
+    with (
+        pytest.raises(OutputError, match="No space left on device") as caught,
+        ResultFolder(tmp_path / "out") as results,
+    ):
+        fill(results, dive[:1])
+    assert "\n" not in str(caught.value)
+    assert names_in(tmp_path) == set()
+
+
+@pytest.mark.parametrize(
+    ("module", "name"), [(results, "BagWriter"), (result_folder, "VideoWriter")]
+)
+def test_a_disk_that_is_full_at_the_start_is_told_in_one_line(tmp_path, monkeypatch, module, name):
+    monkeypatch.setattr(module, name, full_disk)
+    with (
+        pytest.raises(OutputError, match="No space left on device"),
+        ResultFolder(tmp_path / "out"),
+    ):
+        pass
+    assert names_in(tmp_path) == set()
+
+
+def test_a_user_who_stops_it_at_the_start_hears_of_nothing_else(tmp_path, monkeypatch):
+    def stopped():
+        raise KeyboardInterrupt
+
+    # By then the video is open, and has no frames.
+    monkeypatch.setattr(result_folder, "DrawingThread", stopped)
+    with pytest.raises(KeyboardInterrupt), ResultFolder(tmp_path / "out"):
+        pass
+    assert names_in(tmp_path) == set()
+
+
+def test_a_video_that_cannot_be_begun_leaves_nothing_behind(tmp_path, monkeypatch):
+    def refuse(path):
+        raise OutputError(f"{path}: videos need PyAV")
+
+    monkeypatch.setattr(result_folder, "VideoWriter", refuse)
+    with pytest.raises(OutputError, match="PyAV"), ResultFolder(tmp_path / "out"):
+        pass
+    assert names_in(tmp_path) == set()

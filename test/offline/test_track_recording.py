@@ -1,0 +1,175 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.tracker import CableTracker
+from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.offline.result_folder import ResultFolder
+from cable_tracker.offline.results import BAG, ESTIMATES
+from cable_tracker.offline.track_recording import (
+    initial_state_for,
+    start_from,
+    track_recording,
+)
+from cable_tracker.sequences.estimates import read_estimates
+from cable_tracker.sequences.messages.cable import read_sigma, read_state
+from cable_tracker.sequences.messages.cable_particles import read_particles
+from cable_tracker.sequences.messages.headers import stamp_of
+
+EVERY_TOPIC = {
+    "/state",
+    "/centreline",
+    "/particles",
+    "/markers",
+    "/ground_truth",
+    "/tracker/overlay/compressed",
+    "/tracker/frame_report",
+}
+
+
+@pytest.fixture
+def track(tmp_path):
+    """Track a recording into a folder; return the folder and the damage."""
+
+    def run(recording, *, state=None, name="out", timing=False, count=None):
+        tracker = CableTracker(TrackerParameters(particle_count=count or 200))
+        start_from(tracker, state)
+        with ResultFolder(tmp_path / name, timing=timing) as results:
+            damage = track_recording(recording, tracker, results)
+        return results.path, damage
+
+    return run
+
+
+def messages_of(folder) -> dict[str, list]:
+    found: dict[str, list] = {}
+    with AnyReader([folder / BAG]) as reader:
+        for connection, _, data in reader.messages():
+            message = reader.deserialize(data, connection.msgtype)
+            found.setdefault(connection.topic, []).append(message)
+    return found
+
+
+def test_every_frame_has_a_row_and_its_messages(track, make_recording, dive):
+    recording = make_recording()
+    folder, damage = track(recording, state=initial_state_for(recording, "truth"))
+    assert damage is None
+    rows = read_estimates(folder / ESTIMATES)
+    assert [row.frame for row in rows] == list(range(12))
+    assert [row.stamp for row in rows] == [frame.stamp for frame in dive]
+    assert {row.status for row in rows} == {"TRACKING"}
+    messages = messages_of(folder)
+    assert set(messages) == EVERY_TOPIC
+    assert {topic: len(of_topic) for topic, of_topic in messages.items()} == dict.fromkeys(
+        EVERY_TOPIC, 12
+    )
+
+
+def test_bag_and_table_say_the_same(track, make_recording, dive):
+    recording = make_recording()
+    folder, _ = track(recording, state=initial_state_for(recording, "truth"))
+    messages = messages_of(folder)
+    for index, row in enumerate(read_estimates(folder / ESTIMATES)):
+        state = messages["/state"][index]
+        assert stamp_of(state.header) == row.stamp
+        assert read_state(state) == row.state
+        assert read_sigma(state) == row.sigma
+        assert read_state(messages["/ground_truth"][index]) == dive[index].truth
+        cloud = read_particles(messages["/particles"][index])
+        assert cloud.shape == (200, 9)
+        assert cloud[:, -1] @ cloud[:, 0] == pytest.approx(row.state.distance, abs=0.5)
+        pose = messages["/centreline"][index].pose.pose
+        assert np.hypot(pose.position.x, pose.position.y) == pytest.approx(
+            abs(row.state.distance), abs=1e-9
+        )
+
+
+def test_where_no_cable_is_claimed_there_are_no_numbers(track, make_recording):
+    folder, _ = track(make_recording(), state=CableState(-20.0, 1.2, 5.0))
+    rows = read_estimates(folder / ESTIMATES)
+    assert rows[0].status == "INITIALISING"
+    assert rows[0].state is None
+    assert rows[0].sigma is None
+    assert rows[0].n_eff is not None
+    assert rows[0].evidence is not None
+    assert rows[0].hypotheses is not None
+    messages = messages_of(folder)
+    claimed = sum(row.status == "TRACKING" for row in rows)
+    assert len(messages.get("/centreline", [])) == claimed
+    assert len(messages["/state"][0].position) == 0
+    assert len(messages["/particles"]) == 12
+
+
+def test_the_same_recording_gives_the_same_bytes(track, make_recording):
+    folders = [track(make_recording(), name=name)[0] for name in ("first", "second")]
+    first, second = ((folder / ESTIMATES).read_bytes() for folder in folders)
+    assert first == second
+
+
+def test_times_are_measured_where_they_are_wanted(track, make_recording):
+    timed, _ = track(make_recording(), name="timed", timing=True)
+    plain, _ = track(make_recording(), name="plain")
+    assert all(row.ms > 0 for row in read_estimates(timed / ESTIMATES))
+    assert all(row.ms is None for row in read_estimates(plain / ESTIMATES))
+
+
+def test_a_damaged_recording_keeps_the_frames_before(track, make_recording, dive):
+    broken = RecordingError("dive: breaks off after frame 4; the frames before are used")
+    folder, damage = track(make_recording(dive[:5], broken))
+    assert damage is broken
+    assert len(read_estimates(folder / ESTIMATES)) == 5
+
+
+def test_a_frame_that_cannot_be_decoded_is_refused_and_the_next_is_tracked(
+    track, make_recording, dive, undecodable
+):
+    frames = [*dive[:4], undecodable(dive[4]), *dive[5:]]
+    folder, _ = track(make_recording(frames), state=dive[0].truth)
+    statuses = [row.status for row in read_estimates(folder / ESTIMATES)]
+    assert statuses == ["TRACKING"] * 4 + ["REFUSED"] + ["TRACKING"] * 7
+    messages = messages_of(folder)
+    assert len(messages["/state"]) == len(messages["/tracker/frame_report"]) == 12
+    assert len(messages["/particles"]) == 11
+    assert len(messages["/state"][4].position) == 0
+    report = messages["/tracker/frame_report"][4].status[0]
+    assert report.message == "REFUSED"
+    assert report.values[0].key == "event"
+    assert report.values[0].value
+
+
+def test_a_frame_with_the_stamp_of_the_one_before_is_refused(track, make_recording, dive):
+    frames = [*dive[:3], dive[2], *dive[3:]]
+    folder, _ = track(make_recording(frames), state=dive[0].truth)
+    statuses = [row.status for row in read_estimates(folder / ESTIMATES)]
+    assert statuses[3] == "REFUSED"
+    assert statuses.count("TRACKING") == 12
+
+
+def test_the_progress_is_told_after_every_frame(tmp_path, make_recording):
+    calls = []
+    with ResultFolder(tmp_path / "out") as results:
+        track_recording(make_recording(), CableTracker(), results, lambda: calls.append(1))
+    assert len(calls) == 12
+
+
+def test_where_to_start(make_recording, dive):
+    recording = make_recording()
+    assert initial_state_for(recording, "random") is None
+    assert initial_state_for(recording, "1,0.5,30,0") == CableState(1.0, 0.5, 30.0, 0.0)
+    truth = dive[0].truth
+    expected = CableState(truth.distance, truth.angle, truth.width, truth.skew)
+    assert initial_state_for(recording, "truth") == expected
+
+
+def test_there_is_no_truth_to_start_from(make_recording, dive):
+    unlabelled = [replace(dive[0], truth=None), *dive[1:]]
+    with pytest.raises(ParameterError, match="no ground truth to start from"):
+        initial_state_for(make_recording(unlabelled), "truth")
+    with pytest.raises(RecordingError, match="holds no frames"):
+        initial_state_for(make_recording([]), "truth")

@@ -1,0 +1,57 @@
+import pytest
+
+from cable_tracker.errors import ParameterError
+from cable_tracker.metric.recorded import RecordedVehicle
+from cable_tracker.metric.vehicle import VehicleDescription
+from cable_tracker.survey.forward_pass import ForwardDive, ForwardSettings, _Run
+
+SECOND = 1_000_000_000
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    """Ask about pictures at times [s], with odometry or without."""
+
+    def ask(times, most_rate=5.0, aided=True):
+        monkeypatch.setattr(
+            "cable_tracker.metric.recorded.RecordedMetres.is_aided", property(lambda own: aided)
+        )
+        settings = ForwardSettings(most_rate=most_rate)
+        vehicle = RecordedVehicle(VehicleDescription(), None)
+        made = _Run(ForwardDive(tmp_path), settings, vehicle)
+        wanted = [time for time in times if made.wants(round(time * SECOND))]
+        assert made.passed_over == len(times) - len(wanted)
+        return wanted
+
+    return ask
+
+
+def times_of(rate, seconds=4.0):
+    return [number / rate for number in range(round(rate * seconds))]
+
+
+@pytest.mark.parametrize(("rate", "every"), [(25, 5), (10, 2), (5, 1), (4, 1)])
+def test_with_odometry_so_many_pictures_a_second_are_tracked(run, rate, every):
+    assert run(times_of(rate)) == times_of(rate)[::every]
+
+
+def test_where_rates_do_not_divide_their_mean_is_kept(run):
+    assert len(run(times_of(12.5, 40.0))) == pytest.approx(200, abs=2)
+
+
+def test_without_odometry_every_picture_is_tracked(run):
+    assert run(times_of(25), aided=False) == times_of(25)
+
+
+def test_none_is_passed_over_if_that_is_asked_for(run):
+    assert run(times_of(25), most_rate=0.0) == times_of(25)
+
+
+def test_after_a_silence_and_a_clock_that_jumps_back_the_count_begins_anew(run):
+    assert run([0.0, 0.04, 9.0, 9.04, 1.0, 1.04, 1.2]) == [0.0, 9.0, 1.0, 1.2]
+
+
+@pytest.mark.parametrize("rate", [-1.0, float("nan"), 1e9])
+def test_a_rate_that_cannot_be_is_refused(rate):
+    with pytest.raises(ParameterError, match="most-rate"):
+        ForwardSettings(most_rate=rate)
