@@ -13,6 +13,7 @@ across that line. The second tells how far away the edge is: it is zero on the e
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
@@ -84,6 +85,20 @@ def line_indices(length: int, spacing: int) -> IndexArray:
     return np.arange(count, dtype=np.int64) * spacing + first
 
 
+@cache
+def scan_places(
+    size: tuple[int, int], spacing: int
+) -> tuple[IndexArray, IndexArray, tuple[FloatArray, FloatArray]]:
+    """Return which rows and columns of a picture of a size are scanned, and v of each of them.
+
+    Columns are scanned upwards: v of a column is its x, see `ScanLines`.
+    """
+    width, height = size
+    rows, columns = line_indices(height, spacing), line_indices(width, spacing)
+    x, y = to_image(columns, rows, size)
+    return rows, columns, (y, x)
+
+
 def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFrame:
     """Work out the gradients along the scan lines of a picture.
 
@@ -97,14 +112,13 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
         The filters. Their `contrast_lag` must be shorter than the longer side of the picture.
     """
     height, width = picture.shape
-    rows, columns = line_indices(height, spacing), line_indices(width, spacing)
+    rows, columns, places = scan_places((width, height), spacing)
     # Columns are scanned upwards: the rows of this one are the columns of that, from below.
     turned = np.asarray(cv2.rotate(picture, cv2.ROTATE_90_CLOCKWISE))
     # One kind of array: for bytes, and for frames that cannot be written to, Numba would compile
     # anew.
     pixels, turned = (np.require(each, np.float32, ("C", "W", "A")) for each in (picture, turned))
-    x, y = to_image(columns, rows, (width, height))
-    return ScannedFrame(*_scan_both(pixels, turned, rows, columns, (y, x), kernels))
+    return ScannedFrame(*_scan_both(pixels, turned, rows, columns, places, kernels))
 
 
 @compiled
