@@ -49,6 +49,7 @@ from cable_tracker.cable.measure.scan_lines import ScanLines
 from cable_tracker.cable.measure.texture import (
     TextureWindows,
     add_texture,
+    may_speak,
     smoothness,
     texture_log_ratio,
     texture_windows,
@@ -227,7 +228,8 @@ def fill_log_ratios(
             side = border_side(border)
             steep, along, line = border_on_scan(state, side, scan, -side, depths, True)
             lines = scan.rows if steep else scan.columns
-            windows = texture_windows(-side / along, width, scan.scale, model.texture_limit)
+            limit = model.texture_limit if border == 0 or may_speak(smoother[0]) else 0.0
+            windows = texture_windows(-side / along, width, scan.scale, limit)
             length, measured.outsides[cable, border] = _sum_border(
                 lines, line, windows, model, crossings, sums[border], texture
             )
