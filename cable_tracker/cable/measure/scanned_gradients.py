@@ -223,7 +223,8 @@ def _scan(
     modulus = np.empty(width + 2, np.float32)
     along = np.empty(width, np.float32)
     across = np.empty(width, np.float32)
-    gradients = np.zeros((len(lines), width, 3), np.float32)
+    turning = np.zeros(width, np.float32)
+    gradients = np.empty((len(lines), width, 3), np.float32)
     levels = np.zeros((len(lines), width), np.float32)
     for line in range(len(lines)):
         row = lines[line]
@@ -234,16 +235,18 @@ def _scan(
         symmetric_along(slope, margin, gaussian, across)
         for x in range(width):
             across[x] *= sign
+        if len(region):
+            sum_across(pixels, row, region, wide[margin:])
+            mirror_ends(wide, margin, width)
+            symmetric_along(wide, margin, region, levels[line])
+            for x in range(width):
+                modulus[x + 1] = np.sqrt(along[x] * along[x] + across[x] * across[x])
+            mirror_ends(modulus, 1, width)
+            for x in range(width):
+                turning[x] = np.float32(0.5) * (modulus[x + 2] - modulus[x])
+        # All channels in one loop: then the processor writes many points at a time.
+        for x in range(width):
             gradients[line, x, ALONG] = along[x]
             gradients[line, x, ACROSS] = across[x]
-        if not len(region):
-            continue
-        sum_across(pixels, row, region, wide[margin:])
-        mirror_ends(wide, margin, width)
-        symmetric_along(wide, margin, region, levels[line])
-        for x in range(width):
-            modulus[x + 1] = np.sqrt(along[x] * along[x] + across[x] * across[x])
-        mirror_ends(modulus, 1, width)
-        for x in range(width):
-            gradients[line, x, SLOPE] = np.float32(0.5) * (modulus[x + 2] - modulus[x])
+            gradients[line, x, SLOPE] = turning[x]
     return gradients, levels
