@@ -19,7 +19,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.scan_lines import ScanLines
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.compilation import compiled, compiled_inside, compiled_loop
+from cable_tracker.compilation import compiled, compiled_inside, compiled_part
 from cable_tracker.detection.coherent_lines import (
     FEWEST_CELLS,
     coarse_brightness,
@@ -102,7 +102,7 @@ class LinePairProposer:
         poses, scores = plausible_pairs(
             angles, offsets, supports, limits, (float(width), float(height))
         )
-        return np.asarray(poses[np.argsort(-scores, kind="stable")])
+        return np.asarray(poses[(-scores).argsort(kind="stable")])
 
 
 class _Accumulator(NamedTuple):
@@ -116,7 +116,7 @@ class _Accumulator(NamedTuple):
 def accumulator_layout(image: WorkingImage) -> tuple[float, int]:
     """Return the width of a bin of offsets [px], and the number of the bin of offset zero."""
     offset_bin = max(OFFSET_BIN * image.scale, 1.0)
-    return offset_bin, int(np.hypot(*image.size) / 2 / offset_bin) + 2
+    return offset_bin, int(math.hypot(*image.size) / 2 / offset_bin) + 2
 
 
 def accumulated_votes(image: WorkingImage) -> Image:
@@ -143,23 +143,21 @@ def _vote_of_both(rows: ScanLines, columns: ScanLines, accumulator: _Accumulator
     _vote(columns, True, accumulator)
 
 
-@compiled_loop
+@compiled_part
 def _vote(lines: ScanLines, turned: bool, accumulator: _Accumulator) -> None:
     """Let the ridges of the gradient along scan lines vote; `turned` scan lines are columns."""
     places, length = lines.places, lines.gradients.shape[1]
+    squares = np.empty(length, np.float32)
     for line in range(len(places)):
         values = lines.gradients[line]
-        before = np.float32(0.0)
-        here = values[0, 0] * values[0, 0] + values[0, 1] * values[0, 1]
-        for place in range(1, length):
-            if place + 1 == length:
-                break
-            before, here = here, values[place, 0] ** 2 + values[place, 1] ** 2
-            if not (here > STRONG * STRONG and here >= before):
+        for place in range(length):
+            squares[place] = values[place, 0] ** 2 + values[place, 1] ** 2
+        for place in range(1, length - 1):
+            here = squares[place]
+            if not (here > STRONG * STRONG and squares[place - 1] <= here > squares[place + 1]):
                 continue
             along, across = values[place, 0], values[place, 1]
-            after = values[place + 1, 0] ** 2 + values[place + 1, 1] ** 2
-            if here > after and abs(along) >= abs(across):
+            if abs(along) >= abs(across):
                 u, v = place - (length - 1) / 2, places[line]
                 weight = min(math.sqrt(here), VOTE_CAP)
                 if turned:

@@ -11,7 +11,12 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.compilation import compiled, compiled_fast_loop, compiled_inside
+from cable_tracker.compilation import (
+    compiled,
+    compiled_fast_loop,
+    compiled_inside,
+    compiled_part,
+)
 
 ANGLE_BINS = 120
 """Bins of an accumulator over a full turn."""
@@ -21,10 +26,8 @@ DIRECTIONS = np.stack((np.cos(np.arange(ANGLE_BINS) * BIN), np.sin(np.arange(ANG
 
 ANGLE_MARGIN = 2
 """Bins of angle that are repeated beyond either end: angles are periodic, and a peak may lie across
-the seam."""
-
-PEAK_WINDOW = np.ones((2 * ANGLE_MARGIN + 1, 3), np.uint8)
-"""A peak is the highest among these bins of angle and offset about it."""
+the seam. A peak is the highest among as many bins of angle to either side, and the bins of offset
+next to it."""
 
 SHARED_SPREAD = 0.5
 """Share of the spread of all votes in what the votes at one angle are judged by."""
@@ -68,13 +71,65 @@ def strongest_lines(
         Number of lines at most.
     """
     smooth = np.asarray(cv2.GaussianBlur(np.asarray(votes, np.float32), (3, 3), 0))
-    clear = clearness_of(smooth)
-    peaks = _peaks(clear, np.asarray(cv2.dilate(clear, PEAK_WINDOW)))
-    rows, columns, heights = peaks[:, np.argsort(-peaks[2], kind="stable")[:most]]
-    return (rows - ANGLE_MARGIN) * BIN, (columns - middle) * offset_bin, heights
+    return _strongest_lines(smooth, offset_bin, middle, most)
 
 
 @compiled
+def _strongest_lines(
+    votes: Image, offset_bin: float, middle: int, most: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return what `strongest_lines` does, for blurred votes."""
+    clear = clearness_of(votes)
+    highest = highest_about(clear)
+    rows, columns = clear.shape
+    heights, cells, count = np.empty(most), np.empty(most, np.int64), 0
+    for row in range(ANGLE_MARGIN, rows - ANGLE_MARGIN):
+        for column in range(columns):
+            here = clear[row, column]
+            if here < max(highest[row, column], LEAST_HEIGHT):
+                continue
+            if count < most:
+                count += 1
+            elif here <= heights[most - 1]:
+                continue
+            place = count - 1
+            while place > 0 and heights[place - 1] < here:
+                heights[place], cells[place] = heights[place - 1], cells[place - 1]
+                place -= 1
+            heights[place], cells[place] = here, row * columns + column
+    angles, offsets = np.empty(count), np.empty(count)
+    for index in range(count):
+        row, column = cells[index] // columns, cells[index] % columns
+        here = clear[row, column]
+        left, right = clear[row, max(column - 1, 0)], clear[row, min(column + 1, columns - 1)]
+        above, below = clear[row - 1, column], clear[row + 1, column]
+        angles[index] = (row + _vertex(above, here, below) - ANGLE_MARGIN) * BIN
+        offsets[index] = (column + _vertex(left, here, right) - middle) * offset_bin
+    return angles, offsets, heights[:count]
+
+
+@compiled_part
+def highest_about(clear: Image) -> Image:
+    """Return the highest cell about each, see `ANGLE_MARGIN`; rows next to the ends are not set."""
+    rows, columns = clear.shape
+    beside, highest = np.empty((rows, columns), np.float32), np.empty((rows, columns), np.float32)
+    for row in range(rows):
+        values, last = clear[row], columns - 1
+        for column in range(1, last):
+            either = max(values[column - 1], values[column + 1])
+            beside[row, column] = max(values[column], either)
+        beside[row, 0] = max(values[0], values[1])
+        beside[row, last] = max(values[last - 1], values[last])
+    for row in range(ANGLE_MARGIN, rows - ANGLE_MARGIN):
+        for column in range(columns):
+            highest[row, column] = beside[row, column]
+        for step in range(-ANGLE_MARGIN, ANGLE_MARGIN + 1):
+            for column in range(columns):
+                highest[row, column] = max(highest[row, column], beside[row + step, column])
+    return highest
+
+
+@compiled_part
 def clearness_of(votes: Image) -> Image:
     """Return how far votes stand above the others at their angle, in spreads; at least 0."""
     rows, columns = votes.shape
@@ -106,30 +161,6 @@ def _moments(values: Image) -> tuple[float, float]:
         deviation = values[index] - mean
         squares += deviation * deviation
     return float(mean), float(squares) / len(values)
-
-
-@compiled
-def _peaks(clear: Image, highest: Image) -> FloatArray:
-    """Return row, column and height of the cells that are the highest near them, shape (3, P).
-
-    Row and column are those of the vertices of parabolas through a cell and its neighbours.
-    """
-    rows, columns = clear.shape
-    places, count = np.empty(rows * columns, np.int64), 0
-    for row in range(ANGLE_MARGIN, rows - ANGLE_MARGIN):
-        for column in range(columns):
-            if clear[row, column] >= max(highest[row, column], LEAST_HEIGHT):
-                places[count] = row * columns + column
-                count += 1
-    peaks = np.empty((3, count))
-    for index in range(count):
-        row, column = places[index] // columns, places[index] % columns
-        here = clear[row, column]
-        left, right = clear[row, max(column - 1, 0)], clear[row, min(column + 1, columns - 1)]
-        peaks[0, index] = row + _vertex(clear[row - 1, column], here, clear[row + 1, column])
-        peaks[1, index] = column + _vertex(left, here, right)
-        peaks[2, index] = here
-    return peaks
 
 
 @compiled_inside

@@ -26,12 +26,12 @@ SMALLEST_STEP = 1e-300
 
 
 def _invert_cumulative_weights(weights: FloatArray, positions: FloatArray) -> IndexArray:
-    cumulative = np.cumsum(weights)
+    cumulative = weights.cumsum()
     # Scaling the positions instead of forcing the last entry to one: rounding must neither draw a
     # particle of weight zero at the end nor run past it.
-    indices = np.searchsorted(cumulative, positions * cumulative[-1], side="right")
-    last_possible = np.searchsorted(cumulative, cumulative[-1], side="left")
-    bounded: IndexArray = np.minimum(indices, last_possible).astype(np.int64)
+    indices = cumulative.searchsorted(positions * cumulative[-1], side="right")
+    last_possible = cumulative.searchsorted(cumulative[-1], side="left")
+    bounded: IndexArray = np.minimum(indices, last_possible)
     return bounded
 
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,6 +10,7 @@ from cable_tracker.detection.vote_peaks import (
     ANGLE_BINS,
     ANGLE_MARGIN,
     clearness_of,
+    highest_about,
     strongest_lines,
 )
 
@@ -42,3 +44,10 @@ def test_the_clearest_lines_come_first_and_no_more_than_asked_for(rng):
 
 def test_a_frame_without_votes_has_no_lines():
     assert all(len(each) == 0 for each in strongest_lines(np.zeros((40, 31)), 3.0, 15, 24))
+
+
+def test_the_highest_about_a_cell_is_that_of_its_neighbours_and_itself(rng):
+    clear = rng.exponential(1.0, (20, 9)).astype(np.float32)
+    inner = slice(ANGLE_MARGIN, -ANGLE_MARGIN)
+    window = np.ones((2 * ANGLE_MARGIN + 1, 3), np.uint8)
+    np.testing.assert_array_equal(highest_about(clear)[inner], cv2.dilate(clear, window)[inner])

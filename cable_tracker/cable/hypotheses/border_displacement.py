@@ -8,6 +8,7 @@ the frame shows of that one says how far.
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -67,12 +68,18 @@ def displaced_covariance(
     border = parameters.border_displacement * unit
     turn = parameters.border_displacement * BORDER_TURN
     sigmas = np.concatenate((factors * border, factors * turn))
-    scales = np.ones(STATE_SIZE)
-    scales[:POSE_SIZE] = math.sqrt(parameters.tempering)
-    displaced: FloatArray = covariance * np.outer(scales, scales)
+    displaced: FloatArray = covariance * _tempering_of_covariances(parameters.tempering)
     displaced[:POSE_SIZE, :POSE_SIZE] += POSE_OF_BORDERS * sigmas**2 @ POSE_OF_BORDERS.T
     displaced[WIDTH, WIDTH] += (2.0 * ROUND_BORDER * border) ** 2
     return displaced
+
+
+@cache
+def _tempering_of_covariances(tempering: float) -> FloatArray:
+    """Return the factors on a covariance (8, 8) of poses that were not tempered."""
+    scales = np.ones(STATE_SIZE)
+    scales[:POSE_SIZE] = math.sqrt(tempering)
+    return np.outer(scales, scales)
 
 
 def displacement_factors(border_means: FloatArray, width: float) -> FloatArray:

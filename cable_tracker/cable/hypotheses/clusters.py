@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.model.geometry import relative_direction, unwrap_state
 from cable_tracker.cable.model.state import (
     ANGLE,
@@ -149,27 +149,52 @@ def find_groups(
         State about which the first group is found, shape (0 or 1, 8).
     """
     labels = np.full(len(states), NO_CLUSTER, np.int64)
-    gathered = np.empty(len(states), np.bool_)
+    free, left = _possible_rows(log_weights)
     count = 0
     if len(anchors):
-        centre = anchors[0]
-        count += _label_one_cluster(states, log_weights, radii, centre, labels, gathered, count)
+        labelled = _label_one_cluster(
+            states, log_weights, radii, anchors[0], free[:left], labels, 0
+        )
+        count = 1 if labelled else 0
+        left = _still_free(free, left, labels)
     while count < MOST_CLUSTERS:
-        heaviest = _heaviest_free(log_weights, labels)
+        heaviest = _heaviest_of(log_weights, free[:left])
         if heaviest < 0:
             break
-        count += _label_one_cluster(
-            states, log_weights, radii, states[heaviest], labels, gathered, count
-        )
+        centre = states[heaviest]
+        _label_one_cluster(states, log_weights, radii, centre, free[:left], labels, count)
+        left = _still_free(free, left, labels)
+        count += 1
     return Groups(labels, count)
 
 
+@compiled_part
+def _possible_rows(log_weights: FloatArray) -> tuple[IndexArray, int]:
+    """Return the rows of particles that weigh something, shape (N,), and their number."""
+    rows, count = np.empty(len(log_weights), np.int64), 0
+    for row in range(len(log_weights)):
+        rows[count] = row
+        count += log_weights[row] != -math.inf
+    return rows, count
+
+
 @compiled_loop
-def _heaviest_free(log_weights: FloatArray, labels: IndexArray) -> int:
-    """Return the heaviest particle of no group; -1 if all of them weigh nothing."""
+def _still_free(free: IndexArray, left: int, labels: IndexArray) -> int:
+    """Move the rows of no group to the front, in their order, and return how many they are."""
+    count = 0
+    for index in range(left):
+        row = free[index]
+        free[count] = row
+        count += labels[row] == NO_CLUSTER
+    return count
+
+
+@compiled_loop
+def _heaviest_of(log_weights: FloatArray, rows: IndexArray) -> int:
+    """Return the heaviest of some particles; -1 if all of them weigh nothing."""
     heaviest, most = -1, -math.inf
-    for row in range(len(labels)):
-        if labels[row] == NO_CLUSTER and log_weights[row] > most:
+    for row in rows:
+        if log_weights[row] > most:
             heaviest, most = row, log_weights[row]
     return heaviest
 
@@ -180,49 +205,33 @@ def _label_one_cluster(
     log_weights: FloatArray,
     radii: FloatArray,
     centre: FloatArray,
+    free: IndexArray,
     labels: IndexArray,
-    members: BoolArray,
     label: int,
-) -> int:
-    """Label the unlabelled particles about a centre; return 1 if there are any, else 0.
-
-    `members` (N,) is a buffer for the marks.
-    """
+) -> bool:
+    """Label the particles of the rows `free` about a centre; tell whether there are any."""
     mean = centre[:POSE_SIZE].copy()
-    found = False
-    for _ in range(CENTRINGS):
-        if not _mark_members(states, log_weights, radii, mean, labels, members, found):
+    members, count = np.empty(len(free), np.int64), 0
+    for centring in range(CENTRINGS):
+        gathered, found = _rows_about(states, radii, mean, free)
+        # The mean of a ring-shaped cluster may lie outside it: then its members stay.
+        if found == 0:
             break
-        found = True
-        _update_mean(states, log_weights, members, mean)
-    if not found:
-        return 0
-    for row in range(len(labels)):
-        if members[row]:
-            labels[row] = label
-    return 1
+        members, count = gathered, found
+        if centring + 1 < CENTRINGS:
+            _update_mean(states, log_weights, members[:count], mean)
+    for index in range(count):
+        labels[members[index]] = label
+    return count > 0
 
 
 @compiled_part
-def _mark_members(
-    states: FloatArray,
-    log_weights: FloatArray,
-    radii: FloatArray,
-    mean: FloatArray,
-    labels: IndexArray,
-    members: BoolArray,
-    keep: bool,
-) -> bool:
-    """Mark unlabelled particles inside the ellipsoid `radii` about `mean`.
-
-    Returns False if there is none; then, with `keep`, the previous marks stay: the mean of a
-    ring-shaped cluster may lie outside it.
-    """
-    gathered = np.zeros(len(labels), np.bool_)
-    any_gathered = False
-    for row in range(len(labels)):
-        if labels[row] != NO_CLUSTER or log_weights[row] == -math.inf:
-            continue
+def _rows_about(
+    states: FloatArray, radii: FloatArray, mean: FloatArray, rows: IndexArray
+) -> tuple[IndexArray, int]:
+    """Return which of some rows lie inside the ellipsoid `radii` about `mean`, and their number."""
+    inside, count = np.empty(len(rows), np.int64), 0
+    for row in rows:
         # Most particles are far away in one component already.
         c = (states[row, WIDTH] - mean[WIDTH]) / radii[WIDTH]
         wrapped, sign = relative_direction(states[row, ANGLE], mean[ANGLE])
@@ -232,29 +241,23 @@ def _mark_members(
         a = (sign * states[row, DISTANCE] - mean[DISTANCE]) / radii[DISTANCE]
         d = (sign * states[row, SKEW] - mean[SKEW]) / radii[SKEW]
         if a * a + b * b + c * c + d * d <= 1.0:
-            gathered[row] = True
-            any_gathered = True
-    if any_gathered or not keep:
-        for row in range(len(members)):
-            members[row] = gathered[row]
-    return any_gathered
+            inside[count] = row
+            count += 1
+    return inside, count
 
 
 @compiled_part
 def _update_mean(
-    states: FloatArray, log_weights: FloatArray, members: BoolArray, mean: FloatArray
+    states: FloatArray, log_weights: FloatArray, members: IndexArray, mean: FloatArray
 ) -> None:
     """Replace a mean (4,) by that of its members, unwrapped about its angle."""
     reference = mean[ANGLE]
     most = -math.inf
-    for row in range(len(members)):
-        if members[row]:
-            most = max(most, log_weights[row])
+    for row in members:
+        most = max(most, log_weights[row])
     total = 0.0
     sums = np.zeros(POSE_SIZE)
-    for row in range(len(members)):
-        if not members[row]:
-            continue
+    for row in members:
         weight = math.exp(log_weights[row] - most)
         wrapped, sign = relative_direction(states[row, ANGLE], reference)
         total += weight

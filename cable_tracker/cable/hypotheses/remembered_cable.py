@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class RememberedCable:
 
     def aged(self, dt: float) -> RememberedCable:
         """Return the same memory `dt` seconds later."""
-        return replace(self, seconds=self.seconds + dt)
+        return RememberedCable(self.pose, self.side, self.seconds + dt)
 
     def scales(self, image_width: int) -> FloatArray:
         """Return how far from there the cable is looked for, shape (4,) [px, rad]."""

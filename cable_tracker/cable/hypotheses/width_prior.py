@@ -7,7 +7,7 @@ is overgrown just here is not taken for it, however clear its borders are.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.compilation import compiled_inside
@@ -43,7 +43,7 @@ class WidthPrior:
 
     def aged(self, dt: float) -> WidthPrior:
         """Return the prior `dt` seconds later."""
-        return replace(self, untracked_time=self.untracked_time + dt)
+        return WidthPrior(self.log_width, self.untracked_time + dt, self.tracked_time)
 
     def spread(self, parameters: TrackerParameters) -> float:
         """Return the scale of the logarithm of widths.

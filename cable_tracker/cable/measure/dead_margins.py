@@ -9,7 +9,7 @@ from cable_tracker.arrays import Image
 FLAT = 3.0
 """Grey levels as near as this are one."""
 
-BRIGHTEST = 24.0
+BRIGHTEST = 24
 """Bars are black: a flat bottom beside a strip is none [grey levels]."""
 
 OUTERMOST_SHARE, LATER_SHARE = 0.9, 0.5
@@ -47,11 +47,10 @@ def without_dead_margins(frame: Image) -> Image:
 
 def dead_lines(lines: Image) -> int:
     """Return how many of the first lines (L, n) are to be filled."""
-    most = int(LARGEST_SHARE * len(lines))
-    outermost = lines[0].astype(np.float32)
+    outermost = lines[0]
     if np.count_nonzero(outermost <= BRIGHTEST) < OUTERMOST_SHARE * len(outermost):
         return 0
-    level = float(np.median(outermost))
+    most, level = int(LARGEST_SHARE * len(lines)), float(np.median(outermost))
     count, share = 0, OUTERMOST_SHARE
     while count <= most:
         apart = np.abs(lines[count].astype(np.float32) - level)

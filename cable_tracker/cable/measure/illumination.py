@@ -67,7 +67,7 @@ def evenly_lit(picture: Image, share: float) -> Image:
     share *= min(max((explained - DOUBTED) / (TRUSTED - DOUBTED), 0.0), 1.0)
     if share == 0.0:
         return picture
-    mean = float(light.mean())
+    mean = float(light.sum()) / light.size
     gain = ((1.0 + DARKEST) * mean / (light + DARKEST * mean)) ** share
     gains = cv2.resize(gain.astype(np.float32), (width, height), interpolation=cv2.INTER_LINEAR)
     return np.asarray(cv2.multiply(levels, gains, dst=gains))

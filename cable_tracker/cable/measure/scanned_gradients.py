@@ -13,6 +13,7 @@ across that line. The second tells how far away the edge is: it is zero on the e
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
@@ -84,6 +85,20 @@ def line_indices(length: int, spacing: int) -> IndexArray:
     return np.arange(count, dtype=np.int64) * spacing + first
 
 
+@cache
+def scan_places(
+    size: tuple[int, int], spacing: int
+) -> tuple[IndexArray, IndexArray, tuple[FloatArray, FloatArray]]:
+    """Return which rows and columns of a picture of a size are scanned, and v of each of them.
+
+    Columns are scanned upwards: v of a column is its x, see `ScanLines`.
+    """
+    width, height = size
+    rows, columns = line_indices(height, spacing), line_indices(width, spacing)
+    x, y = to_image(columns, rows, size)
+    return rows, columns, (y, x)
+
+
 def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFrame:
     """Work out the gradients along the scan lines of a picture.
 
@@ -97,14 +112,13 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
         The filters. Their `contrast_lag` must be shorter than the longer side of the picture.
     """
     height, width = picture.shape
-    rows, columns = line_indices(height, spacing), line_indices(width, spacing)
+    rows, columns, places = scan_places((width, height), spacing)
     # Columns are scanned upwards: the rows of this one are the columns of that, from below.
     turned = np.asarray(cv2.rotate(picture, cv2.ROTATE_90_CLOCKWISE))
     # One kind of array: for bytes, and for frames that cannot be written to, Numba would compile
     # anew.
     pixels, turned = (np.require(each, np.float32, ("C", "W", "A")) for each in (picture, turned))
-    x, y = to_image(columns, rows, (width, height))
-    return ScannedFrame(*_scan_both(pixels, turned, rows, columns, (y, x), kernels))
+    return ScannedFrame(*_scan_both(pixels, turned, rows, columns, places, kernels))
 
 
 @compiled
@@ -209,7 +223,8 @@ def _scan(
     modulus = np.empty(width + 2, np.float32)
     along = np.empty(width, np.float32)
     across = np.empty(width, np.float32)
-    gradients = np.zeros((len(lines), width, 3), np.float32)
+    turning = np.zeros(width, np.float32)
+    gradients = np.empty((len(lines), width, 3), np.float32)
     levels = np.zeros((len(lines), width), np.float32)
     for line in range(len(lines)):
         row = lines[line]
@@ -220,16 +235,18 @@ def _scan(
         symmetric_along(slope, margin, gaussian, across)
         for x in range(width):
             across[x] *= sign
+        if len(region):
+            sum_across(pixels, row, region, wide[margin:])
+            mirror_ends(wide, margin, width)
+            symmetric_along(wide, margin, region, levels[line])
+            for x in range(width):
+                modulus[x + 1] = np.sqrt(along[x] * along[x] + across[x] * across[x])
+            mirror_ends(modulus, 1, width)
+            for x in range(width):
+                turning[x] = np.float32(0.5) * (modulus[x + 2] - modulus[x])
+        # All channels in one loop: then the processor writes many points at a time.
+        for x in range(width):
             gradients[line, x, ALONG] = along[x]
             gradients[line, x, ACROSS] = across[x]
-        if not len(region):
-            continue
-        sum_across(pixels, row, region, wide[margin:])
-        mirror_ends(wide, margin, width)
-        symmetric_along(wide, margin, region, levels[line])
-        for x in range(width):
-            modulus[x + 1] = np.sqrt(along[x] * along[x] + across[x] * across[x])
-        mirror_ends(modulus, 1, width)
-        for x in range(width):
-            gradients[line, x, SLOPE] = np.float32(0.5) * (modulus[x + 2] - modulus[x])
+            gradients[line, x, SLOPE] = turning[x]
     return gradients, levels

@@ -69,6 +69,15 @@ def texture_log_ratio(left: float, right: float, limit: float) -> float:
     return min(max(STEP_SLOPE * (step - ORDINARY_STEP), 0.0), limit)
 
 
+@compiled_inside
+def may_speak(smoother: float) -> bool:
+    """Tell whether texture may say anything of a cable one of whose borders is so smooth.
+
+    If not, the other one need not be looked at: a harmonic mean is less than twice either number.
+    """
+    return smoother > 0.5 * ORDINARY_STEP
+
+
 class TextureWindows(NamedTuple):
     """Where texture is looked at beside the crossings of a border, along the scan lines.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import cv2
@@ -147,6 +147,7 @@ def make_working_image(
     filter_sigma: float = DEFAULTS.filter_sigma,
     sample_spacing: float = DEFAULTS.sample_spacing,
     light_correction: float = 0.0,
+    gradients_alone: bool = False,
 ) -> WorkingImage:
     """Fill dead margins, and reduce a wider frame to the working width by averaging over areas.
 
@@ -156,7 +157,7 @@ def make_working_image(
         Grey levels, uint8 or float32, shape (H, W).
     working_width : int
         Wanted width [px].
-    filter_sigma, sample_spacing, light_correction : float
+    filter_sigma, sample_spacing, light_correction, gradients_alone : float, bool
         See `WorkingImage`.
     """
     image = without_dead_margins(image)
@@ -164,18 +165,18 @@ def make_working_image(
     size = (width, height)
     if width > working_width:
         size = (working_width, max(1, round(height * working_width / width)))
-    return WorkingImage(image, size, filter_sigma, sample_spacing, light_correction)
+    return WorkingImage(
+        image, size, filter_sigma, sample_spacing, light_correction, gradients_alone
+    )
 
 
 def working_image_for(image: Image, parameters: TrackerParameters) -> WorkingImage:
     """Return the working image of a frame (H, W) that a tracker of these parameters makes."""
-    working_image = make_working_image(
+    return make_working_image(
         image,
         parameters.working_width,
         parameters.filter_sigma,
         parameters.sample_spacing,
         parameters.light_correction,
+        gradients_alone=parameters.observation == "responses",
     )
-    if parameters.observation != "responses":
-        return working_image
-    return replace(working_image, gradients_alone=True)

@@ -38,7 +38,9 @@ def state_limits(parameters: TrackerParameters, image_width: int) -> StateLimits
 def clip_to_limits(states: FloatArray, limits: StateLimits) -> FloatArray:
     """Set components beyond a limit to the limit; shape (N, 8)."""
     result = states.copy()
-    result[:, :POSE_SIZE] = np.clip(states[:, :POSE_SIZE], limits.lower, limits.upper)
+    values = result[:, :POSE_SIZE]
+    # `np.clip` does the same, in four times the time for few particles.
+    np.minimum(np.maximum(values, limits.lower), limits.upper, out=values)
     return result
 
 

@@ -7,7 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
-from cable_tracker.cable.measure.texture import STEP_SLOPE, smoothness, texture_log_ratio
+from cable_tracker.cable.measure.texture import (
+    STEP_SLOPE,
+    may_speak,
+    smoothness,
+    texture_log_ratio,
+)
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -126,3 +131,9 @@ def test_sides_differ_by_their_log_ratio_less_an_error_that_falls_with_the_pixel
 
 def test_of_too_few_pixels_nothing_is_said():
     assert smoothness(np.array([[0.1, 11.0], [100.0, 100.0]])) == 0.0
+
+
+@given(left=STEPS, right=STEPS)
+def test_one_border_that_is_hardly_smoother_is_enough_for_texture_to_say_nothing(left, right):
+    if not may_speak(left):
+        assert texture_log_ratio(left, right, LIMIT) == 0.0
