@@ -38,13 +38,12 @@ from cable_tracker.cable.measure.polarity_prior import (
     marginal_log_ratio,
     polarity_prior,
 )
-from cable_tracker.cable.measure.ratio_rows import add_ratio_rows
 from cable_tracker.cable.measure.response_bins import (
     CLASSES,
     contrast_cell,
     edge_cell,
 )
-from cable_tracker.cable.measure.response_table import ResponseTable, load_table
+from cable_tracker.cable.measure.response_table import LARGEST_RATIO, ResponseTable, load_table
 from cable_tracker.cable.measure.scan_lines import ScanLines
 from cable_tracker.cable.measure.texture import (
     TextureWindows,
@@ -399,7 +398,29 @@ def _add_ratios(count: int, model: RatioModel, crossings: Crossings, sums: Image
         response = crossings.responses[index]
         cells[0, index] = edge_cell(response, crossings.slopes[index])
         cells[1, index] = contrast_cell(response, crossings.contrasts[index])
-    add_ratio_rows(model.edges, model.contrasts, cells, count, sums)
+    # As variables, they stay in registers; an array might be one of the tables.
+    a, b, c, d = sums[0], sums[1], sums[2], sums[3]
+    e, f, g, h = sums[4], sums[5], sums[6], sums[7]
+    for index in range(count):
+        edges = model.edges[np.uint64(cells[0, index])]
+        contrasts = model.contrasts[np.uint64(cells[1, index])]
+        a += _ratio(edges, contrasts, 0)
+        b += _ratio(edges, contrasts, 1)
+        c += _ratio(edges, contrasts, 2)
+        d += _ratio(edges, contrasts, 3)
+        e += _ratio(edges, contrasts, 4)
+        f += _ratio(edges, contrasts, 5)
+        g += _ratio(edges, contrasts, 6)
+        h += _ratio(edges, contrasts, 7)
+    sums[0], sums[1], sums[2], sums[3] = a, b, c, d
+    sums[4], sums[5], sums[6], sums[7] = e, f, g, h
+
+
+@compiled_inside
+def _ratio(edges: Image, contrasts: Image, strength: int) -> np.float32:
+    """Return the ratio of a point for a class, by its rows of both tables."""
+    ratio: np.float32 = min(edges[strength] + contrasts[strength], LARGEST_RATIO)
+    return ratio
 
 
 @compiled
