@@ -48,8 +48,8 @@ def advice(
     if evidence and not is_clear:
         lines.append(
             f"evidence: the weaker border reached {max(evidence):.2g}, {asking} asks for"
-            f" {needed:.3g}; try a lower one, or learn a response table from"
-            " labelled frames of yours (cable-tracker label, learn)"
+            f" {needed:.3g}{_more_for_thin(needed, width, parameters)}; try a lower one, or learn a"
+            " response table from labelled frames of yours (cable-tracker label, learn)"
         )
     if is_likely and is_clear:
         lines.append(
@@ -80,6 +80,20 @@ def _evidence_for_a_claim(parameters: TrackerParameters, width: float | None) ->
     if parameters.filter == "multi_hypothesis" and found > tracked:
         return "evidence_to_find", found
     return "evidence_to_track", tracked
+
+
+def _more_for_thin(needed: float, width: float | None, parameters: TrackerParameters) -> str:
+    """Say why a thin cable needs more than `evidence_to_find`, and what to do about that.
+
+    `width` is that of the cable [px at the reference width]; None: not known.
+    """
+    if width is None or needed <= parameters.evidence_to_find or width >= parameters.thin_width:
+        return ""
+    factor = needed / parameters.evidence_to_find
+    return (
+        f" ({factor:.2g} times {parameters.evidence_to_find:g}, for {width:.1f} px at 320 px is"
+        f" thin: lower thin_width to the width of the cable first)"
+    )
 
 
 def _width_advice(width: float, parameters: TrackerParameters) -> list[str]:

@@ -11,6 +11,9 @@ from cable_tracker.tracking.parameter_table import REFERENCE_RATE
 LATE = 0.2
 """A frame that is older than the one before by no more was overtaken on the way [s]."""
 
+SHORTEST = 1000
+"""Stamps nearer to each other are in seconds or milliseconds: no camera is so fast [ns]."""
+
 
 @dataclass(frozen=True, slots=True)
 class FrameMark:
@@ -59,12 +62,18 @@ def succession(before: FrameMark | None, now: FrameMark, maximum_gap: float) -> 
     Raises
     ------
     FrameError
-        Both have the same time, or the new frame is a little older: it came out of order.
+        Both have the same time or nearly so, as stamps in other units have, or the new frame is a
+        little older: it came out of order.
     """
     if before is None:
         return Succession(1.0 / REFERENCE_RATE, "")
     if now.stamp == before.stamp:
         raise FrameError(f"the stamp {now.stamp / NANOSECONDS:.9f} s is that of the frame before")
+    if 0 < now.stamp - before.stamp < SHORTEST:
+        raise FrameError(
+            f"the stamp is only {now.stamp - before.stamp} ns after that of the frame before;"
+            " stamps are in nanoseconds"
+        )
     late = (before.stamp - now.stamp) / NANOSECONDS
     if 0.0 < late <= LATE:
         raise FrameError(f"the frame is {late:.3f} s older than the one before: out of order")

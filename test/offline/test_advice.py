@@ -38,6 +38,12 @@ def test_a_thin_cable_is_asked_for_more_evidence():
     assert "evidence_to_find asks for 0.3" in words(rows(), [(100.0, 320)] * 3, PARAMETERS)
 
 
+def test_for_a_thin_cable_thin_width_is_named():
+    thin = words(rows(), [(18.0, 1280)] * 3, PARAMETERS)
+    assert "3 times 0.45, for 4.5 px at 320 px is thin: lower thin_width" in thin
+    assert "thin_width" not in words(rows(), [(60.0, 320)] * 3, PARAMETERS)
+
+
 def test_high_values_that_did_not_last_are_told_apart():
     assert "confirmation_time" in words(rows(1.0, 3.0), [], PARAMETERS)
 

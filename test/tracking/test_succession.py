@@ -39,6 +39,12 @@ def test_the_same_time_again_is_refused():
         following(0.0)
 
 
+@pytest.mark.parametrize("step", [1, 40, 999])
+def test_stamps_in_other_units_than_nanoseconds_are_refused(step):
+    with pytest.raises(FrameError, match=rf"only {step} ns .* stamps are in nanoseconds"):
+        succession(FIRST, FrameMark(FIRST.size, FIRST.stamp + step), maximum_gap=5.0)
+
+
 @pytest.mark.parametrize("seconds", [-1e-9, -0.04, -0.2])
 def test_a_frame_that_was_overtaken_is_refused(seconds):
     with pytest.raises(FrameError, match="out of order"):
