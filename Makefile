@@ -146,6 +146,7 @@ ifeq ($(strip $(SOURCE)),)
 	@$(BIN)/cable-tracker evaluate --source $(DEMO)/hard_dive --method default --method hough \
 		--seeds 1 --workers 1 --output $(DEMO)/hard_dive_judged --force
 	@echo "look at $(DEMO)/dive_tracked/overlay.png and $(DEMO)/hard_dive_tracked/overlay.png"
+	@echo "(green: estimate, its band: two sigma of the centreline; pink dashes: truth; blue: particles)"
 else
 	@echo "replaying $(SOURCE) to the tracker over DDS, in lockstep ..."
 	@$(BIN)/cable-tracker track "$(SOURCE)" --ros --output $(DEMO)/your_recording_tracked --force

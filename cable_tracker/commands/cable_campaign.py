@@ -24,6 +24,7 @@ from cable_tracker.evaluation.report import (
     summary_table,
     write_report,
 )
+from cable_tracker.evaluation.runs import Start
 from cable_tracker.evaluation.tables import CSV_FILES
 
 TITLE = "How well the cable is followed"
@@ -33,6 +34,12 @@ PRINTED_METRICS = (
     "start_right", "ms",
 )  # fmt: skip
 """Metrics that fit on a terminal; the report has more."""
+
+START_NOTES = {
+    Start.TRUTH: "told where the cable is in the first frame; --init random for a cold start",
+    Start.RANDOM: "not told where the cable is, a cold start; --init truth tells it",
+}
+"""What is said of how the runs began."""
 
 
 def tuned_filters(
@@ -103,6 +110,7 @@ def evaluate_cables(
                 sequences={each.name: each.description for each in campaign.sequences},
             )
     _print_table(summary_table(results, PRINTED_METRICS))
+    console.print(f"  runs: {START_NOTES[campaign.start]}", soft_wrap=True)
     for name in (REPORT, *(name for name, _ in CSV_FILES)):
         console.print(f"  {output / name}", soft_wrap=True)
 

@@ -120,8 +120,10 @@ METRIC_TABLE: tuple[MetricSpec, ...] = (
         "%",
         lambda m: 100.0 * m.consistency.inside_region,
     ),
-    MetricSpec("ms", "time per frame", "ms", lambda m: m.ms_median),
-    MetricSpec("ms_p95", "95th percentile of the time per frame", "ms", lambda m: m.ms_95),
+    MetricSpec("ms", "processor time per frame", "ms", lambda m: m.ms_median),
+    MetricSpec(
+        "ms_p95", "95th percentile of the processor time per frame", "ms", lambda m: m.ms_95
+    ),
 )
 """Metrics of a run, in the order of the tables."""
 

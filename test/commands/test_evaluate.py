@@ -85,6 +85,7 @@ def test_scenarios_are_evaluated(command, tmp_path):
     )  # fmt: skip
     assert code == 0
     assert "thesis" in printed
+    assert "runs: told where the cable is in the first frame; --init random" in printed
     assert str(out / REPORT) in printed.replace("\n", "")
     assert len((out / "runs.csv").read_text().splitlines()) == 1 + 2 * 2
     assert "--scenario S6" in (out / REPORT).read_text(encoding="utf-8")
@@ -115,11 +116,12 @@ def test_an_evaluation_that_goes_on_does_only_what_is_missing(command, tmp_path)
 
 def test_a_labelled_recording_is_evaluated(command, labels, tmp_path):
     out = tmp_path / "out"
-    code, _, _ = command(
+    code, printed, _ = command(
         "evaluate", "--source", labels, "--method", "thesis", "--init", "random",
         "--seeds", 1, "--output", out,
     )  # fmt: skip
     assert code == 0
+    assert "runs: not told where the cable is" in printed
     assert len((out / "frames.csv").read_text().splitlines()) == 1 + 5
 
 
