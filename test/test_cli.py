@@ -108,6 +108,14 @@ def test_a_bag_is_tracked_into_a_folder(run, bag):
         assert Path(line.strip()).exists()
 
 
+def test_with_a_vehicle_file_it_is_told_why_there_are_no_metres(run, bag):
+    Path("vehicle.yaml").write_text("fixed_altitude: 2.0\n")
+    outcome = run("track", bag, "--init", "truth", "--vehicle", "vehicle.yaml")
+    assert "\nno metres: no camera calibration (8 claims)\n" in outcome.out
+    rows = read_estimates(Path("dive_tracked/estimates.csv"))
+    assert all(row.no_metres.startswith("no camera calibration: ") for row in rows)
+
+
 def test_the_same_seed_gives_the_same_table_and_another_one_does_not(run, bag):
     tables = []
     for name, seed in (("a", 1), ("b", 1), ("c", 2)):

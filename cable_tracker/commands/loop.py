@@ -247,6 +247,9 @@ RUN_HEADINGS = {
 }
 """Columns of the table of several runs on the terminal, with their headings."""
 
+MOST_DIGITS = 6
+"""An RMS that cannot be told from the goal by so many decimals is as good as equal to it."""
+
 TOTAL_HEADINGS = {
     "method": "method",
     "runs": "runs",
@@ -268,9 +271,20 @@ def _print(summary: LoopSummary) -> None:
     for field in fields(LoopSummary):
         table.add_row(LABELS[field.name], _cell(field.name, getattr(summary, field.name)))
     console.print(table)
-    verdict = "lost for good" if summary.lost_for_good else "not lost for good"
+    console.print(verdict_on(summary))
+
+
+def verdict_on(summary: LoopSummary) -> str:
+    """Say in words how a run ended, with an RMS that can be told from the goal."""
+    end = "lost for good" if summary.lost_for_good else "not lost for good"
     goal = "within" if summary.is_within_goal else "not within"
-    console.print(f"The cable was {verdict}; the run is {goal} the goal of {GOAL:g} m RMS.")
+    digits = 3
+    while digits < MOST_DIGITS and f"{summary.rms:.{digits}f}" == f"{GOAL:.{digits}f}":
+        digits += 1
+    return (
+        f"The cable was {end}; the run is {goal} the goal:"
+        f" RMS {summary.rms:.{digits}f} m, goal {GOAL:g} m."
+    )
 
 
 def _print_runs(outcomes: Sequence[LoopOutcome]) -> None:

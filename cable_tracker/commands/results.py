@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
 from cable_tracker.commands.terminal import console
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.estimates import REFUSED
+from cable_tracker.sequences.estimates import REFUSED, EstimateRow
 
 
 def folder_beside(source: Path, ending: str) -> Path:
@@ -47,6 +48,23 @@ def print_statuses(statuses: Sequence[str]) -> None:
     counts = {status: statuses.count(status) for status in dict.fromkeys(statuses)}
     words = ", ".join(f"{count} {status}" for status, count in counts.items())
     console.print(f"{len(statuses)} frames: {words}", soft_wrap=True)
+
+
+def metres_told(rows: Sequence[EstimateRow]) -> str:
+    """Say for how many claims the cable is known in metres, and why not for the others.
+
+    Empty where no cable is claimed.
+    """
+    claims = [row for row in rows if row.state is not None]
+    known = sum(row.metres is not None for row in claims)
+    missing = Counter(row.no_metres.partition(":")[0] for row in claims if row.metres is None)
+    reasons = missing.most_common()
+    if not claims or not reasons:
+        return f"metres for {known} of {known} claims" if claims else ""
+    if not known and len(reasons) == 1:
+        return f"no metres: {reasons[0][0]} ({len(claims)} claims)"
+    without = ", ".join(f"{reason} ({count})" for reason, count in reasons)
+    return f"metres for {known} of {len(claims)} claims; no metres: {without}"
 
 
 def print_median_time(milliseconds: Sequence[float | None]) -> None:

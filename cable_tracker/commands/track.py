@@ -36,6 +36,7 @@ from cable_tracker.commands.options import (
 )
 from cable_tracker.commands.results import (
     folder_beside,
+    metres_told,
     need_usable_frames,
     print_median_time,
     print_statuses,
@@ -132,15 +133,18 @@ def track(  # noqa: PLR0917
                 )
         need_usable_frames(recording.path, [row.status for row in results.rows], damage)
     print_notes(source, described.remarks())
-    _print_results(results)
+    _print_results(results, wants_metres=described.wants_metres)
     for line in advice(results.rows, results.widths, parameters):
         console.print(line, soft_wrap=True)
     if damage is not None:
         raise damage
 
 
-def _print_results(results: ResultFolder) -> None:
+def _print_results(results: ResultFolder, *, wants_metres: bool) -> None:
     print_statuses([row.status for row in results.rows])
+    told = metres_told(results.rows) if wants_metres else ""
+    if told:
+        console.print(told, soft_wrap=True)
     print_median_time([row.ms for row in results.rows])
     if results.truths:
         _print_errors(summarise_errors(results.rows, results.truths))

@@ -191,9 +191,14 @@ class RecordedVehicle:
         found = self.source is not None and bool(self.source.found.topics)
         return found or self.vehicle.calibration is not None
 
+    @property
+    def wants_metres(self) -> bool:
+        """Whether there are instruments, or a vehicle file from which metres are expected."""
+        return self.has_instruments or bool(self.vehicle.said)
+
     def metres(self, pauses: Pauses = Pauses()) -> RecordedMetres | None:
-        """Return what turns estimates into metres; None where everything stays in pixels."""
-        return RecordedMetres(self.vehicle, self.source, pauses) if self.has_instruments else None
+        """Return what turns estimates into metres, or says why not; None where none are wanted."""
+        return RecordedMetres(self.vehicle, self.source, pauses) if self.wants_metres else None
 
 
 def recorded_vehicle(

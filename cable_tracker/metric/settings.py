@@ -17,6 +17,11 @@ from cable_tracker.metric.target_metres import TargetSettings
 from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
 from cable_tracker.tracking.parameter_table import ParameterSpec
 
+MOUNTING_PARAMETERS = (
+    "camera_x", "camera_y", "camera_z", "camera_roll", "camera_pitch", "camera_yaw",
+)  # fmt: skip
+"""Parameters that say where the camera is in base_link, and how it is turned."""
+
 
 def default_values(specs: Iterable[ParameterSpec] = METRIC_PARAMETERS) -> dict[str, object]:
     """Return the values of parameters, by name, as they are without anything else being said."""
@@ -83,5 +88,5 @@ def camera_parameters(rotation: FloatArray, place: FloatArray) -> dict[str, obje
         roll = math.atan2(float(body[2, 1]), float(body[2, 2]))
         yaw = math.atan2(float(body[1, 0]), float(body[0, 0]))
     angles = np.degrees([roll, pitch, yaw])
-    names = ("camera_x", "camera_y", "camera_z", "camera_roll", "camera_pitch", "camera_yaw")
-    return dict(zip(names, (float(value) for value in (*place, *angles)), strict=True))
+    values = (float(value) for value in (*place, *angles))
+    return dict(zip(MOUNTING_PARAMETERS, values, strict=True))

@@ -110,6 +110,11 @@ def unknown_overrides(node: Node) -> list[str]:
     )
 
 
+def is_given_at_start(node: Node, name: str) -> bool:
+    """Tell whether a parameter stands in a YAML file or on the command line, with any value."""
+    return name in node._parameter_overrides
+
+
 def watch(
     node: Node,
     specs: Mapping[str, ParameterSpec],

@@ -175,7 +175,7 @@ def vehicle_text(cable_height: float) -> str:
     """Return what `vehicle.yaml` says; the height is that of the cable's axis [m]."""
     return (
         "# What no topic of this bag says.\n"
-        f"cable_height: {cable_height}\n"
+        f"cable_height: {cable_height:.6g}\n"
         "altitude_is_vertical: true\n"
     )
 

@@ -24,6 +24,8 @@ class CountedRows:
     tracked, in_metres, placed, placed_partly : int
         Number of rows in which the cable is claimed, is known in metres, and the vehicle's pose is
         known, of all and of a part.
+    claims_in_metres : int
+        Number of claims that are known in metres.
     back, ahead : float
         Least and largest step from one picture to the next, as far as beyond 0 [s].
     reasons : ndarray
@@ -33,6 +35,7 @@ class CountedRows:
     reasons: IndexArray
     tracked: int = 0
     in_metres: int = 0
+    claims_in_metres: int = 0
     placed: int = 0
     placed_partly: int = 0
     back: float = 0.0
@@ -48,7 +51,9 @@ def count_rows(dive: ForwardDive, places: FloatArray) -> CountedRows:
         some, known = rows[part], np.isfinite(places[part])
         claimed = some["status"] == TRACKING
         found.tracked += int(claimed.sum())
-        found.in_metres += int(np.isfinite(some["aside"]).sum())
+        in_metres = np.isfinite(some["aside"])
+        found.in_metres += int(in_metres.sum())
+        found.claims_in_metres += int((in_metres & claimed).sum())
         found.placed += int(known.all(axis=1).sum())
         found.placed_partly += int(known.any(axis=1).sum())
         steps = np.diff(some["stamp"], prepend=before) / 1e9
@@ -78,7 +83,20 @@ def find_faults(dive: ForwardDive, poses: Poses, counted: CountedRows) -> list[s
         notes.append(f"odometry began anew or jumped {len(poses.jumps)} times; the way was joined")
     if counted.back < 0.0 or counted.ahead > LATE:
         notes.append("the clock of the camera jumps; the tracker starts anew there")
-    for number in np.flatnonzero(counted.reasons[1:]) + 1:
-        share = counted.reasons[number] / counted.tracked
-        notes.append(f"no metres in {share:.0%} of the claims: {dive.table.reasons[number]}")
-    return notes
+    return notes + _missing_metres(counted, dive.table.reasons)
+
+
+def _missing_metres(counted: CountedRows, words: list[str]) -> list[str]:
+    """Say in what share of the claims there are no metres; a reason has its number's words.
+
+    Metres are not computed in every picture: the share is that of the claims in which they were.
+    """
+    withheld = counted.reasons[1:]
+    judged = int(withheld.sum()) + counted.claims_in_metres
+    return [
+        f"no metres at all: {reason}"
+        if count == judged
+        else f"no metres in {count / judged:.0%} of the claims: {reason}"
+        for count, reason in zip(withheld, words[1:], strict=True)
+        if count
+    ]

@@ -8,9 +8,11 @@ lost           no message comes, so a controller must have a timeout of its own
 """
 
 import math
+from contextlib import suppress
 
 import rclpy
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
 SPEED, LOOK_AHEAD, TURN_GAIN, TIMEOUT = 0.5, 1.2, 1.2, 0.5
@@ -38,4 +40,5 @@ class FollowCable(Node):
 
 if __name__ == "__main__":
     rclpy.init()
-    rclpy.spin(FollowCable())
+    with suppress(KeyboardInterrupt, ExternalShutdownException):
+        rclpy.spin(FollowCable())

@@ -6,9 +6,10 @@ import pytest
 from typer.testing import CliRunner
 
 from cable_tracker.cli import app
+from cable_tracker.commands.loop import verdict_on
 from cable_tracker.errors import CableTrackerError, OutputError, ParameterError
 from cable_tracker.evaluation.closed_loop.loop_campaign import METHODS_TABLE, RUNS
-from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, read_summary
+from cable_tracker.evaluation.closed_loop.loop_table import SUMMARY, LoopSummary, read_summary
 
 pytest.importorskip("rclpy")
 
@@ -34,6 +35,23 @@ def run(*arguments: str) -> None:
 def test_what_cannot_be_run_is_refused(tmp_path, option, value, words):
     with pytest.raises(ParameterError, match=words):
         run("loop", option, value, "--output", str(tmp_path / "loop"))
+
+
+@pytest.mark.parametrize(
+    ("rms", "words"),
+    [
+        (0.0612, "within the goal: RMS 0.061 m, goal 0.15 m."),
+        (0.15017, "not within the goal: RMS 0.1502 m, goal 0.15 m."),
+        (0.15, "within the goal: RMS 0.150000 m, goal 0.15 m."),
+    ],
+)
+def test_the_verdict_shows_on_which_side_of_the_goal_the_run_is(rms, words):
+    summary = LoopSummary(
+        seed=1, frames=100, seconds=8.0, way=100.0, reached_end=True, rms=rms, percentile_95=0.1,
+        most=0.3, rms_in_sight=0.04, rms_offset=0.01, rms_heading=1.0, answered=1.0, measured=0.9,
+        wrong=0.0, losses=1, longest_loss=12.0, found_again=True, lost_for_good=False,
+    )  # fmt: skip
+    assert verdict_on(summary) == f"The cable was not lost for good; the run is {words}"
 
 
 def test_a_folder_that_is_taken_is_refused(tmp_path):

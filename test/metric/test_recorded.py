@@ -22,8 +22,12 @@ def bag(tmp_path_factory):
 
 def claim(frame) -> CableEstimate:
     state = frame.truth or CableState(0.0, 0.0, 5.0, 0.0)
+    return claim_at(frame.stamp, state)
+
+
+def claim_at(stamp, state) -> CableEstimate:
     return CableEstimate(
-        frame.stamp, TrackingStatus.TRACKING, state, np.eye(8) * 1e-6, 100.0, 1.0, (64, 48)
+        stamp, TrackingStatus.TRACKING, state, np.eye(8) * 1e-6, 100.0, 1.0, (64, 48)
     )
 
 
@@ -63,6 +67,18 @@ def test_a_recording_that_is_no_bag_has_no_instruments(tmp_path):
     (tmp_path / "0.png").write_bytes(b"")
     with open_source(tmp_path) as recording:
         assert recorded_vehicle(recording).metres() is None
+
+
+def test_a_vehicle_file_alone_lets_it_be_said_why_there_are_no_metres(tmp_path):
+    (tmp_path / "0.png").write_bytes(b"")
+    file = tmp_path / "vehicle.yaml"
+    file.write_text("fixed_altitude: 2.0\n")
+    estimate = claim_at(0, CableState(1.0, 0.1, 20.0))
+    with open_source(tmp_path) as recording:
+        described = recorded_vehicle(recording, vehicle_file=file)
+        assert not described.has_instruments
+        metres = described.metres()
+        assert metres.measure(estimate).reason is Reason.NO_CALIBRATION
 
 
 def run(metres, frames):

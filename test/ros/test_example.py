@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import importlib.util
 import math
+import signal
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +14,9 @@ import pytest
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "examples" / "follow_cable.py"
+
+PATIENCE = 60.0
+"""What has not ended by then does not end [s]."""
 
 
 @pytest.fixture
@@ -46,6 +52,24 @@ def test_it_steers_to_where_the_cable_is_and_stops_without_one(
     world.spin(lambda: any(command.linear.x > 0.3 for command in commands))
     assert max(command.angular.z for command in commands) > 0.1
     world.spin(lambda: commands[-1].linear.x == 0.0)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_without_a_traceback(
+    world: Any, tmp_path: Path, number: signal.Signals
+) -> None:
+    words = tmp_path / "stderr"
+    command = [sys.executable, EXAMPLE, "--ros-args", "-r", f"__ns:={world.namespace}"]
+    with words.open("w") as file, subprocess.Popen(command, stderr=file) as process:
+        try:
+            # Its watchdog speaks when it spins.
+            heard = world.listen(Twist, "cmd_vel")
+            world.spin(lambda: heard)
+            process.send_signal(number)
+            process.wait(PATIENCE)
+        finally:
+            process.kill()
+    assert "Traceback" not in words.read_text()
 
 
 def test_it_is_short() -> None:

@@ -54,6 +54,25 @@ class GivenState:
         """Whether d, alpha, w and beta are all given, and are those of the cable."""
         return not self.is_guess and not bool(np.isinf(self.sigma[:POSE_SIZE]).any())
 
+    def words(self) -> str:
+        """Return what is known of d, alpha, w and beta, for a log."""
+        state = self.state
+        known = [
+            words
+            for words, sigma in zip(
+                (
+                    f"d {state.distance:.1f} px",
+                    f"alpha {state.angle:.3f} rad",
+                    f"w {state.width:.1f} px",
+                    f"beta {state.skew:.3f} rad",
+                ),
+                self.sigma,
+                strict=False,
+            )
+            if not np.isinf(sigma)
+        ]
+        return ", ".join(known) or "nothing is known"
+
 
 def usual_sigma(image_width: int) -> FloatArray:
     """Return the spread about a state that is known well, shape (8,): 2 px, half a degree."""

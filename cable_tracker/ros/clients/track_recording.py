@@ -111,9 +111,11 @@ def _tracker_parameters(request: CableTrackingRequest) -> dict[str, ParameterVal
 
 
 def _vehicle_parameters(vehicle: RecordedVehicle | None) -> dict[str, ParameterValue]:
-    if vehicle is None or not vehicle.has_instruments:
+    if vehicle is None or not vehicle.wants_metres:
         return {}
-    return {**cast(dict[str, ParameterValue], vehicle.vehicle.values), **EVERY_MEASUREMENT}
+    values = cast(dict[str, ParameterValue], vehicle.vehicle.values)
+    # Without instruments nothing is sent that a frame could wait for.
+    return {**values, **EVERY_MEASUREMENT} if vehicle.has_instruments else values
 
 
 def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:

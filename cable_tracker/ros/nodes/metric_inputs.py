@@ -15,9 +15,10 @@ from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS, CableSight
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import make_cross_track
+from cable_tracker.metric.settings import MOUNTING_PARAMETERS, default_values
 from cable_tracker.metric.withheld import Reason, Withheld, newly_withheld
 from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
-from cable_tracker.ros import qos
+from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.instruments import Instrument
@@ -29,6 +30,13 @@ AWAITED = (Instrument.ALTITUDE, Instrument.IMU, Instrument.ODOMETRY)
 
 WARNING_PAUSE = 10.0
 """Odometry that is doubted again sooner is not warned of again [s]."""
+
+ODOMETRY_ADVICE = "check the mounting parameters camera_*, and the stamps of odometry and images"
+
+MOUNTING_NOT_GIVEN = (
+    "the mounting of the camera was not given: cross_track takes it to look straight down at"
+    f" base_link; set {', '.join(MOUNTING_PARAMETERS)} (camera_pitch: 90.0 says that it is so)"
+)
 
 
 class MetricInputs(InstrumentInputs[CableSight]):
@@ -45,6 +53,7 @@ class MetricInputs(InstrumentInputs[CableSight]):
     def __init__(self, node: Node, factory: MessageFactory) -> None:
         super().__init__(node, METRIC_PARAMETERS, CableSight, CABLE_INSTRUMENTS, AWAITED)
         self._factory = factory
+        self._is_mounting_told = False
         self._result: CrossTrack | Withheld = Withheld(Reason.NOT_TRACKING, "no frame has come")
         self._foot = node.create_publisher(
             PoseWithCovarianceStamped, node_topics.CROSS_TRACK.name, qos.RESULTS
@@ -73,7 +82,7 @@ class MetricInputs(InstrumentInputs[CableSight]):
         unaided = self._sight.unaided
         if unaided is not None and unaided.disagrees and unaided != before:
             self._node.get_logger().warning(
-                f"the filter goes on without odometry: {unaided.why}",
+                f"the filter goes on without odometry: {unaided.why}; {ODOMETRY_ADVICE}",
                 throttle_duration_sec=WARNING_PAUSE,
             )
         return motion
@@ -88,6 +97,7 @@ class MetricInputs(InstrumentInputs[CableSight]):
             if news is not None:
                 self._node.get_logger().info(f"no cross_track: {news}")
             return
+        self._tell_of_mounting()
         own_header = make_header(self._factory, stamp_of(header), self.base_frame)
         for publisher, ahead, (offset, covariance) in (
             (self._foot, 0.0, result.at_foot()),
@@ -97,6 +107,19 @@ class MetricInputs(InstrumentInputs[CableSight]):
             publisher.publish(
                 make_cross_track(self._factory, own_header, place, result.heading, covariance)
             )
+
+    def _tell_of_mounting(self) -> None:
+        """Warn with the first `cross_track` of a camera whose mounting nobody has given."""
+        if self._is_mounting_told:
+            return
+        self._is_mounting_told = True
+        defaults = default_values()
+        if all(
+            self._values[name] == defaults[name]
+            and not node_parameters.is_given_at_start(self._node, name)
+            for name in MOUNTING_PARAMETERS
+        ):
+            self._node.get_logger().warning(MOUNTING_NOT_GIVEN)
 
     def diagnostics(self) -> dict[str, str]:
         """Return what diagnostics say about metres, with units in the keys."""

@@ -35,6 +35,11 @@ from cable_tracker.stamps import NANOSECONDS
 BEGINNING = 5_000_000_000
 """Time before the first frame from which messages are sent, but for the calibration [ns]."""
 
+NO_STATIC_WORDS = (
+    f"{TF_STATIC} is not sent, for tf2_msgs is not installed; only viewers such as rviz miss it: a"
+    " tracker does not listen to TF, its mounting goes by the parameters camera_*"
+)
+
 
 class InstrumentReplay:
     """Sends the instruments of a recording.
@@ -103,7 +108,7 @@ class InstrumentReplay:
         try:
             kind = message_class(TF_TYPE)
         except ImportError:
-            node.get_logger().info(f"tf2_msgs is not installed: {TF_STATIC} is not sent")
+            node.get_logger().info(NO_STATIC_WORDS)
             return
         publisher = node.create_publisher(kind, TF_STATIC, qos.LATCHED)
         for message in messages:

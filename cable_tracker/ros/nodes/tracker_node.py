@@ -200,6 +200,7 @@ class TrackerNode(CameraNode):
         except FrameError as error:
             self.get_logger().warning(f"initial_state refused: {error}")
             return
+        self.get_logger().info(f"initial_state taken: {prior.words()}")
         if not self._enabled:
             self._prior_while_disabled = prior
 

@@ -29,6 +29,14 @@ from cable_tracker.ros.process.stop_request import StopRequest
 WAKE_UP = 0.1
 """Longest time that the executor sleeps before it looks whether to stop [s]."""
 
+PLAIN_FILE = "before ros__parameters"
+"""In rcl's words about a parameter file that begins with values."""
+
+PLAIN_FILE_ADVICE = (
+    "a plain parameter file has to stand under the node's name and ros__parameters, as in"
+    " `tracker:` / `  ros__parameters:` / `    camera_pitch: 70.0`"
+)
+
 
 class ProcessNode(Node):  # type: ignore[misc]
     """A node that makes up a process."""
@@ -107,6 +115,8 @@ def _initialised_context(arguments: Sequence[str] | None) -> Context:
     except RuntimeError as error:
         # rclpy's own errors derive from it: a bad parameter file, unknown arguments.
         words = f"ROS does not start; look at the --ros-args ({one_line(error)})"
+        if PLAIN_FILE in str(error):
+            words += f"; {PLAIN_FILE_ADVICE}"
         raise RosError(words) from error
     return context
 

@@ -11,6 +11,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import CameraInfo, Imu, JointState, Range
 
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.ros.nodes.metric_inputs import MOUNTING_NOT_GIVEN, ODOMETRY_ADVICE
 from cable_tracker.sequences.instruments import Instrument
 
 ALTITUDE, FOCAL = 1.4, 280.0
@@ -102,6 +103,28 @@ def test_a_calibrated_camera_and_an_altitude_give_metres(
         foot.pose.pose.position.y + 2.0 * math.tan(yaw_of(foot)), abs=0.01
     )
     assert 0.0 < foot.pose.covariance[7] < ahead.pose.covariance[7] < 1.0
+
+
+@pytest.mark.parametrize(
+    ("parameters", "is_told"),
+    [({}, True), ({"camera_z": -0.1}, False), ({"camera_pitch": 90.0}, False)],
+)
+def test_a_mounting_that_nobody_gave_is_told_once_with_the_first_metres(
+    start: Callable[..., Any],
+    capfd: pytest.CaptureFixture[str],
+    parameters: dict[str, float],
+    is_told: bool,
+) -> None:
+    _, vehicle = start(**parameters)
+    vehicle.is_calibrated()
+    vehicle.sees(3)
+    assert MOUNTING_NOT_GIVEN not in capfd.readouterr().err
+    vehicle.measures(ALTITUDE)
+    vehicle.sees(3)
+    assert vehicle.foot
+    said = capfd.readouterr().err
+    assert said.count(MOUNTING_NOT_GIVEN) == is_told
+    assert ("[WARN]" in said) == is_told
 
 
 def test_without_calibration_there_are_no_metres_and_diagnostics_say_why(
@@ -205,7 +228,10 @@ def test_odometry_reaches_the_filter(
 
 
 def test_odometry_that_disagrees_is_told(
-    start: Callable[..., Any], diagnostics: Callable[..., Any], world: Any
+    start: Callable[..., Any],
+    diagnostics: Callable[..., Any],
+    world: Any,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     node, vehicle = start(fixed_altitude=ALTITUDE)
     vehicle.is_calibrated()
@@ -213,6 +239,8 @@ def test_odometry_that_disagrees_is_told(
         vehicle.sways(1.5 + 0.001 * index)
         vehicle.sees()
     assert "disagrees" in unaided(node, diagnostics, world)
+    said = capfd.readouterr().err
+    assert "goes on without odometry" in said and ODOMETRY_ADVICE in said
 
 
 def test_the_aid_can_be_switched_off(

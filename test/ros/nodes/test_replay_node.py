@@ -25,7 +25,7 @@ from cable_tracker.errors import ParameterError, RecordingError, RosError
 from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.node_parameter_tables import REPLAY_START_PARAMETERS
 from cable_tracker.ros import qos
-from cable_tracker.ros.nodes import replay_node
+from cable_tracker.ros.nodes import replay_instruments, replay_node
 from cable_tracker.sequences.bag_storage import open_storage
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_bag
@@ -38,6 +38,7 @@ from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.images import make_image, read_compressed_image, read_image
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import open_source
+from cable_tracker.sequences.static_transforms import TF_TYPE
 from cable_tracker.tracking.idle_status import WARMING_UP
 
 Dive = Callable[..., Path]
@@ -603,6 +604,24 @@ class TestInstruments:
             if each.instrument is Instrument.ODOMETRY
         ]
         assert sent == stored[: len(sent)]
+
+    def test_without_tf2_msgs_it_is_told_that_no_tracker_needs_it(
+        self,
+        world: Any,
+        bag: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        capfd: pytest.CaptureFixture[str],
+    ) -> None:
+        made = replay_instruments.message_class
+
+        def without_tf(name: str) -> Any:
+            if name == TF_TYPE:
+                raise ImportError(name)
+            return made(name)
+
+        monkeypatch.setattr(replay_instruments, "message_class", without_tf)
+        world.replay(source=str(bag), rate=20.0, instruments=True)
+        assert replay_instruments.NO_STATIC_WORDS in capfd.readouterr().err
 
     def test_they_can_be_left_out(self, world: Any, bag: Path) -> None:
         heard, images = world.listen(Odometry, "odometry"), world.listen(Image, "image")

@@ -491,6 +491,17 @@ class TestInitialState:
         assert states[:, 0].std() > 40.0
         assert states[:, 1].std() == pytest.approx(0.01, rel=0.3)
 
+    def test_one_that_is_taken_is_logged_with_what_it_says(
+        self, world: Any, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        node = world.tracker()
+        node.on_initial_state(prior_message(12.0, 0.3))
+        said = capfd.readouterr().err
+        assert "[INFO]" in said
+        assert "initial_state taken: d 12.0 px, alpha 0.300 rad" in said
+        node.on_initial_state(prior_message(0.0, 0.3, variances=(*2 * [UNKNOWN_VARIANCE], 1e-4)))
+        assert "initial_state taken: alpha 0.300 rad" in capfd.readouterr().err
+
     @pytest.mark.parametrize(
         "message",
         [

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from cable_tracker.errors import RosError
-from cable_tracker.ros.process.process_node import ProcessNode, run_node
+from cable_tracker.ros.process.process_node import PLAIN_FILE_ADVICE, ProcessNode, run_node
 from cable_tracker.ros.process.stop_request import StopRequest
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
@@ -195,6 +195,18 @@ class TestExitCodes:
         assert run.end() == 2
         assert "error: ROS does not start; look at the --ros-args" in run.errors()
         assert "Traceback" not in run.errors()
+
+    def test_for_a_plain_parameter_file_it_is_told_how_a_node_wants_it(
+        self, tmp_path: Path
+    ) -> None:
+        file = tmp_path / "vehicle.yaml"
+        file.write_text("cable_height: 0.056\n")
+        run = Run("tracker", ["--ros-args", "--params-file", str(file)], tmp_path)
+        try:
+            assert run.end() == 2
+            assert PLAIN_FILE_ADVICE in run.errors()
+        finally:
+            run.close()
 
     def test_a_damaged_recording_ends_with_2_after_its_frames(
         self, start: Callable[..., Run], damaged_dive: Path

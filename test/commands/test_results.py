@@ -1,0 +1,29 @@
+from cable_tracker.cable.model.state import CableState
+from cable_tracker.commands.results import metres_told
+from cable_tracker.sequences.estimates import EstimateRow, RowMetres
+
+STATE, METRES = CableState(1.0, 0.1, 20.0, 0.0), RowMetres(0.1, 0.0, 0.01, 0.01)
+KNOWN = EstimateRow(0, 0, "TRACKING", state=STATE, metres=METRES)
+NO_ALTITUDE = EstimateRow(
+    0, 0, "TRACKING", state=STATE, no_metres="no altitude: none has come; fixed_altitude: 0"
+)
+STALE = EstimateRow(0, 0, "TRACKING", state=STATE, no_metres="stale altitude: of 2 s ago")
+LOST = EstimateRow(0, 0, "LOST", no_metres="no cable is claimed: LOST")
+
+
+def test_claims_in_metres_are_counted():
+    assert metres_told([LOST, KNOWN, KNOWN]) == "metres for 2 of 2 claims"
+
+
+def test_the_one_reason_for_no_metres_is_told():
+    assert metres_told([LOST, NO_ALTITUDE, NO_ALTITUDE]) == "no metres: no altitude (2 claims)"
+
+
+def test_of_several_reasons_each_is_counted():
+    assert metres_told([KNOWN, STALE, NO_ALTITUDE, NO_ALTITUDE]) == (
+        "metres for 1 of 4 claims; no metres: no altitude (2), stale altitude (1)"
+    )
+
+
+def test_without_a_claim_there_is_nothing_to_tell():
+    assert metres_told([LOST]) == ""

@@ -1,0 +1,50 @@
+import numpy as np
+import pytest
+
+from cable_tracker.survey.dive_faults import count_rows, find_faults
+from cable_tracker.survey.forward_pass import ForwardDive
+from cable_tracker.survey.frame_table import STATUSES
+from cable_tracker.survey.navigation import Poses
+
+CLAIMS = 20
+NO_PLACES = np.full((CLAIMS, 3), np.nan)
+
+
+@pytest.fixture
+def faults(tmp_path):
+    """Tell of a dive of claims, each fifth of which was put into metres with such an outcome."""
+
+    def tell(*outcomes):
+        dive = ForwardDive(tmp_path)
+        for index in range(CLAIMS):
+            row = dive.table.append()
+            row["status"] = STATUSES.index("TRACKING")
+            row["stamp"] = index * 40_000_000
+            if index % 5 == 0:
+                reason = outcomes[index // 5]
+                row["reason"] = dive.table.reason_number(reason)
+                row["aside"] = np.nan if reason else 0.1
+        none = np.zeros(0, np.int64)
+        poses = Poses(none, np.zeros((0, 3)))
+        return find_faults(dive, poses, count_rows(dive, NO_PLACES))[1:]
+
+    return tell
+
+
+def test_without_any_metres_it_is_said_that_there_are_none(faults):
+    assert faults(*4 * ["no altitude"]) == ["no metres at all: no altitude"]
+
+
+def test_the_share_is_that_of_the_claims_that_were_put_into_metres(faults):
+    assert faults("", "no altitude", "", "") == ["no metres in 25% of the claims: no altitude"]
+
+
+def test_of_several_reasons_each_has_its_share(faults):
+    assert faults("no altitude", "no altitude", "no altitude", "stale altitude") == [
+        "no metres in 75% of the claims: no altitude",
+        "no metres in 25% of the claims: stale altitude",
+    ]
+
+
+def test_where_all_are_in_metres_nothing_is_said(faults):
+    assert faults("", "", "", "") == []
