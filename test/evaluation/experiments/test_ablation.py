@@ -9,7 +9,7 @@ from cable_tracker.evaluation.experiments.ablation import AblationExperiment, me
 
 pytestmark = pytest.mark.slow
 
-TIME = "time per frame [ms]"
+TIME = "processor time per frame [ms]"
 
 
 @pytest.fixture(scope="module")
