@@ -47,11 +47,21 @@ def url(node, dive, run_shared_command):
         yield run_shared_command("gui", "--ros", NAMESPACE).url
 
 
+def shows_particles(page, tracker, count):
+    """Wait until a page draws so many particles; a failure tells what page and node say instead."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    try:
+        page.wait_for_function(f"{PICTURE}?.parts.cloud?.rows === {count}")
+    except playwright.TimeoutError:
+        trouble = page.locator("[data-test=trouble]").inner_text()
+        pytest.fail(f"the page says {trouble!r}, the node {tracker.last_line()!r}")
+
+
 @pytest.fixture
 def window(visit, url, node):
     """A page on which the tracker's pictures move."""
-    with node("tracker", particle_count=60), visit(url) as page:
-        page.wait_for_function(f"{PICTURE}?.parts.cloud?.rows === 60")
+    with node("tracker", particle_count=60) as tracker, visit(url) as page:
+        shows_particles(page, tracker, 60)
         yield page
 
 
@@ -86,8 +96,8 @@ def says(page, part, text):
 def test_a_node_that_is_gone_is_said_and_found_again(visit, url, node):
     with visit(url) as page:
         says(page, "trouble", "no node /boat/tracker")
-        with node("tracker", particle_count=33):
-            page.wait_for_function(f"{PICTURE}?.parts.cloud?.rows === 33")
+        with node("tracker", particle_count=33) as tracker:
+            shows_particles(page, tracker, 33)
             says(page, "status", "%")
         says(page, "trouble", "no node /boat/tracker")
         says(page, "status", "NOT LIVE, last picture")
