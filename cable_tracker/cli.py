@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections.abc import Mapping
-from types import FrameType, MappingProxyType
+from types import MappingProxyType
 from typing import Annotated
 
 import typer
 
 from cable_tracker import __version__
 from cable_tracker.commands.lazy_group import LazyGroup, with_optional_hints
+from cable_tracker.commands.stop_signals import Stopped, StopSignals
 from cable_tracker.errors import EXIT_USER_ERROR, CableTrackerError
 
 GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
@@ -100,18 +100,6 @@ def root(
     """Follow an underwater cable or pipeline by camera, with a particle filter."""
 
 
-class Stopped(BaseException):
-    """SIGINT or SIGTERM has come. No `Exception`: nothing must take it for an error of its own."""
-
-    def __init__(self, signal_number: int) -> None:
-        super().__init__(signal_number)
-        self.exit_code = 128 + signal_number
-
-
-def _stop(signal_number: int, _frame: FrameType | None) -> None:
-    raise Stopped(signal_number)
-
-
 def _say(text: str, style: str | None = None) -> None:
     """Print a message on stderr; the console is imported here, for most commands say nothing."""
     from cable_tracker.commands.terminal import messages  # noqa: PLC0415
@@ -125,14 +113,15 @@ def main() -> None:
     A signal unwinds the command like an exception, so that the nodes it has started are stopped and
     what it has half written is removed.
     """
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _stop)
+    signals = StopSignals()
+    signals.install()
     try:
         app()
     except CableTrackerError as error:
         _say(f"error: {error}", style="bold red")
         sys.exit(EXIT_USER_ERROR)
     except Stopped as stopped:
+        signals.arrived()
         kept = "; ".join(getattr(stopped, "__notes__", ()))
         _say(f"stopped; {kept or 'nothing was written'}")
         sys.exit(stopped.exit_code)
