@@ -6,7 +6,7 @@ and VP9.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import av
@@ -16,6 +16,7 @@ from av.error import FFmpegError
 from cable_tracker.arrays import Image
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.picture_header import MAX_PIXELS
+from cable_tracker.sequences.stream_gaps import GapFinder, H264Gaps, NoGaps, TimeGaps
 from cable_tracker.sequences.typestores import add_definition
 from cable_tracker.stamps import NANOSECONDS
 
@@ -39,6 +40,11 @@ DECODERS = {
 }  # fmt: skip
 """Decoder by what the sender calls its format."""
 
+GAP_FINDERS: Mapping[str, Callable[[], GapFinder]] = {
+    "h264": H264Gaps, "hevc": NoGaps, "libdav1d": TimeGaps, "vp9": TimeGaps,
+}  # fmt: skip
+"""What finds missing packets, by decoder."""
+
 for _name, _text in DEFINITIONS.items():
     add_definition(_name, _text)
 
@@ -57,12 +63,15 @@ class Packet:
         Codec, as named in the message.
     data : bytes
         One access unit.
+    count : int
+        Number of the picture as its sender counts; 0 for all: it does not.
     """
 
     stamp: int
     frame_id: str
     format: str
     data: bytes
+    count: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,23 +104,26 @@ def read_packet(message: Message, received: int) -> Packet:
     stamp = int(time.sec) * NANOSECONDS + int(time.nanosec)
     coding = str(coding).split(";")[0].strip().lower()
     data = np.asarray(message.data, np.uint8).tobytes()
-    return Packet(stamp or received, str(frame_id) or "camera", coding, data)
+    count = int(getattr(message, "pts", 0))
+    return Packet(stamp or received, str(frame_id) or "camera", coding, data, count)
 
 
 class StreamDecoder:
     """Decodes the packets of one stream; pictures come in the order in which they are to be shown.
 
-    Packets before the first key frame give nothing. After one that is damaged, or after a gap that
-    the decoder notices, nothing counts until the next key frame: what a decoder conceals is no
-    picture of the sea bed.
+    Packets before the first key frame give nothing. After one that is damaged or missing nothing
+    counts until the next key frame: what a decoder conceals is no picture of the sea bed.
     """
 
     def __init__(self) -> None:
         self._context: av.VideoCodecContext | None = None
+        self._gaps: GapFinder = NoGaps()
         self._format = ""
         self._waiting: dict[int, Packet] = {}
         self._number = 0
         self._is_sound = False
+        self._faults: list[int] = []
+        """Packets from which on nothing counts until a key frame that is coded after them."""
 
     def take(self, packet: Packet) -> Iterator[DecodedPicture]:
         """Take one packet, and yield what is decoded by now."""
@@ -122,21 +134,27 @@ class StreamDecoder:
                 known = ", ".join(sorted(set(DECODERS)))
                 yield DecodedPicture(packet, None, f"{packet.format!r} is none of {known}")
                 return
-            context = av.CodecContext.create(name, "r")
-            assert isinstance(context, av.VideoCodecContext)
-            context.thread_count = 1
-            # A few bytes can claim a picture that takes gigabytes.
-            context.options = {"max_pixels": str(MAX_PIXELS)}
-            self._context, self._format, self._is_sound = context, packet.format, False
-        unit = av.Packet(packet.data)
-        unit.pts = unit.dts = self._number
-        self._waiting[self._number] = packet
+            self._context, self._format = _make_decoder(name), packet.format
+            self._is_sound, self._gaps = False, GAP_FINDERS[name]()
         number, self._number = self._number, self._number + 1
+        if self._gaps.is_after_gap(packet):
+            self._faults.append(number)
+        if not packet.data:
+            # To a decoder it is the end of the stream.
+            self._faults.append(number)
+            yield DecodedPicture(packet, None, "empty packet")
+            return
+        unit = av.Packet(packet.data)
+        unit.pts = unit.dts = number
+        self._waiting[number] = packet
         try:
             yield from self._pictures(self._context.decode(unit))
         except FFmpegError as error:
-            self._is_sound = False
+            self._faults.append(number)
             self._waiting.pop(number, None)
+            if DECODERS[self._format] == "libdav1d":
+                # It keeps what it could not decode, and would decode nothing any more.
+                self._context.flush_buffers()
             yield DecodedPicture(packet, None, f"damaged packet ({error.strerror})")
 
     def end(self) -> Iterator[DecodedPicture]:
@@ -159,9 +177,20 @@ class StreamDecoder:
                 continue
             if frame.key_frame:
                 self._is_sound = True
+                self._faults = [fault for fault in self._faults if fault > number]
             if frame.is_corrupt:
                 self._is_sound = False
-            if self._is_sound:
+            # In the order of coding a picture may come after a fault, and be shown before it.
+            if self._is_sound and not any(fault <= number for fault in self._faults):
                 yield DecodedPicture(packet, frame.to_ndarray(format="bgr24"))
             else:
                 yield DecodedPicture(packet, None, "no sound key frame has come before")
+
+
+def _make_decoder(name: str) -> av.VideoCodecContext:
+    context = av.CodecContext.create(name, "r")
+    assert isinstance(context, av.VideoCodecContext)
+    context.thread_count = 1
+    # A few bytes can claim a picture that takes gigabytes.
+    context.options = {"max_pixels": str(MAX_PIXELS)}
+    return context

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from fractions import Fraction
 
 import av
@@ -17,20 +18,38 @@ COUNT, KEY_EVERY = 12, 4
 FIRST, STEP = 1_700_000_000_123_456_789, 40_000_001
 
 
+Picture = Callable[[int], np.ndarray]
+
+
 def level(index: int) -> int:
     return 40 + 15 * index
 
 
-def packets(encoder: str, **options: str) -> list[tuple[int, bytes]]:
+def plain(index: int) -> np.ndarray:
+    return np.full((48, 64, 3), level(index), np.uint8)
+
+
+def moving(index: int) -> np.ndarray:
+    """Return a picture of which most is that of the one before, moved, with some noise."""
+    bottom = np.random.default_rng(0).integers(40, 215, (32, 64), np.uint8)
+    seen = bottom.repeat(4, 0).repeat(4, 1)[:, 3 * index : 3 * index + 160, None]
+    noise = np.random.default_rng(index).integers(0, 30, (128, 160, 1), np.uint8)
+    return np.repeat(seen + noise, 3, axis=2)
+
+
+def packets(
+    encoder: str, count: int = COUNT, picture: Picture = plain, **options: str
+) -> list[tuple[int, bytes]]:
     """Number of the picture, and bytes, in the order of coding."""
     context = av.CodecContext.create(encoder, "w")
-    context.width, context.height, context.pix_fmt = 64, 48, "yuv420p"
+    context.height, context.width = picture(0).shape[:2]
+    context.pix_fmt = "yuv420p"
     context.time_base, context.gop_size = Fraction(1, 25), KEY_EVERY
     context.options = options
     coded = []
-    for index in range(COUNT):
-        picture = np.full((48, 64, 3), level(index), np.uint8)
-        frame = av.VideoFrame.from_ndarray(picture, format="bgr24").reformat(format="yuv420p")
+    for index in range(count):
+        frame = av.VideoFrame.from_ndarray(picture(index), format="bgr24")
+        frame = frame.reformat(format="yuv420p")
         frame.pts = index
         coded += context.encode(frame)
     coded += context.encode(None)
@@ -72,6 +91,14 @@ def shown(path, **options):
                 round(float(decode_grey(frame.image).mean())) if frame.image.data else None,
             )
             for frame in source.frames()
+        ]
+
+
+def pictures(path, **options):
+    """Stamp and grey levels of each frame that has a picture."""
+    with BagSource(path, **options) as source:
+        return [
+            (frame.stamp, decode_grey(frame.image)) for frame in source.frames() if frame.image.data
         ]
 
 
@@ -148,3 +175,66 @@ def test_an_unknown_coding_is_refused(tmp_path):
 
 def test_senders_may_name_encoders_instead_of_codings():
     assert DECODERS["libx264"] == DECODERS["h264"] and DECODERS["hevc"] == DECODERS["h265"]
+
+
+NOISE = {"cpu-used": "8", "lag-in-frames": "0"}
+CODINGS = [
+    ("libx264", "h264", H264),
+    (
+        "libx264",
+        "h264",
+        {"preset": "medium", "x264-params": "bframes=2:b-adapt=0:repeat-headers=1:scenecut=0"},
+    ),
+    (
+        "libx265",
+        "h265",
+        {"tune": "zerolatency", "x265-params": "repeat-headers=1:scenecut=0:log-level=none:crf=12"},
+    ),
+    ("libvpx-vp9", "vp9", NOISE),
+    ("libsvtav1", "av1", {"preset": "12"}),
+    ("libaom-av1", "av1", NOISE),
+]
+HURT = 2 * KEY_EVERY + 2
+"""The packet that something happens to, in the order of coding."""
+
+
+def without(coded):
+    return coded[:HURT] + coded[HURT + 1 :]
+
+
+def cut_off(coded):
+    (index, data), rest = coded[HURT], coded[HURT + 1 :]
+    return [*coded[:HURT], (index, data[: len(data) // 2]), *rest]
+
+
+def emptied(coded):
+    return [*coded[:HURT], (coded[HURT][0], b""), *coded[HURT + 1 :]]
+
+
+def scrambled(coded):
+    index, data = coded[HURT]
+    other = np.random.default_rng(0).bytes(len(data))
+    return [*coded[:HURT], (index, other), *coded[HURT + 1 :]]
+
+
+def without_a_key_frame(coded):
+    place = [index for index, _ in coded].index(2 * KEY_EVERY)
+    return coded[:place] + coded[place + 1 :]
+
+
+@pytest.mark.parametrize(("encoder", "coding", "options"), CODINGS)
+@pytest.mark.parametrize("hurt", [without, cut_off, emptied, scrambled, without_a_key_frame])
+def test_what_a_decoder_conceals_is_no_picture_and_the_rest_is_as_it_was(
+    tmp_path, encoder, coding, options, hurt
+):
+    if encoder not in av.codecs_available:
+        pytest.skip(f"this build of FFmpeg has no encoder {encoder}")
+    if coding == "h265" and hurt is cut_off:
+        pytest.skip("its decoder does not see that a packet ends early")
+    coded = packets(encoder, count=5 * KEY_EVERY, picture=moving, **options)
+    sound = dict(pictures(bag_of(tmp_path / "sound", coded, coding)))
+    found = dict(pictures(bag_of(tmp_path / "hurt", hurt(coded), coding), skip_bad_frames=True))
+    assert all((found[stamp] == sound[stamp]).all() for stamp in found)
+    kept = {(stamp - FIRST) // STEP for stamp in found}
+    # Only what lies between the hurt packet and the key frame after it is gone.
+    assert {*range(2 * KEY_EVERY - 2), *range(3 * KEY_EVERY, 5 * KEY_EVERY)} <= kept
