@@ -8,11 +8,11 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_table import TRACKING
+from cable_tracker.survey.frame_table import REFUSED, TRACKING
 from cable_tracker.survey.navigation import Poses
 
 LATE = 2.0
-"""Clocks of camera and navigation that differ by more cannot be brought together [s]."""
+"""After a longer silence of the camera the tracker starts anew [s]."""
 
 
 @dataclass(slots=True)
@@ -26,6 +26,8 @@ class CountedRows:
         known, of all and of a part.
     claims_in_metres : int
         Number of claims that are known in metres.
+    refused : int
+        Number of pictures that could not be decoded, or not be tracked.
     back, ahead : float
         Least and largest step from one picture to the next, as far as beyond 0 [s].
     reasons : ndarray
@@ -38,6 +40,7 @@ class CountedRows:
     claims_in_metres: int = 0
     placed: int = 0
     placed_partly: int = 0
+    refused: int = 0
     back: float = 0.0
     ahead: float = 0.0
 
@@ -51,6 +54,7 @@ def count_rows(dive: ForwardDive, places: FloatArray) -> CountedRows:
         some, known = rows[part], np.isfinite(places[part])
         claimed = some["status"] == TRACKING
         found.tracked += int(claimed.sum())
+        found.refused += int((some["status"] == REFUSED).sum())
         in_metres = np.isfinite(some["aside"])
         found.in_metres += int(in_metres.sum())
         found.claims_in_metres += int((in_metres & claimed).sum())
@@ -78,11 +82,26 @@ def find_faults(dive: ForwardDive, poses: Poses, counted: CountedRows) -> list[s
         )
     elif counted.placed < len(rows):
         share = (len(rows) - counted.placed) / len(rows)
-        notes.append(f"odometry was silent, or on another clock, in {share:.0%} of the frames")
+        said = f"{share:.0%}" if share >= 0.01 else "less than 1%"
+        notes.append(f"odometry was silent, or on another clock, in {said} of the frames")
     if poses.jumps:
         notes.append(f"odometry began anew or jumped {len(poses.jumps)} times; the way was joined")
-    if counted.back < 0.0 or counted.ahead > LATE:
-        notes.append("the clock of the camera jumps; the tracker starts anew there")
+    if poses.strays:
+        notes.append(
+            f"readings of odometry with stamps of another time do not count: {poses.strays}"
+        )
+    if counted.refused:
+        notes.append(
+            f"{counted.refused} of {len(rows)} pictures could not be used: they are damaged, of a"
+            " video stream that lacks packets, or have the stamp of one before"
+        )
+    if counted.back < 0.0:
+        notes.append("the clock of the camera jumps back; the tracker starts anew there")
+    if counted.ahead > LATE:
+        notes.append(
+            f"there are no pictures for up to {counted.ahead:.0f} s, or the camera's clock jumps"
+            " ahead; the tracker starts anew there"
+        )
     return notes + _missing_metres(counted, dive.table.reasons)
 
 

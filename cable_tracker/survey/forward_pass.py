@@ -32,7 +32,7 @@ from cable_tracker.sequences.messages.poses import yaw_of
 from cable_tracker.sequences.source import Source, open_source
 from cable_tracker.survey.crossing_search import CrossingSearch
 from cable_tracker.survey.frame_metres import put_metres, put_profile, put_view
-from cable_tracker.survey.frame_table import STATUSES, FrameRow, FrameTable, Samples
+from cable_tracker.survey.frame_table import REFUSED, STATUSES, FrameRow, FrameTable, Samples
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.trackers import make_tracker
 
@@ -248,7 +248,7 @@ class _Run:
             motion = self._metres.motion(frame.stamp, grey)
             estimate = self._tracker.process(grey, frame.stamp, motion)
         except FrameError:
-            row["status"] = STATUSES.index("REFUSED")
+            row["status"] = REFUSED
             return
         row["status"] = STATUSES.index(estimate.status.value)
         row["presence"] = np.nan if estimate.presence is None else estimate.presence

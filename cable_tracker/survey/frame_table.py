@@ -55,7 +55,7 @@ for _name in ROW.names or ():
         EMPTY[_name] = np.nan
 
 STATUSES = ("INITIALISING", "TRACKING", "LOST", "REFUSED")
-TRACKING = STATUSES.index("TRACKING")
+TRACKING, REFUSED = STATUSES.index("TRACKING"), STATUSES.index("REFUSED")
 
 NOT_AGAIN, HIDDEN, SEEN = range(3)
 """Result of re-detection: none was made, the cable is hidden, the cable is seen."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_table import Rows, Samples
 from cable_tracker.survey.interpolation import interpolated
@@ -25,6 +25,9 @@ JUMP_TURN = math.radians(20.0)
 FASTEST = 5.0
 """Largest speed of a vehicle over a cable [m/s]."""
 
+MOST_STRAYS = 10
+"""So many readings in a row may have stamps of another time, ahead of all others."""
+
 BAD_PLACE = 1e7
 """Largest distance of odometry from its origin [m]."""
 
@@ -41,11 +44,14 @@ class Poses:
         x, y, yaw (unwrapped), shape (N, 3) [m, rad].
     jumps : tuple of int
         Stamps at which odometry began anew or jumped; it was joined there [ns].
+    strays : int
+        Number of readings with stamps of another time, which do not count.
     """
 
     stamps: IndexArray
     places: FloatArray
     jumps: tuple[int, ...] = ()
+    strays: int = 0
 
     def at(self, stamps: IndexArray) -> FloatArray:
         """Return x, y, yaw at stamps (M,), shape (M, 3); NaN where odometry was silent.
@@ -74,7 +80,7 @@ def joined_poses(samples: Samples, disk: Disk | None = None) -> Poses:
     known, and nothing else is.
     """
     disk = disk or Disk()
-    way, jumps = _in_order(samples, disk)
+    way, jumps, strays = _in_order(samples, disk)
     if not len(way):
         return Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
     stamps = disk.filled(len(way), lambda rows: way["stamp"][rows], np.int64)
@@ -84,22 +90,42 @@ def joined_poses(samples: Samples, disk: Disk | None = None) -> Poses:
         broken += _broken(way[rows.start - 1 : rows.stop], rows.start)
     for start in broken:
         _join_at(places, start, stamps, disk)
-    return Poses(stamps, places, tuple(sorted({*jumps, *(int(stamps[k]) for k in broken)})))
+    return Poses(stamps, places, tuple(sorted({*jumps, *(int(stamps[k]) for k in broken)})), strays)
 
 
-POSE = np.dtype([("stamp", "i8"), ("place", "f8", (3,)), ("speed", "f8")])
-"""x, y, yaw without jumps by a whole turn [m, rad], and speed [m/s]."""
+def poses_of_rows(rows: Rows, poses: Poses, disk: Disk) -> FloatArray:
+    """Return x, y, yaw of the vehicle in the frames of a table (N,), shape (N, 3); NaN: not known.
+
+    Where the clock has gone back, a time that comes again is that of two places: it counts as that
+    of the first.
+    """
+    places: FloatArray = disk.array((len(rows), 3))
+    latest = -(2**62)
+    for part in disk.blocks(len(rows)):
+        stamps = rows["stamp"][part]
+        running = np.maximum.accumulate(np.concatenate(([latest], stamps)))
+        found = poses.at(stamps)
+        found[stamps < running[:-1]] = np.nan
+        places[part], latest = found, int(running[-1])
+    return places
 
 
-def _in_order(samples: Samples, disk: Disk) -> tuple[Rows, list[int]]:
-    """Return usable poses whose stamps grow, and where the clock went back [ns]."""
+POSE = np.dtype([("stamp", "i8"), ("place", "f8", (3,)), ("speed", "f8"), ("hidden", "f8")])
+"""x, y, yaw without jumps by a whole turn [m, rad], speed [m/s], and for how long the vehicle went
+on unseen before, as the clock had gone back [s]."""
+
+
+def _in_order(samples: Samples, disk: Disk) -> tuple[Rows, list[int], int]:
+    """Return usable poses whose stamps grow, where the clock went back [ns], and how many stray."""
     all_stamps, all_values = samples.arrays()
     way, jumps, yaws = disk.growing(POSE), list[int](), Unwrapping()
+    strays = _strays(all_stamps, disk)
     latest: int | None = None
-    before = 0
+    before = hidden = 0
     for rows in disk.blocks(len(all_stamps)):
         values = all_values[rows]
         usable = np.abs(values[:, :2]).max(axis=1, initial=0.0) < BAD_PLACE
+        usable[[k - rows.start for k in strays if rows.start <= k < rows.stop]] = False
         stamps, values = all_stamps[rows][usable], values[usable]
         if not len(stamps):
             continue
@@ -112,15 +138,44 @@ def _in_order(samples: Samples, disk: Disk) -> tuple[Rows, list[int]]:
         latest, before = int(running[-1]), int(stamps[-1])
         poses = np.zeros(int(fresh.sum()), POSE)
         poses["stamp"], poses["speed"] = stamps[fresh], values[fresh, 3]
+        poses["hidden"], hidden = _hidden(running[:-1] - stamps, fresh, hidden)
         poses["place"][:, :2] = values[fresh, :2]
         poses["place"][:, 2] = yaws.apply(values[fresh, 2])
         way.extend(poses)
-    return way.rows(), jumps
+    return way.rows(), jumps, len(strays)
+
+
+def _strays(stamps: IndexArray, disk: Disk) -> list[int]:
+    """Return a few readings in a row whose stamps (N,) are of a later time than what follows.
+
+    Would they count, all that follow would not.
+    """
+    strays: list[int] = []
+    for rows in disk.blocks(len(stamps), 1):
+        steps = np.diff(stamps[rows.start - 1 : rows.stop])
+        for k in (np.flatnonzero(steps < -NANOSECONDS) + rows.start).tolist():
+            least = max(k - MOST_STRAYS, 0)
+            ahead = stamps[least:k] >= stamps[k]
+            own = int(np.argmin(ahead[::-1])) if not ahead.all() else len(ahead)
+            if own < MOST_STRAYS:
+                strays += range(k - own, k)
+    return strays
+
+
+def _hidden(back: IndexArray, fresh: BoolArray, before: int) -> tuple[FloatArray, int]:
+    """Return by how much the clock had gone back right before each fresh reading (F,) [s].
+
+    `back` (N,) is how far each reading lies before the latest one [ns]; `before`, and what comes
+    second, is the most of those since the last fresh one.
+    """
+    most = np.maximum.reduceat(np.where(fresh, 0, back), np.append(0, np.flatnonzero(fresh)))
+    most[0] = max(int(most[0]), before)
+    return most[:-1] / NANOSECONDS, int(most[-1])
 
 
 def _broken(way: Rows, first: int) -> list[int]:
     """Return where a way (N,) jumps, whose second pose has the number `first`."""
-    seconds = np.maximum(np.diff(way["stamp"]) / NANOSECONDS, 0.0)
+    seconds = np.maximum(np.diff(way["stamp"]) / NANOSECONDS, 0.0) + way["hidden"][1:]
     steps = np.hypot(*np.diff(way["place"][:, :2], axis=0).T)
     speeds = way["speed"]
     reach = JUMP + seconds * np.minimum(np.maximum(speeds[1:], speeds[:-1]) * 2 + 0.1, FASTEST)

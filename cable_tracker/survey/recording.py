@@ -28,7 +28,7 @@ from cable_tracker.survey.keyframes import make_keyframes
 from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.merging import PlacedRoute
-from cable_tracker.survey.navigation import Poses, joined_poses
+from cable_tracker.survey.navigation import Poses, joined_poses, poses_of_rows
 from cable_tracker.survey.outputs.frames import write_frames
 from cable_tracker.survey.redetection import redetect_cable
 from cable_tracker.survey.route import Course, make_routes
@@ -120,7 +120,7 @@ def analyse(dive: ForwardDive, settings: SurveySettings) -> tuple[SurveyedDive, 
     rows, disk = dive.table.rows, dive.disk
     notes = list(dive.notes)
     poses = joined_poses(dive.poses, disk)
-    places = disk.filled(len(rows), lambda part: poses.at(rows["stamp"][part]))
+    places = poses_of_rows(rows, poses, disk)
     counted = count_rows(dive, places)
     notes += find_faults(dive, poses, counted)
     course, routes, on_earth = None, [], False

@@ -3,7 +3,7 @@ import pytest
 
 from cable_tracker.survey.dive_faults import count_rows, find_faults
 from cable_tracker.survey.forward_pass import ForwardDive
-from cable_tracker.survey.frame_table import STATUSES
+from cable_tracker.survey.frame_table import REFUSED, STATUSES
 from cable_tracker.survey.navigation import Poses
 
 CLAIMS = 20
@@ -48,3 +48,35 @@ def test_of_several_reasons_each_has_its_share(faults):
 
 def test_where_all_are_in_metres_nothing_is_said(faults):
     assert faults("", "", "", "") == []
+
+
+SECOND = 1_000_000_000
+
+
+@pytest.mark.parametrize(
+    ("stamps", "words"),
+    [
+        ([0, 1, 2, 3], None),
+        ([0, 1, 8, 9], "no pictures for up to 7 s"),
+        ([10, 11, 4, 5], "the clock of the camera jumps back"),
+    ],
+)
+def test_a_pause_of_the_camera_is_no_clock_that_jumps_back(tmp_path, stamps, words):
+    dive = ForwardDive(tmp_path)
+    for stamp in stamps:
+        row = dive.table.append()
+        row["status"], row["stamp"] = STATUSES.index("LOST"), stamp * SECOND
+    poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
+    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4]))[1:]
+    assert notes == [] if words is None else (len(notes) == 1 and words in notes[0])
+
+
+def test_pictures_that_could_not_be_used_are_counted(tmp_path):
+    dive = ForwardDive(tmp_path)
+    for index in range(4):
+        row = dive.table.append()
+        row["status"] = REFUSED if index else STATUSES.index("LOST")
+        row["stamp"] = index * SECOND
+    poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
+    notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4]))
+    assert any(note.startswith("3 of 4 pictures could not be used") for note in notes)

@@ -1,10 +1,12 @@
 import math
 
 import numpy as np
+import pytest
 from survey_dives import odometry, way
 
 from cable_tracker.survey.frame_table import Samples
-from cable_tracker.survey.navigation import joined_poses
+from cable_tracker.survey.memory_mapped import Disk
+from cable_tracker.survey.navigation import joined_poses, poses_of_rows
 
 SECOND = 1_000_000_000
 
@@ -42,6 +44,36 @@ def test_a_clock_that_goes_back_is_a_jump_and_its_readings_do_not_count():
     assert poses.jumps
     assert (np.diff(poses.stamps) > 0).all()
     np.testing.assert_allclose(poses.places[-1], way()[-1], atol=1e-9)
+
+
+@pytest.mark.parametrize("strays", [1, 5])
+def test_a_few_readings_of_another_time_do_not_cost_what_follows(strays):
+    stamps = [
+        SECOND + k * SECOND // 10 + (3600 * SECOND if 200 <= k < 200 + strays else 0)
+        for k in range(400)
+    ]
+    poses = joined_poses(odometry(way(), stamps))
+    assert poses.strays == strays
+    assert not poses.jumps
+    assert len(poses.stamps) == 400 - strays
+    np.testing.assert_allclose(poses.places[-1], way()[-1], atol=1e-9)
+
+
+@pytest.mark.parametrize("block", [7, 4096])
+def test_a_vehicle_goes_on_while_a_clock_that_was_set_back_catches_up(block):
+    stamps = [SECOND + k * SECOND // 10 - (3 * SECOND if k >= 200 else 0) for k in range(400)]
+    poses = joined_poses(odometry(way(), stamps), Disk(block=block))
+    assert len(poses.jumps) == 1
+    np.testing.assert_allclose(poses.places[-1], way()[-1], atol=1e-9)
+
+
+@pytest.mark.parametrize("block", [2, 4096])
+def test_a_time_that_comes_again_has_the_place_of_its_first_picture_only(block):
+    poses = joined_poses(odometry(way()))
+    rows = np.zeros(6, [("stamp", "i8")])
+    rows["stamp"] = SECOND * np.array([2, 3, 4, 3, 4, 5])
+    places = poses_of_rows(rows, poses, Disk(block=block))
+    assert np.isfinite(places).all(axis=1).tolist() == [True, True, True, False, True, True]
 
 
 def test_no_odometry_gives_no_poses():
