@@ -109,8 +109,6 @@ class FrameLoop:
     ----------
     method : Method
         Method in its initial state.
-    shown : Footage
-        Footage that it sees.
 
     Attributes
     ----------

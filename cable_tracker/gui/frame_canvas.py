@@ -8,13 +8,7 @@ from cable_tracker.gui.frame_channel import FrameChannel
 
 
 class FrameCanvas(Element, component="frame_canvas.js", esm={"cable-tracker-browser": "browser"}):
-    """Shows the pictures of a channel.
-
-    Parameters
-    ----------
-    channel : FrameChannel
-        Source of the packets.
-    """
+    """Shows the pictures of a channel."""
 
     def __init__(self, channel: FrameChannel) -> None:
         super().__init__()

@@ -38,8 +38,6 @@ class RecordingSession(SnapshotFeed):
 
     Parameters
     ----------
-    request : RecordingRequest
-        The recording.
     parameters : TrackerParameters or TargetParameters
         Initial parameters; their type decides between cable and target.
 

@@ -161,12 +161,8 @@ def serve(
     ----------
     page : callable
         Builds the page, anew for each browser.
-    channels : Channels
-        Channels of the pictures.
     listening : Listening
         Address to listen on; see `claim_port`.
-    title : str
-        Title of the page.
     started, stopped : callable
         Called when the server has begun to listen, and when it has ended.
     """

@@ -32,8 +32,6 @@ class TrackingDesk:
 
     Parameters
     ----------
-    session : Session or None
-        Initial session.
     request : RecordingRequest
         Settings with which recordings are opened from the page; its path is replaced.
     parameters : TrackerParameters, TargetParameters or None

@@ -23,15 +23,7 @@ TARGET_START = "start: wait, detect, or x0,y0,x1,y1 (px from the top left)"
 
 
 class FormDialog:
-    """A dialog with fields, a button that does something with them, and a place for refusals.
-
-    Parameters
-    ----------
-    title : str
-        Heading of the dialog.
-    action : str
-        Words of the button.
-    """
+    """A dialog with fields, a button that does something with them, and a place for refusals."""
 
     def __init__(self, title: str, action: str) -> None:
         self.dialog = ui.dialog().props(f'aria-label="{title}"')
@@ -87,8 +79,6 @@ class OpenDialog(FormDialog):
     ----------
     template : callable
         Returns the last request, whose other options stay.
-    opening : callable
-        Opens a request.
     start_words : str
         Text about the possible initialisations.
     """

@@ -51,17 +51,7 @@ class _Changing(Element):
 
 
 class PlainButton(Element):
-    """A button of HTML; those of the library are too large for a panel of instruments.
-
-    Parameters
-    ----------
-    words : str
-        Caption of the button.
-    action : callable
-        Callback of a click.
-    title : str
-        Tooltip.
-    """
+    """A button of HTML; those of the library are too large for a panel of instruments."""
 
     def __init__(self, words: str, action: Callable[[], Awaitable[None]], title: str) -> None:
         super().__init__("button")

@@ -128,8 +128,6 @@ def read_labels(path: Path, *, allow_outside: bool = False) -> list[Label]:
 
     Parameters
     ----------
-    path : Path
-        The text file.
     allow_outside : bool
         Whether it may name files outside its folder.
 
@@ -252,8 +250,6 @@ class SequenceFileSource(FrameSource):
 
     Parameters
     ----------
-    path : Path
-        The text file.
     rate : float or None
         Pictures per second; 25 if None.
     skip_bad_frames : bool

@@ -128,8 +128,6 @@ def find_boxes(source: Source, truth: Path | None = None) -> BoxTruth:
 
     Parameters
     ----------
-    source : Source
-        The recording.
     truth : Path or None
         Text file or bag with the labels; None: what the recording itself holds.
 

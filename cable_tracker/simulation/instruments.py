@@ -95,12 +95,8 @@ class InstrumentSet:
 
     Parameters
     ----------
-    errors : InstrumentErrors
-        Noise of the instruments.
     start : VehicleState
         Where the vehicle starts; odom lies where the vehicle believes the world to be then.
-    rng : numpy.random.Generator
-        Draws the errors.
     """
 
     def __init__(

@@ -114,8 +114,6 @@ def make_bed(resolution: int, bottom: Bottom, rng: np.random.Generator) -> Tiled
     ----------
     resolution : int
         Texels per unit.
-    bottom : Bottom
-        Composition of the bottom.
 
     Returns
     -------
@@ -147,8 +145,6 @@ def make_cable(resolution: int, skin: Skin, rng: np.random.Generator) -> TiledTe
     ----------
     resolution : int
         Texels per radius of the cable.
-    skin : Skin
-        Appearance of the cable's surface.
 
     Returns
     -------

@@ -206,13 +206,7 @@ class Tick:
 
 
 class SurveyDive:
-    """One dive along a cable.
-
-    Parameters
-    ----------
-    settings : SurveyDiveSettings
-        Settings of the dive.
-    """
+    """One dive along a cable."""
 
     def __init__(self, settings: SurveyDiveSettings) -> None:
         self._settings = settings

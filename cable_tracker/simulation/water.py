@@ -155,8 +155,6 @@ class Snow:
 
         Parameters
         ----------
-        camera : Camera
-            The camera.
         position, rotation : FloatArray
             Pose of the camera: (3,) [m], and (3, 3).
         time : float

@@ -83,8 +83,6 @@ class ContactSheet:
             Number of the frame, written below the picture.
         words : str
             Written beside the number, such as the status; ASCII.
-        colour : Colour
-            Colour of the caption.
         """
         wanted = self.wants_next()
         self._count += 1

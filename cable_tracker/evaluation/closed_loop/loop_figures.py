@@ -56,14 +56,8 @@ def plot_way(
 
     Parameters
     ----------
-    path : Path
-        PNG file to write.
-    rows : sequence of LoopRow
-        The run.
     course : FloatArray
         Points of the cable, shape (N, 3) [m].
-    burial : Burial or None
-        Buried stretch of the cable.
 
     Raises
     ------
@@ -163,8 +157,6 @@ class MapPanel:
     ----------
     course : FloatArray
         Points of the cable, shape (N, 3) [m].
-    burial : Burial or None
-        Buried stretch of the cable.
     size : (int, int)
         Width and height of the panel [px].
     """

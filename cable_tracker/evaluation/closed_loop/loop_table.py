@@ -162,12 +162,8 @@ def summarise_loop(
     ----------
     rows : sequence of LoopRow
         At least one, in the order of time.
-    seed : int
-        Seed of the run.
     length : float
         Length of the cable's course [m].
-    burial : Burial or None
-        Buried stretch of the cable.
     """
     x = np.array([row.x for row in rows])
     errors = np.array([row.error for row in rows])

@@ -42,13 +42,7 @@ FIGURES = (
 
 
 class OwnTracker:
-    """Our tracker as one that follows a box.
-
-    Parameters
-    ----------
-    parameters : TargetParameters
-        Parameters of the tracker.
-    """
+    """Our tracker as one that follows a box."""
 
     def __init__(self, parameters: TargetParameters) -> None:
         self._tracker = TargetTracker(parameters)
@@ -113,8 +107,6 @@ class TargetMethodRun:
     ----------
     method : str
         Name, see `method_names`.
-    tracker : BoxTracker
-        Tracker that follows the target.
 
     Attributes
     ----------

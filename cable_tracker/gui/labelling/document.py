@@ -39,8 +39,6 @@ class LabelDocument:
 
     Parameters
     ----------
-    labels : Labels
-        Initial labels.
     stamps : mapping
         Times of frames [ns], as far as they are known.
     """
@@ -75,8 +73,6 @@ class LabelDocument:
         ----------
         frame : int
             Current frame; undo leads back to it.
-        changes : Changes
-            New labels.
         merges : bool
             Whether this goes on with the step before, for instance while a key is held down. Undo
             takes both back at once.

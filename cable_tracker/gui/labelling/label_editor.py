@@ -47,8 +47,6 @@ class LabelEditor(FrameCanvas, component="label_editor.js"):
 
     Parameters
     ----------
-    channel : FrameChannel
-        Source of the pictures.
     recording : str
         Name of the recording; key under which the browser stores the current frame.
     """

@@ -198,8 +198,6 @@ def write_atomically(path: Path, text: str, *, waits: bool = True) -> None:
     ----------
     path : Path
         Path to write to; a link is followed.
-    text : str
-        Content to write.
     waits : bool
         Whether to wait until it is on the disk, not only in its cache.
 
@@ -269,8 +267,6 @@ class LabelFile:
 
         Parameters
         ----------
-        content : FileContent
-            Content to write.
         overwrite : bool
             Whether labels of another program or user may be lost.
 

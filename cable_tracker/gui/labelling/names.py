@@ -95,8 +95,6 @@ class PictureNames:
 
     Parameters
     ----------
-    folder : Path
-        Folder of the pictures.
     pictures : sequence of str
         Their names, in the order of the frames.
     """
@@ -120,15 +118,7 @@ class PictureNames:
 
 
 class EntryNames:
-    """Frames of an image-sequence file, called as they are there.
-
-    Parameters
-    ----------
-    sequence : Path
-        The sequence file.
-    entries : sequence of Label
-        Entries of the sequence file.
-    """
+    """Frames of an image-sequence file, called as they are there."""
 
     def __init__(self, sequence: Path, entries: Sequence[Label]) -> None:
         self._sequence = sequence

@@ -57,8 +57,6 @@ class Proposer:
     ----------
     read : callable
         Returns a frame by its number; see `FrameAccess.frame`.
-    parameters : TrackerParameters
-        Parameters of the tracker.
     """
 
     def __init__(self, read: Callable[[int], Frame], parameters: TrackerParameters) -> None:
@@ -79,8 +77,6 @@ class Proposer:
         ----------
         frame : int
             Number of the frame.
-        labels : Labels
-            Labels so far.
         stopped : callable
             Tells whether the answer is no longer wanted.
 
