@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from types import FrameType
 
 from nicegui import app, background_tasks, ui
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket
 
 from cable_tracker.errors import GuiError
 from cable_tracker.gui.access import AccessGuard, is_loopback, make_token
@@ -112,7 +112,7 @@ class Channels:
         if channel is None:
             await websocket.close(NO_SUCH_CHANNEL)
             return
-        await channel.serve(websocket, WebSocketDisconnect)
+        await channel.serve(websocket)
 
 
 async def _when_listening(listening: Listening, started: Callable[[], None]) -> None:
