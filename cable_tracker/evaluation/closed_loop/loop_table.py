@@ -234,18 +234,8 @@ def write_records(path: Path, kind: type, records: Sequence[object]) -> None:
     path.write_text(csv_text(names, rows), encoding="utf-8", newline="")
 
 
-def write_rows(path: Path, rows: Sequence[LoopRow]) -> None:
-    """Write the table of a run as CSV; what is not known is empty."""
-    write_records(path, LoopRow, rows)
-
-
-def write_summary(path: Path, summary: LoopSummary) -> None:
-    """Write the judgement of a run as CSV, one line below the names."""
-    write_records(path, LoopSummary, [summary])
-
-
 def read_summary(path: Path) -> LoopSummary:
-    """Read what `write_summary` has written.
+    """Read the judgement of a run that `write_records` has written.
 
     Raises
     ------
