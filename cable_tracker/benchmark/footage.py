@@ -119,7 +119,6 @@ class FrameLoop:
     def __init__(self, method: Method, shown: Footage) -> None:
         self._method = method
         self._numbers = self._endless(shown)
-        self._shown = shown
         self.frames = 0
         self.claimed = 0
 

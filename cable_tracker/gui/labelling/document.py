@@ -98,14 +98,6 @@ class LabelDocument:
         self._undone.clear()
         return step.after
 
-    def set(self, frame: int, label: FrameLabel, *, merges: bool = False) -> Changes:
-        """Label a frame; see `change`."""
-        return self.change(frame, {frame: label}, merges=merges)
-
-    def clear(self, frame: int) -> Changes:
-        """Take the label of a frame away; see `change`."""
-        return self.change(frame, {frame: None})
-
     def gaps_to_fill(self, frame: int | None) -> list[Gap]:
         """Return the gap at a frame, or all gaps.
 
