@@ -59,3 +59,8 @@ def write_failure(path: Path, error: Exception) -> OutputError:
     """Return the error that says that a file or folder cannot be written, and why."""
     reason = getattr(error, "strerror", None) or one_line(error)
     return OutputError(f"{path}: cannot be written ({reason}); check the folder and its free space")
+
+
+def read_failure(path: Path, error: OSError) -> RecordingError:
+    """Return the error that says that a file or folder cannot be read, and why."""
+    return RecordingError(f"{path}: cannot be read ({error.strerror}); check its permissions")

@@ -129,12 +129,6 @@ def test_a_start_may_have_a_negative_first_number(run, bag):
     assert run("track", bag, "--init", "-5,0.1,9,0").code == 0
 
 
-def test_earlier_results_are_replaced_only_with_force(run, bag):
-    assert run("track", bag).code == 0
-    run("track", bag).assert_refused("dive_tracked: exists already")
-    assert run("track", bag, "--force").code == 0
-
-
 def test_preset_parameter_file_and_seed_add_up(tmp_path):
     file = tmp_path / "p.yaml"
     file.write_text("particle_count: 77\nseed: 3\nimage_transport: raw\n")

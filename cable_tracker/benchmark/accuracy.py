@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -37,7 +38,7 @@ def measure_accuracy(frame_count: int) -> list[Accuracy]:
     """Follow the frames at 320x240 with every method and library that is installed."""
     makers: dict[str, Callable[[int], Method]] = {name: spec.make for name, spec in METHODS.items()}
     for name in filter(is_installed, LIBRARY_LOOPS):
-        makers[name] = _library_maker(name)
+        makers[name] = functools.partial(LibraryMethod, name, REFERENCE_PARTICLES)
     runs = [MethodRun(name, make, SEED, Start.TRUTH) for name, make in makers.items()]
     results = run_together(runs, rendered_frames(frame_count), "benchmark")
     return [
@@ -47,7 +48,3 @@ def measure_accuracy(frame_count: int) -> list[Accuracy]:
         )
         for result in results
     ]
-
-
-def _library_maker(name: str) -> Callable[[int], Method]:
-    return lambda seed: LibraryMethod(name, REFERENCE_PARTICLES, seed)

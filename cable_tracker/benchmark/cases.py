@@ -20,16 +20,14 @@ from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.movement import CableMovement
 from cable_tracker.cable.model.statistics import cable_mean_and_covariance
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
-from cable_tracker.cable.parameters.presets import PRESETS, preset
+from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.cable.proposer_interface import CableProposer
 from cable_tracker.cable.thesis.border_response_model import BorderResponseModel
 from cable_tracker.cable.tracker import CableTracker
-from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
+from cable_tracker.evaluation.methods import BASELINES, METHODS, ConfiguredFilter, Method
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
 from cable_tracker.trackers import make_proposer
-
-BASELINES = tuple(name for name in METHODS if name not in PRESETS)
 
 TIMED_PRESETS = ("default", "thesis")
 """Presets that are timed; the others differ from `default` in limits and variances only."""

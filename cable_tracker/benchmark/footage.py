@@ -109,8 +109,6 @@ class FrameLoop:
     ----------
     method : Method
         Method in its initial state.
-    shown : Footage
-        Footage that it sees.
 
     Attributes
     ----------
@@ -121,7 +119,6 @@ class FrameLoop:
     def __init__(self, method: Method, shown: Footage) -> None:
         self._method = method
         self._numbers = self._endless(shown)
-        self._shown = shown
         self.frames = 0
         self.claimed = 0
 

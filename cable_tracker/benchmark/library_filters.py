@@ -168,10 +168,6 @@ class LibraryMethod:
     ----------
     library : str
         A key of `LIBRARY_LOOPS`; it must be installed.
-    particle_count : int
-        Number of particles.
-    seed : int
-        Seed of its random numbers.
     """
 
     def __init__(self, library: str, particle_count: int, seed: int = 0) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 
-from cable_tracker.benchmark.accuracy import Accuracy, measure_accuracy
+from cable_tracker.benchmark.accuracy import measure_accuracy
 from cable_tracker.benchmark.cases import (
     TIMED_PRESETS,
     copy_cases,
@@ -15,19 +15,20 @@ from cable_tracker.benchmark.cases import (
     step_cases,
     yardstick_case,
 )
-from cable_tracker.benchmark.contours import ContourTiming, measure_contour
+from cable_tracker.benchmark.contours import measure_contour
 from cable_tracker.benchmark.footage import RENDERED_SIZE, Footage, footage
+from cable_tracker.benchmark.growth import fit_growth
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, is_installed
 from cable_tracker.benchmark.memory import MemoryUse, measure_memory_apart
-from cable_tracker.benchmark.profiling import ProfileRow, profile_preset
+from cable_tracker.benchmark.profiling import profile_preset
+from cable_tracker.benchmark.result import BenchmarkResult, Circumstances
 from cable_tracker.benchmark.round_robin import (
     Advance,
     BenchmarkCase,
     Effort,
-    Measurement,
     measure_in_turns,
 )
-from cable_tracker.benchmark.start_time import StartTime, measure_start
+from cable_tracker.benchmark.start_time import measure_start
 from cable_tracker.benchmark.yardstick import make_yardstick
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.errors import ParameterError
@@ -88,18 +89,6 @@ QUICK = Plan(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Measured:
-    """Results of `run_plan`: see `BenchmarkResult`."""
-
-    measurements: tuple[Measurement, ...]
-    accuracies: tuple[Accuracy, ...]
-    profile: tuple[ProfileRow, ...]
-    memory: tuple[MemoryUse, ...]
-    starts: tuple[StartTime, ...]
-    contours: tuple[ContourTiming, ...]
-
-
 class Benchmark:
     """A plan, ready to be run.
 
@@ -142,8 +131,10 @@ class Benchmark:
         memory = self._plan.memory * len(TIMED_PRESETS)
         return len(self._cases) * self._plan.effort.rounds + memory
 
-    def run(self, advance: Advance = lambda count: None) -> Measured:
-        """Measure all; OpenCV uses one thread meanwhile."""
+    def run(
+        self, circumstances: Circumstances, advance: Advance = lambda count: None
+    ) -> BenchmarkResult:
+        """Measure all but nodes; OpenCV uses one thread meanwhile."""
         plan, shown = self._plan, self._footages[0]
         with one_thread():
             measurements = measure_in_turns(self._cases, self._yardstick, plan.effort, advance)
@@ -155,11 +146,16 @@ class Benchmark:
             for name in TIMED_PRESETS if plan.memory else ():
                 memory.append(measure_memory_apart(name, plan.frames, plan.memory))
                 advance(plan.memory)
-            starts = tuple(measure_start(name) for name in TIMED_PRESETS) if plan.starts else ()
-            contours = (measure_contour(),) if plan.contours else ()
-        return Measured(
-            tuple(measurements), tuple(accuracies), tuple(profile), tuple(memory), starts, contours
-        )
+            return BenchmarkResult(
+                circumstances,
+                measurements=tuple(measurements),
+                accuracies=tuple(accuracies),
+                growths=tuple(fit_growth(measurements)),
+                profile=tuple(profile),
+                memory=tuple(memory),
+                starts=tuple(measure_start(name) for name in TIMED_PRESETS) if plan.starts else (),
+                contours=(measure_contour(),) if plan.contours else (),
+            )
 
 
 def absent_libraries() -> tuple[str, ...]:

@@ -74,8 +74,6 @@ def run_all(
 
     Parameters
     ----------
-    tasks : sequence of ResultTask
-        Tasks to run.
     workers : int or CampaignSettings
         The number of processes, or all settings.
     advance : callable

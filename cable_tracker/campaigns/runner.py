@@ -90,8 +90,6 @@ def run_campaign(
 
     Parameters
     ----------
-    tasks : sequence of FolderTask
-        Tasks to run.
     root : Path
         Folder of the tasks' folders; with workers on other machines, on a shared disk.
     settings : ClusterSettings

@@ -12,7 +12,7 @@ from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.result_store import move_store, stored_beside
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.terminal import advance, console, print_files, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters, given_values
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.campaign import Campaign, run_campaign
@@ -111,8 +111,7 @@ def evaluate_cables(
             )
     _print_table(summary_table(results, PRINTED_METRICS))
     console.print(f"  runs: {START_NOTES[campaign.start]}", soft_wrap=True)
-    for name in (REPORT, *(name for name, _ in CSV_FILES)):
-        console.print(f"  {output / name}", soft_wrap=True)
+    print_files(output, (REPORT, *(name for name, _ in CSV_FILES)))
 
 
 def _descriptions(campaign: Campaign) -> dict[str, str]:

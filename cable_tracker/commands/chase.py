@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.target import TargetPresetName
-from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.terminal import advance, print_facts, print_files, progress_bar
 from cable_tracker.simulation.targets.chase import ChaseSettings
 
 SHARES = {"kept", "claimed_in_view", "claimed_while_absent", "range_error", "within_two_sigmas"}
@@ -51,12 +50,11 @@ def chase(  # noqa: PLR0917
         summary = rigs.run_chase(
             request, output, overwrite=force, advance=lambda count: advance(progress, count)
         )
-    table = Table(title="chase")
-    table.add_column("")
-    table.add_column("", justify="right")
-    for name, value in asdict(summary).items():
-        cell = f"{value:.1%}" if name in SHARES else f"{value:.4g}"
-        table.add_row(name.replace("_", " "), cell)
-    console.print(table)
-    for name in rigs.file_names():
-        console.print(f"  {output / name}", soft_wrap=True)
+    print_facts(
+        "chase",
+        (
+            (name.replace("_", " "), f"{value:.1%}" if name in SHARES else f"{value:.4g}")
+            for name, value in asdict(summary).items()
+        ),
+    )
+    print_files(output, rigs.file_names())

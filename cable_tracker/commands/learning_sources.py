@@ -190,16 +190,6 @@ def count_frames(
 
     Parameters
     ----------
-    counts : ResponseCounts
-        Counts that are added to.
-    sequence : LabelledSequence
-        Sequence that the frames belong to.
-    frames : iterable of Frame
-        Frames of the sequence.
-    parameters : TrackerParameters
-        Parameters that the tables will be used with.
-    plan : LearningPlan
-        Plan of the learning.
     rng : numpy.random.Generator
         Draws how much harder frames are made.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import shutil
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import asdict
 from pathlib import Path
 from types import ModuleType
 from typing import Annotated, Any
@@ -31,7 +31,7 @@ from cable_tracker.commands.loop_campaign import MOST_WORKERS, LoopCampaign, run
 from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.simulate import parse_size
-from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.terminal import advance, console, print_facts, print_files, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.closed_loop.loop_campaign import (
     METHODS_TABLE,
@@ -180,8 +180,7 @@ def _run_one(ros: ModuleType, request: Any, folder: Path, force: bool) -> None: 
             advance=lambda way: progress.update(task, completed=max(0, round(way))),
         )
     _print(summary)
-    for name in ros.file_names(request):
-        console.print(f"  {folder / name}", soft_wrap=True)
+    print_files(folder, ros.file_names(request))
 
 
 def _run_several(
@@ -208,8 +207,7 @@ def _run_several(
         write_methods(folder / METHODS_TABLE, totals)
     _print_runs(outcomes)
     _print_totals(totals)
-    for name in (RUNS, METHODS_TABLE):
-        console.print(f"  {path / name}", soft_wrap=True)
+    print_files(path, (RUNS, METHODS_TABLE))
     if any(each.failed for each in totals):
         raise typer.Exit(1)
 
@@ -265,12 +263,8 @@ TOTAL_HEADINGS = {
 
 
 def _print(summary: LoopSummary) -> None:
-    table = Table(title="closed loop")
-    table.add_column("")
-    table.add_column("", justify="right")
-    for field in fields(LoopSummary):
-        table.add_row(LABELS[field.name], _cell(field.name, getattr(summary, field.name)))
-    console.print(table)
+    facts = asdict(summary).items()
+    print_facts("closed loop", ((LABELS[name], _cell(name, value)) for name, value in facts))
     console.print(verdict_on(summary))
 
 

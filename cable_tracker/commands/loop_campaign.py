@@ -160,8 +160,6 @@ def run_loops(
 
     Parameters
     ----------
-    campaign : LoopCampaign
-        Loops to run.
     folder : Path
         Gets a folder METHOD_SEED for each run that comes to its end.
     advance : callable

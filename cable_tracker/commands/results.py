@@ -25,8 +25,6 @@ def need_usable_frames(
 
     Parameters
     ----------
-    source : Path
-        The recording.
     statuses : sequence of str
         Status of each frame.
     damage : RecordingError or None

@@ -1,7 +1,7 @@
 """SIGINT and SIGTERM end a command like an exception, also where Python drops what a signal raises.
 
 An exception that a signal's handler raises is lost if it comes up in a destructor or in a function
-that C code calls (Numba and LLVM have both). A timer looks whether it still unwinds the command, and
+that C code calls (Numba and LLVM have both). A timer looks whether it still unwinds the command and
 raises it anew if it is gone.
 """
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from cable_tracker.commands.campaign_options import (
     MEMORY,
@@ -32,7 +31,7 @@ from cable_tracker.commands.options import (
     VehicleOption,
     chosen_instruments,
 )
-from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.terminal import advance, console, print_table, progress_bar
 from cable_tracker.commands.tuning import chosen_parameters
 from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.survey.campaign import RECORDINGS, REPORT, SurveyResult, run_survey
@@ -164,16 +163,15 @@ def _print(result: SurveyResult, output: Path, seconds: float) -> None:
         f"{len(result.outcomes)} recordings, {frames} frames, {recorded:.0f} s recorded,"
         f" {seconds:.0f} s taken, {len(result.outcomes) - len(done)} kept or failed"
     )
-    table = Table(title="routes")
-    for heading in ("", "length [m]", "median sigma [m]", "events", "recordings"):
-        table.add_column(heading, justify="left" if heading in ("", "recordings") else "right")
+    rows = []
     for number, route in enumerate(result.routes, start=1):
         sigma = sorted(float(value) for value in route.sigmas)[len(route.sigmas) // 2]
-        table.add_row(
+        rows.append((
             f"route {number}", f"{route.along[-1]:.1f}", f"{sigma:.3f}", str(len(route.events)),
             ", ".join(route.recordings),
-        )  # fmt: skip
-    console.print(table)
+        ))  # fmt: skip
+    headings = ("", "length [m]", "median sigma [m]", "events", "recordings")
+    print_table("routes", headings, rows, left=("", "recordings"))
     for row in result.rows:
         for note in (row.state, *row.notes):
             if note != "done":

@@ -37,7 +37,7 @@ from cable_tracker.commands.results import (
     print_statuses,
 )
 from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.terminal import advance, console, messages, progress_bar
+from cable_tracker.commands.terminal import advance, messages, print_files, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded_target import RecordedSight, node_values
 from cable_tracker.offline.target_folder import TargetFolder
@@ -174,5 +174,4 @@ def _print(results: TargetFolder) -> None:
         if row.event:
             messages.print(f"note: frame {row.frame}: {row.event}", soft_wrap=True)
     print_median_time([row.ms for row in results.rows])
-    for name in results.names:
-        console.print(f"  {results.path / name}", soft_wrap=True)
+    print_files(results.path, results.names)

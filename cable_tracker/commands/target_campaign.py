@@ -16,7 +16,7 @@ from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.target import NODE, chosen_target
-from cable_tracker.commands.terminal import advance, console, messages, progress_bar
+from cable_tracker.commands.terminal import advance, console, messages, print_files, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.targets.comparison import (
     TargetTask,
@@ -141,8 +141,7 @@ def evaluate_targets(
         write_figures(folder / FIGURES_CSV, results)
         (folder / TABLE_MARKDOWN).write_text(table, encoding="utf-8")
     console.print(table)
-    for file_name in (FIGURES_CSV, TABLE_MARKDOWN):
-        console.print(f"  {output / file_name}", soft_wrap=True)
+    print_files(output, (FIGURES_CSV, TABLE_MARKDOWN))
 
 
 def _words_on_missing() -> str:

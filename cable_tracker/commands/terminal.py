@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from pathlib import Path
 
 from rich.console import Console
 from rich.progress import (
@@ -14,6 +15,7 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
+from rich.table import Table
 
 from cable_tracker.sequences.frame import Frame
 
@@ -50,3 +52,31 @@ def counted(frames: Iterable[Frame], progress: Progress) -> Iterator[Frame]:
     for frame in frames:
         yield frame
         advance(progress)
+
+
+def print_table(
+    title: str, headings: Sequence[str], rows: Iterable[Iterable[str]], left: Container[str] = ()
+) -> None:
+    """Print a table; columns whose headings are in `left` are flush left, the others right."""
+    table = Table(title=title)
+    for heading in headings:
+        table.add_column(heading, justify="left" if heading in left else "right")
+    for row in rows:
+        table.add_row(*row)
+    console.print(table)
+
+
+def print_facts(title: str, facts: Iterable[tuple[str, str]]) -> None:
+    """Print a table of names and values without headings."""
+    table = Table(title=title)
+    table.add_column("")
+    table.add_column("", justify="right")
+    for name, value in facts:
+        table.add_row(name, value)
+    console.print(table)
+
+
+def print_files(folder: Path, names: Iterable[str]) -> None:
+    """Say which files a command has written into a folder."""
+    for name in names:
+        console.print(f"  {folder / name}", soft_wrap=True)

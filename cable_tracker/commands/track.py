@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from cable_tracker.commands.options import (
     AltitudeOption,
@@ -42,7 +41,7 @@ from cable_tracker.commands.results import (
     print_statuses,
 )
 from cable_tracker.commands.ros_part import need_ros
-from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.terminal import advance, console, print_files, print_table, progress_bar
 from cable_tracker.commands.tuning import ValueOption, chosen_parameters, chosen_start, given_values
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.evaluation.metrics.errors import ErrorSummary, summarise_errors
@@ -148,8 +147,7 @@ def _print_results(results: ResultFolder, *, wants_metres: bool) -> None:
     print_median_time([row.ms for row in results.rows])
     if results.truths:
         _print_errors(summarise_errors(results.rows, results.truths))
-    for name in results.wanted.names():
-        console.print(f"  {results.path / name}", soft_wrap=True)
+    print_files(results.path, results.wanted.names())
 
 
 def _print_errors(summary: ErrorSummary) -> None:
@@ -162,13 +160,13 @@ def _print_errors(summary: ErrorSummary) -> None:
     )
     if not summary.claimed:
         return
-    table = Table(title="errors against ground truth")
-    for heading in ("", "bias", "RMSE", "median", "95th percentile"):
-        table.add_column(heading, justify="right")
     degree = math.degrees(1.0)
-    rows = (("d [px]", 1.0), ("alpha [deg]", degree), ("w [px]", 1.0), ("beta [deg]", degree))
+    axes = (("d [px]", 1.0), ("alpha [deg]", degree), ("w [px]", 1.0), ("beta [deg]", degree))
     errors = summary.errors
     columns = (errors.bias, errors.rmse, errors.median, errors.percentile_95)
-    for index, (name, scale) in enumerate(rows):
-        table.add_row(name, *(f"{column[index] * scale:.2f}" for column in columns))
-    console.print(table)
+    rows = [
+        (name, *(f"{column[index] * scale:.2f}" for column in columns))
+        for index, (name, scale) in enumerate(axes)
+    ]
+    headings = ("", "bias", "RMSE", "median", "95th percentile")
+    print_table("errors against ground truth", headings, rows)

@@ -28,6 +28,9 @@ from cable_tracker.simulation.worlds.crisp import simulate_strip
 from cable_tracker.simulation.worlds.ground import photographs_of
 from cable_tracker.simulation.worlds.world import World
 
+THESIS_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
+"""Scenarios like the sequences of the thesis."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EvaluationFrame:

@@ -105,8 +105,6 @@ class CableKalmanFilter:
         ----------
         state : CableState
             The first measurement [px, rad].
-        noise : KalmanNoise
-            Process and measurement noise.
         image_width : int
             Width of the frames [px].
         """

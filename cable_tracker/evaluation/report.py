@@ -149,8 +149,6 @@ def write_report(
         An existing folder.
     results : sequence of RunResult
         At least one.
-    header : ReportHeader
-        Title, command and machine.
     methods, sequences : mapping of str to str
         Descriptions of methods and sequences, by name.
 

@@ -70,12 +70,8 @@ class MethodRun:
 
     Parameters
     ----------
-    name : str
-        Name of the method.
     make : callable
         Makes the method from a seed.
-    seed : int
-        The seed.
     start : Start
         Start that the method is told.
     restart_every : int or None
@@ -190,8 +186,6 @@ def run_together(
         Methods at their beginning.
     frames : iterable of EvaluationFrame
         At least one frame.
-    sequence : str
-        Name of the sequence.
     advance : callable
         Called after each frame.
     """

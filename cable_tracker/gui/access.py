@@ -46,8 +46,6 @@ class AccessGuard:
 
     Parameters
     ----------
-    application : Application
-        ASGI application to guard.
     token : str or None
         Token that a request must carry. None: the server listens on loopback alone, and the Host
         header must name this machine.

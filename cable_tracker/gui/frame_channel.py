@@ -8,20 +8,8 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Protocol
 
-
-class WebSocket(Protocol):
-    """Interface of a WebSocket that a channel needs, in the words of Starlette."""
-
-    async def accept(self) -> None:
-        """Open the connection."""
-
-    async def receive_text(self) -> str:
-        """Wait for a text; raises what `Closed` names when the browser has gone."""
-
-    async def send_bytes(self, data: bytes) -> None:
-        """Send a message."""
+from starlette.websockets import WebSocket, WebSocketDisconnect
 
 
 @dataclass(slots=True, eq=False)
@@ -76,15 +64,13 @@ class FrameChannel:
             with suppress(RuntimeError):
                 viewer.loop.call_soon_threadsafe(viewer.fresh.set)
 
-    async def serve(self, websocket: WebSocket, closed: type[Exception]) -> None:
+    async def serve(self, websocket: WebSocket) -> None:
         """Send packets to one browser until it goes.
 
         Parameters
         ----------
         websocket : WebSocket
             The connection. Every text that comes from it says that the last packet is drawn.
-        closed : type of Exception
-            Exception that the connection raises once the browser has disconnected.
         """
         await websocket.accept()
         viewer = _Viewer(asyncio.get_running_loop())
@@ -93,12 +79,12 @@ class FrameChannel:
             if self._latest is not None:
                 viewer.fresh.set()
         self._when_wanted(True)
-        sender = asyncio.create_task(self._send(websocket, viewer, closed))
+        sender = asyncio.create_task(self._send(websocket, viewer))
         try:
             while True:
                 await websocket.receive_text()
                 viewer.drawn.set()
-        except closed:
+        except WebSocketDisconnect:
             pass
         finally:
             with self._lock:
@@ -107,8 +93,8 @@ class FrameChannel:
             with suppress(asyncio.CancelledError):
                 await sender
 
-    async def _send(self, websocket: WebSocket, viewer: _Viewer, closed: type[Exception]) -> None:
-        with suppress(closed):
+    async def _send(self, websocket: WebSocket, viewer: _Viewer) -> None:
+        with suppress(WebSocketDisconnect):
             while True:
                 await viewer.fresh.wait()
                 viewer.fresh.clear()

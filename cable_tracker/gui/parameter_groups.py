@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from cable_tracker.cable.parameters.parameters import ParameterSpec
 
@@ -122,30 +121,13 @@ OTHERS = "Node"
 """Title of the group of those that only a node has."""
 
 
-@dataclass(frozen=True, slots=True)
-class ParameterGroup:
-    """Parameters that are shown together.
-
-    Attributes
-    ----------
-    title : str
-        Heading of the group.
-    rows : tuple of ParameterSpec
-        The parameters.
-    """
-
-    title: str
-    rows: tuple[ParameterSpec, ...]
-
-
 def grouped(
     table: Sequence[ParameterSpec], titles: Groups = CABLE_GROUPS
-) -> tuple[ParameterGroup, ...]:
-    """Put the parameters of a table into groups; each is in one of them."""
+) -> dict[str, list[ParameterSpec]]:
+    """Put the parameters of a table into groups by their titles; each is in one of them."""
     by_name = {spec.name: spec for spec in table}
-    groups = [
-        ParameterGroup(title, tuple(by_name.pop(name) for name in names if name in by_name))
-        for title, names in titles
-    ]
-    groups.append(ParameterGroup(OTHERS, tuple(by_name.values())))
-    return tuple(group for group in groups if group.rows)
+    groups = {
+        title: [by_name.pop(name) for name in names if name in by_name] for title, names in titles
+    }
+    groups[OTHERS] = list(by_name.values())
+    return {title: rows for title, rows in groups.items() if rows}

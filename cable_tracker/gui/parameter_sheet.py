@@ -49,7 +49,7 @@ def groups_for_page(
     """Return the groups as the browser's half of the panel wants them."""
     return [
         {
-            "title": group.title,
+            "title": title,
             "rows": [
                 {
                     "name": spec.name,
@@ -59,10 +59,10 @@ def groups_for_page(
                     "range": spec.range_text(),
                     "choices": list(spec.choices),
                 }
-                for spec in group.rows
+                for spec in rows
             ],
         }
-        for group in grouped(table, titles)
+        for title, rows in grouped(table, titles).items()
     ]
 
 

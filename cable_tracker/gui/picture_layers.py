@@ -19,7 +19,7 @@ from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.gui.session import Snapshot, TargetSnapshot
 from cable_tracker.target.model.estimate import box_corners
 from cable_tracker.tracking.image_frame import to_page
-from cable_tracker.visualisation.palette import AMBER, HYPOTHESES, TRUTH, Colour, status_colour
+from cable_tracker.visualisation.palette import AMBER, HYPOTHESES, TRUTH, css, status_colour
 
 Layer: TypeAlias = dict[str, object]
 """See browser/frame_view.js."""
@@ -42,11 +42,6 @@ CROSS_SHARE = 0.004
 
 LARGEST_SIGMA = 1e6
 """Standard deviation that stands for unknown; wider bands fill the picture anyway [px, rad]."""
-
-
-def css(colour: Colour) -> str:
-    """Return a colour as a page names it."""
-    return "#{:02x}{:02x}{:02x}".format(*colour)
 
 
 def layers_of(snapshot: Snapshot) -> list[Layer]:

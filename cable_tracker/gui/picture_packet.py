@@ -14,7 +14,6 @@ from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.gui.packet import Section, float_section, jpeg_section, pack
 from cable_tracker.gui.picture_layers import (
     Layer,
-    css,
     heaviest,
     layers_of,
     particle_lines,
@@ -26,7 +25,7 @@ from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.visualisation.palette import PARTICLES, status_colour
+from cable_tracker.visualisation.palette import PARTICLES, css, status_colour
 
 LARGEST_WIDTH = 1280
 """Wider pictures are reduced to this for the browser [px]."""

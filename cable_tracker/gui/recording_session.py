@@ -29,7 +29,7 @@ LARGEST_DELAY = 0.1
 
 
 class RecordingSession(SnapshotFeed):
-    """Tracks a recording in a thread of its own; a `Player`.
+    """Tracks a recording in a thread of its own; a `Session` that can be played.
 
     Frames that follow each other are tracked as `cable-tracker track` does, with the same result.
     Going back to a frame that was tracked before under the same parameters gives the same belief
@@ -38,8 +38,6 @@ class RecordingSession(SnapshotFeed):
 
     Parameters
     ----------
-    request : RecordingRequest
-        The recording.
     parameters : TrackerParameters or TargetParameters
         Initial parameters; their type decides between cable and target.
 

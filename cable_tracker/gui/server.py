@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from types import FrameType
 
 from nicegui import app, background_tasks, ui
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket
 
 from cable_tracker.errors import GuiError
 from cable_tracker.gui.access import AccessGuard, is_loopback, make_token
@@ -112,7 +112,7 @@ class Channels:
         if channel is None:
             await websocket.close(NO_SUCH_CHANNEL)
             return
-        await channel.serve(websocket, WebSocketDisconnect)
+        await channel.serve(websocket)
 
 
 async def _when_listening(listening: Listening, started: Callable[[], None]) -> None:
@@ -161,12 +161,8 @@ def serve(
     ----------
     page : callable
         Builds the page, anew for each browser.
-    channels : Channels
-        Channels of the pictures.
     listening : Listening
         Address to listen on; see `claim_port`.
-    title : str
-        Title of the page.
     started, stopped : callable
         Called when the server has begun to listen, and when it has ended.
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, TypeAlias, runtime_checkable
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
@@ -209,44 +209,4 @@ class Session(Protocol):
 
     def close(self) -> None:
         """End all threads and connections."""
-        ...
-
-
-@runtime_checkable
-class Player(Session, Protocol):
-    """A session on a recording."""
-
-    @property
-    def frame_count(self) -> int | None:
-        """Number of frames; None while it is unknown."""
-        ...
-
-    @property
-    def is_playing(self) -> bool:
-        """Whether frames follow each other."""
-        ...
-
-    @property
-    def speed(self) -> float:
-        """How fast it plays, as a multiple of the recording's own pace."""
-        ...
-
-    def play(self) -> None:
-        """Let frames follow each other; from the start again if it stands at the end."""
-        ...
-
-    def pause(self) -> None:
-        """Stand still."""
-        ...
-
-    def step(self, count: int = 1) -> None:
-        """Pause, and go some frames forwards, or backwards if negative."""
-        ...
-
-    def seek(self, frame: int) -> None:
-        """Go to a frame."""
-        ...
-
-    def set_speed(self, speed: float) -> None:
-        """Play faster or more slowly; infinity plays as fast as the tracker can."""
         ...

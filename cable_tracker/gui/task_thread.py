@@ -19,8 +19,6 @@ class TaskThread:
 
     Parameters
     ----------
-    name : str
-        Name of the thread.
     begin : callable
         Called once, before anything else.
     next_time : callable

@@ -23,8 +23,6 @@ class TrackedRecording:
 
     Parameters
     ----------
-    frames : FrameAccess
-        Frames of the recording.
     follower : Follower
         Tracks.
     publish : callable

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from cable_tracker.gui.session import Player
+from cable_tracker.gui.recording_session import RecordingSession
 
 SPEEDS = {
     "0.1": 0.1,
@@ -108,7 +108,7 @@ def _apart(words: str, speed: float) -> float:
     return abs(math.log(SPEEDS[words] / speed))
 
 
-def command_player(player: Player, name: str, value: object = None) -> bool:
+def command_player(player: RecordingSession, name: str, value: object = None) -> bool:
     """Do what a key or a button of the transport bar says.
 
     Returns
@@ -131,7 +131,7 @@ def command_player(player: Player, name: str, value: object = None) -> bool:
     return True
 
 
-def _seek(player: Player, name: str, value: object) -> None:
+def _seek(player: RecordingSession, name: str, value: object) -> None:
     if name == "first":
         player.seek(0)
     elif name == "last" and player.frame_count:
@@ -140,7 +140,7 @@ def _seek(player: Player, name: str, value: object) -> None:
         player.seek(value)
 
 
-def _change_speed(player: Player, name: str, value: object) -> None:
+def _change_speed(player: RecordingSession, name: str, value: object) -> None:
     words = list(SPEEDS)
     if name == "speed":
         player.set_speed(SPEEDS.get(str(value), player.speed))

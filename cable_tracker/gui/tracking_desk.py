@@ -16,7 +16,7 @@ from cable_tracker.errors import GuiError
 from cable_tracker.gui.picture_feed import PictureFeed
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.recording_session import RecordingSession
-from cable_tracker.gui.session import Player, Session, Snapshot, TargetSnapshot
+from cable_tracker.gui.session import Session, Snapshot, TargetSnapshot
 from cable_tracker.gui.subject import CABLE, TARGET
 from cable_tracker.target.model.estimate import Box
 from cable_tracker.target.model.start import TargetStart
@@ -32,8 +32,6 @@ class TrackingDesk:
 
     Parameters
     ----------
-    session : Session or None
-        Initial session.
     request : RecordingRequest
         Settings with which recordings are opened from the page; its path is replaced.
     parameters : TrackerParameters, TargetParameters or None
@@ -69,9 +67,9 @@ class TrackingDesk:
         self._lock = threading.Lock()
 
     @property
-    def player(self) -> Player | None:
+    def player(self) -> RecordingSession | None:
         """The session if it is on a recording."""
-        return self.session if isinstance(self.session, Player) else None
+        return self.session if isinstance(self.session, RecordingSession) else None
 
     def present_state(self) -> CableState | None:
         """Return the newest estimate; None while no cable is claimed."""

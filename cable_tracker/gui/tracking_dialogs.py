@@ -2,36 +2,33 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from nicegui import run, ui
 
-from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import CableTrackerError
 from cable_tracker.gui.parameter_sheet import write_parameter_file
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.tracking_commands import KeyBinding
-from cable_tracker.gui.tracking_desk import Point
-from cable_tracker.target.model.estimate import Box
 
 CABLE_START = "start: random, truth, a detector, or d,alpha,w,beta (px, rad)"
 TARGET_START = "start: wait, detect, or x0,y0,x1,y1 (px from the top left)"
 """Words on the field that says where to start."""
 
+CABLE_FIELDS = (
+    ("d px, right of the centre", 0.0),
+    ("alpha deg, from vertical, counter-clockwise", 0.0),
+    ("w px", 40.0),
+    ("beta deg", 0.0),
+)
+TARGET_FIELDS = tuple((f"{side} px", 0.0) for side in ("left", "top", "right", "bottom"))
+"""Numbers that say where to start, each with its value to begin with."""
+
 
 class FormDialog:
-    """A dialog with fields, a button that does something with them, and a place for refusals.
-
-    Parameters
-    ----------
-    title : str
-        Heading of the dialog.
-    action : str
-        Words of the button.
-    """
+    """A dialog with fields, a button that does something with them, and a place for refusals."""
 
     def __init__(self, title: str, action: str) -> None:
         self.dialog = ui.dialog().props(f'aria-label="{title}"')
@@ -87,8 +84,6 @@ class OpenDialog(FormDialog):
     ----------
     template : callable
         Returns the last request, whose other options stay.
-    opening : callable
-        Opens a request.
     start_words : str
         Text about the possible initialisations.
     """
@@ -178,95 +173,47 @@ class SaveDialog(FormDialog):
         self.dialog.close()
 
 
-class StartDialog(FormDialog):
-    """Asks in numbers where the cable is.
+class NumberDialog(FormDialog):
+    """Asks in numbers where the cable or the target is.
 
     Parameters
     ----------
+    fields : sequence of (str, float)
+        Label of each number, and its value to begin with.
     start : callable
-        Starts there.
+        Starts with these numbers.
     present : callable
-        Returns the present estimate, to begin with; None while no cable is claimed.
+        Returns the numbers of the present estimate; None while nothing is claimed.
     """
-
-    LABELS = (
-        ("d px, right of the centre", 0.0),
-        ("alpha deg, from vertical, counter-clockwise", 0.0),
-        ("w px", 40.0),
-        ("beta deg", 0.0),
-    )
 
     def __init__(
         self,
-        start: Callable[[CableState], Awaitable[None]],
-        present: Callable[[], CableState | None],
+        title: str,
+        fields: Sequence[tuple[str, float]],
+        start: Callable[[Sequence[float]], Awaitable[None]],
+        present: Callable[[], Sequence[float] | None],
     ) -> None:
+        self._fields = fields
         self._start = start
         self._present = present
-        super().__init__("Start where the cable is", "start")
+        super().__init__(title, "start")
 
     def build(self) -> None:
         """Put the fields into it."""
         self._numbers = [
             ui.number(label, value=value).classes("w-full").props("dense")
-            for label, value in self.LABELS
+            for label, value in self._fields
         ]
 
     def open(self) -> None:
         """Show it with the present estimate."""
-        state = self._present()
-        if state is not None and state.is_finite():
-            values = (state.distance, math.degrees(state.angle), state.width)
-            for number, value in zip(
-                self._numbers, (*values, math.degrees(state.skew)), strict=True
-            ):
-                number.value = round(value, 1)
-        super().open()
-
-    async def do(self) -> None:
-        """Start there."""
-        d, alpha, w, beta = (number.value or 0.0 for number in self._numbers)
-        await self._start(CableState(d, math.radians(alpha), w, math.radians(beta)))
-
-
-class BoxDialog(FormDialog):
-    """Asks in numbers where the target is.
-
-    Parameters
-    ----------
-    start : callable
-        Starts with two opposite corners.
-    present : callable
-        Returns the present box, to begin with; None while no target is claimed.
-    """
-
-    LABELS = ("left px", "top px", "right px", "bottom px")
-
-    def __init__(
-        self,
-        start: Callable[[Point, Point], Awaitable[None]],
-        present: Callable[[], Box | None],
-    ) -> None:
-        self._start = start
-        self._present = present
-        super().__init__("Start where the target is", "start")
-
-    def build(self) -> None:
-        """Put the fields into it."""
-        self._numbers = [
-            ui.number(label, value=0.0).classes("w-full").props("dense") for label in self.LABELS
-        ]
-
-    def open(self) -> None:
-        """Show it with the present box."""
         for number, value in zip(self._numbers, self._present() or (), strict=False):
             number.value = round(value, 1)
         super().open()
 
     async def do(self) -> None:
         """Start there."""
-        left, top, right, bottom = (number.value or 0.0 for number in self._numbers)
-        await self._start((left, top), (right, bottom))
+        await self._start([number.value or 0.0 for number in self._numbers])
 
 
 class HelpDialog:

@@ -8,7 +8,6 @@ from typing import Any
 from nicegui.element import Element
 
 from cable_tracker.gui.frame_channel import FrameChannel
-from cable_tracker.gui.picture_layers import css
 from cable_tracker.gui.subject import CABLE, Subject
 from cable_tracker.gui.tracking_history import STATUSES
 from cable_tracker.visualisation import palette
@@ -16,10 +15,10 @@ from cable_tracker.visualisation import palette
 BROWSER = {"cable-tracker-browser": "browser"}
 
 COLOURS = {
-    "particles": css(palette.PARTICLES),
-    "estimate": css(palette.ESTIMATE),
-    "truth": css(palette.TRUTH),
-    "initialising": css(palette.AMBER),
+    "particles": palette.css(palette.PARTICLES),
+    "estimate": palette.css(palette.ESTIMATE),
+    "truth": palette.css(palette.TRUTH),
+    "initialising": palette.css(palette.AMBER),
 }
 
 
@@ -51,17 +50,7 @@ class _Changing(Element):
 
 
 class PlainButton(Element):
-    """A button of HTML; those of the library are too large for a panel of instruments.
-
-    Parameters
-    ----------
-    words : str
-        Caption of the button.
-    action : callable
-        Callback of a click.
-    title : str
-        Tooltip.
-    """
+    """A button of HTML; those of the library are too large for a panel of instruments."""
 
     def __init__(self, words: str, action: Callable[[], Awaitable[None]], title: str) -> None:
         super().__init__("button")
@@ -85,7 +74,7 @@ class TrackingPicture(_ChannelElement, _Changing, component="tracking_picture.js
 
     def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
         layers = [
-            {"name": name, "title": title, "colour": css(colour), "opacity": opacity}
+            {"name": name, "title": title, "colour": palette.css(colour), "opacity": opacity}
             for name, title, colour, opacity in subject.layers
         ]
         super().__init__(channel, {"layers": layers, "shape": subject.shape, "stale": False})
@@ -110,7 +99,7 @@ class HistoryPlot(_ChannelElement, component="history_plot.js", esm=BROWSER):
     """The last half minute."""
 
     def __init__(self, channel: FrameChannel, subject: Subject = CABLE) -> None:
-        statuses = [css(palette.status_colour(status)) for status in STATUSES]
+        statuses = [palette.css(palette.status_colour(status)) for status in STATUSES]
         lanes = [list(lane) for lane in subject.lanes]
         super().__init__(channel, {"colours": COLOURS, "statuses": statuses, "lanes": lanes})
 

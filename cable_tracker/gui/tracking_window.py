@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,21 +32,21 @@ from cable_tracker.gui.tracking_commands import (
     speed_words,
 )
 from cable_tracker.gui.tracking_desk import (
-    Point,
     TrackingDesk,
     drawn_state,
     start_at,
     start_with_box,
 )
 from cable_tracker.gui.tracking_dialogs import (
+    CABLE_FIELDS,
     CABLE_START,
+    TARGET_FIELDS,
     TARGET_START,
-    BoxDialog,
     FormDialog,
     HelpDialog,
+    NumberDialog,
     OpenDialog,
     SaveDialog,
-    StartDialog,
 )
 from cable_tracker.gui.tracking_elements import (
     HistoryPlot,
@@ -130,10 +131,14 @@ class TrackingPage:
             lambda: desk.request, self._open, TARGET_START if is_target else CABLE_START
         )
         self._save_dialog = SaveDialog(self._text_to_save, f"{desk.subject.node}.yaml")
-        self._start_dialog: FormDialog = (
-            BoxDialog(self._start_with, desk.present_box)
+        self._start_dialog = (
+            NumberDialog(
+                "Start where the target is", TARGET_FIELDS, self._start_with, desk.present_box
+            )
             if is_target
-            else StartDialog(self._start_at, desk.present_state)
+            else NumberDialog(
+                "Start where the cable is", CABLE_FIELDS, self._start_at, self._present_cable
+            )
         )
         self._help_dialog = HelpDialog(commands, POINTER_HELP[desk.subject.shape])
         self._build_head(is_live)
@@ -287,11 +292,24 @@ class TrackingPage:
         if not is_done and self._picture is not None:
             self._picture.run_method("cancel")
 
-    async def _start_at(self, state: CableState) -> None:
+    def _present_cable(self) -> Sequence[float] | None:
+        """Return d, alpha, w, beta of the newest estimate [px, deg]; None without a claim."""
+        state = self._desk.present_state()
+        if state is None or not state.is_finite():
+            return None
+        return state.distance, math.degrees(state.angle), state.width, math.degrees(state.skew)
+
+    async def _start_at(self, numbers: Sequence[float]) -> None:
+        """Start from d, alpha, w, beta [px, deg]."""
+        d, alpha, w, beta = numbers
+        state = CableState(d, math.radians(alpha), w, math.radians(beta))
         await run.io_bound(start_at, self._desk.need_session(), state)
 
-    async def _start_with(self, first: Point, second: Point) -> None:
-        await run.io_bound(start_with_box, self._desk.need_session(), first, second)
+    async def _start_with(self, sides: Sequence[float]) -> None:
+        """Start with a box: left, top, right, bottom [px]."""
+        left, top, right, bottom = sides
+        session = self._desk.need_session()
+        await run.io_bound(start_with_box, session, (left, top), (right, bottom))
 
     async def _open(self, request: RecordingRequest) -> None:
         await run.io_bound(self._desk.open, request)

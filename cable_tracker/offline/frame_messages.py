@@ -11,15 +11,7 @@ from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 
 class FrameMessages:
-    """Writes messages with the header of one frame.
-
-    Parameters
-    ----------
-    bag : MessageSink
-        Writer of the messages.
-    frame : Frame
-        The frame.
-    """
+    """Writes messages with the header of one frame."""
 
     def __init__(self, bag: MessageSink, frame: Frame) -> None:
         self._bag = bag

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +12,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.errors import OutputError
 from cable_tracker.offline.results import BAG, CONTACT_SHEET, ESTIMATES, VIDEO, Results
 from cable_tracker.offline.target_table import HEADER, METRES, METRES_HEADER, TargetRow
+from cable_tracker.sequences.csv_text import csv_text
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.video import VideoWriter
@@ -61,19 +60,14 @@ class TargetFolder(Results):
         self._sheet.add(picture if self._sheet.wants_next() else None, frame.index)
 
     def _write_summaries(self) -> None:
-        _write_csv(self._content / ESTIMATES, HEADER, (row.cells() for row in self.rows))
+        tables = {ESTIMATES: csv_text(HEADER, (row.cells() for row in self.rows))}
         if self.metres:
-            _write_csv(self._content / METRES, METRES_HEADER, self.metres)
+            tables[METRES] = csv_text(METRES_HEADER, self.metres)
+        for name, text in tables.items():
+            (self._content / name).write_text(text, encoding="utf-8", newline="")
         self._sheet.write(self._content / CONTACT_SHEET)
         if not (self._content / CONTACT_SHEET).is_file():
             raise OutputError(
                 f"{self.path / CONTACT_SHEET}: could not be written; check the folder and its"
                 " free space"
             )
-
-
-def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(rows)

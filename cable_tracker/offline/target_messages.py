@@ -52,10 +52,6 @@ class TargetMessages(FrameMessages):
 
         Parameters
         ----------
-        estimate : TargetEstimate
-            Estimate of the frame.
-        particles : Particles or None
-            The belief.
         picture : Image
             Frame for the overlay, shape (H, W, 3), uint8.
         ms : float

@@ -83,8 +83,6 @@ def metres_row(frame: Frame, facts: Mapping[str, str]) -> tuple[str, ...]:
 
     Parameters
     ----------
-    frame : Frame
-        The frame.
     facts : mapping
         Values of the report in metres, see `target_facts`.
     """

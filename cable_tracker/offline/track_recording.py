@@ -45,10 +45,6 @@ def initial_state_for(
 
     Parameters
     ----------
-    source : Source
-        The recording.
-    init : str
-        These words.
     limits : PairLimits
         Widths and skews of the cables that a detector reports.
 
@@ -137,12 +133,8 @@ def track_recording(
 
     Parameters
     ----------
-    source : Source
-        An open recording.
     tracker : CableTracker
         The tracker, initialised as wanted.
-    results : ResultFolder
-        Folder of results.
     advance : callable
         Called after each frame.
     metres : RecordedMetres or None

@@ -45,12 +45,8 @@ def track_target(
 
     Parameters
     ----------
-    source : Source
-        The recording.
     tracker : TargetTracker
         Ready to begin.
-    results : TargetFolder
-        Folder of results.
     advance : callable
         Called after every frame.
     sight : RecordedSight or None

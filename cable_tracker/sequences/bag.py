@@ -6,7 +6,6 @@ import struct
 from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
@@ -17,7 +16,7 @@ from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
-from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
+from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.unpacking import deserialise, is_packed
 from cable_tracker.sequences.video_stream import (
@@ -189,7 +188,7 @@ def read_bag_truth(path: Path) -> dict[int, CableState]:
     return truth
 
 
-class BagSource(FrameSource):
+class BagSource(Source):
     """Images of one topic of a bag.
 
     Parameters
@@ -243,13 +242,8 @@ class BagSource(FrameSource):
         self._truth = self._read_truth() if with_truth else {}
         self.has_truth = bool(self._truth)
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        super().__exit__(kind, error, traceback)
+    def __exit__(self, *error: object) -> None:
+        super().__exit__(*error)
         self.storage.close()
 
     @property

@@ -61,10 +61,6 @@ class BagWriter:
 
     Parameters
     ----------
-    path : Path
-        Folder of the bag.
-    storage : "mcap" or "sqlite3"
-        Format of the storage file.
     overwrite : bool
         Replace a bag that lies at the path. Anything but a bag is never replaced.
 
@@ -123,8 +119,6 @@ class BagWriter:
 
         Parameters
         ----------
-        topic : str
-            Name of the topic.
         msgtype : str
             Like ``sensor_msgs/msg/Image``.
         message : object

@@ -115,10 +115,6 @@ ENCODINGS: tuple[str, ...] = tuple(_FORMATS)
 """Names of all encodings that can be decoded."""
 
 
-def _row_size(image: RawImage, pixel_format: _PixelFormat) -> int:
-    return image.width * pixel_format.channels * np.dtype(pixel_format.dtype).itemsize
-
-
 def _checked_format(image: RawImage) -> _PixelFormat:
     """Return the format of an image whose fields fit together, else raise FrameError."""
     size = f"{image.width} x {image.height}"
@@ -135,7 +131,7 @@ def _checked_format(image: RawImage) -> _PixelFormat:
         raise FrameError(f"encoding {image.encoding} needs an even width, not {image.width}")
     if pixel_format.bayer and min(image.width, image.height) < _SMALLEST_BAYER:
         raise FrameError(f"an image of {size} pixels is too small for encoding {image.encoding}")
-    row = _row_size(image, pixel_format)
+    row = image.width * pixel_format.channels * np.dtype(pixel_format.dtype).itemsize
     if image.step < row:
         raise FrameError(
             f"step {image.step} is too small: a row of {image.width} pixels in {image.encoding}"

@@ -27,8 +27,6 @@ class FrameAccess:
 
     Parameters
     ----------
-    source : Source
-        An open recording.
     kept_bytes : int
         Capacity of the cache of pixels [bytes].
     """

@@ -7,7 +7,6 @@ from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 from weakref import WeakSet
 
@@ -44,10 +43,21 @@ def damage(path: Path, count: int, reason: str) -> RecordingError:
     )
 
 
-class FrameSource(ABC):
-    """Frames of a recording, in order; what every `Source` that reads one has in common.
+class Source(ABC):
+    """A recording that is open for reading: its frames, in order.
 
-    The attributes are those of `Source`.
+    Attributes
+    ----------
+    path : Path
+        Path given by the user.
+    frame_count : int or None
+        Number of frames; None when it is unknown before all have been read.
+    has_truth : bool
+        Whether any frame is labelled.
+    compressed : bool
+        Whether the frames hold a `CompressedImage` instead of a `RawImage`.
+    note : str
+        Something the user should be told about the recording; empty if there is nothing.
     """
 
     def __init__(self, path: Path, *, skip_bad_frames: bool = False) -> None:
@@ -64,12 +74,7 @@ class FrameSource(ABC):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         for frames in tuple(self._running):
             frames.close()
 

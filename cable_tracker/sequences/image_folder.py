@@ -11,14 +11,13 @@ import numpy as np
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.errors import FrameError, RecordingError, read_failure
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame
+from cable_tracker.sequences.frame_source import Source, UnreadableFrame
 from cable_tracker.sequences.natural_order import natural_key, positions_by_number
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.picture_header import read_picture_header
-from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.stamps import stamp_of_frame
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm")
@@ -77,7 +76,7 @@ def find_pictures(folder: Path) -> list[Path]:
     )
 
 
-class ImageFolderSource(FrameSource):
+class ImageFolderSource(Source):
     """The pictures of a folder, in natural order of their names.
 
     Where numbers are missing between the names, the pictures keep the time that their numbers say.

@@ -70,8 +70,6 @@ def write_sequence(folder: Path, frames: Iterable[Frame], *, overwrite: bool = F
 
     Parameters
     ----------
-    folder : Path
-        Folder to write to.
     frames : iterable of Frame
         Grey encodings become grey pictures, all others blue-green-red.
     overwrite : bool

@@ -55,8 +55,6 @@ class InstrumentSource:
 
     Parameters
     ----------
-    path : Path
-        The bag.
     image_topic : str
         Whose calibration is meant.
     choice : InstrumentChoice

@@ -17,12 +17,11 @@ import numpy as np
 
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import FrameError, RecordingError, one_line, write_failure
+from cable_tracker.errors import FrameError, RecordingError, one_line, read_failure, write_failure
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
+from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.image_folder import DEFAULT_RATE, load_picture
-from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.sequences.video import (
     VIDEO_SUFFIXES,
     frame_rate,
@@ -128,8 +127,6 @@ def read_labels(path: Path, *, allow_outside: bool = False) -> list[Label]:
 
     Parameters
     ----------
-    path : Path
-        The text file.
     allow_outside : bool
         Whether it may name files outside its folder.
 
@@ -244,7 +241,7 @@ def _one_pass(labels: list[Label]) -> Iterator[list[Label]]:
     yield run
 
 
-class SequenceFileSource(FrameSource):
+class SequenceFileSource(Source):
     """The frames that a sequence file lists, in its order, all of them with ground truth.
 
     The time of a frame of a video is its number in the video over the video's frame rate; of a
@@ -252,8 +249,6 @@ class SequenceFileSource(FrameSource):
 
     Parameters
     ----------
-    path : Path
-        The text file.
     rate : float or None
         Pictures per second; 25 if None.
     skip_bad_frames : bool

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Protocol, Self, runtime_checkable
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import ParameterError, RecordingError
+from cable_tracker.errors import ParameterError, RecordingError, read_failure
 from cable_tracker.sequences.bag import BagSource, read_bag_truth
 from cable_tracker.sequences.bag_storage import BAG_SUFFIXES, METADATA, is_ros1, storage_files
-from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import FrameSource
+from cable_tracker.sequences.frame_source import Source
 from cable_tracker.sequences.image_folder import ImageFolderSource, find_pictures
-from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.sequences.sequence_file import (
     SEQUENCE_SUFFIXES,
     Label,
@@ -25,47 +20,7 @@ from cable_tracker.sequences.sequence_file import (
 )
 from cable_tracker.sequences.video import VIDEO_SUFFIXES, VideoSource
 
-
-@runtime_checkable
-class Source(Protocol):
-    """A recording that is open for reading.
-
-    Attributes
-    ----------
-    path : Path
-        Path given by the user.
-    frame_count : int or None
-        Number of frames; None when it is unknown before all have been read.
-    has_truth : bool
-        Whether any frame is labelled.
-    compressed : bool
-        Whether the frames hold a `CompressedImage` instead of a `RawImage`.
-    note : str
-        Something the user should be told about the recording; empty if there is nothing.
-    """
-
-    path: Path
-    frame_count: int | None
-    has_truth: bool
-    compressed: bool
-    note: str
-
-    def __enter__(self) -> Self: ...
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None: ...
-
-    def frames(self, start: int = 0) -> Iterator[Frame]:
-        """Read the frames from one on; see `FrameSource.frames`."""
-        ...
-
-    def chosen_frames(self, wanted: Callable[[int], bool]) -> Iterator[Frame]:
-        """Read the frames whose time is wanted; see `FrameSource.chosen_frames`."""
-        ...
+__all__ = ["ChosenRecording", "Source", "is_bag", "open_source"]
 
 
 def is_bag(path: Path) -> bool:
@@ -77,7 +32,7 @@ def is_bag(path: Path) -> bool:
     return bool(storage_files(path)) and not find_pictures(path)
 
 
-def _folder_source(path: Path, rate: float | None, skip_bad_frames: bool) -> FrameSource:
+def _folder_source(path: Path, rate: float | None, skip_bad_frames: bool) -> Source:
     bags = sorted(file.name for file in path.iterdir() if is_ros1(file))
     if bags and not find_pictures(path):
         raise RecordingError(f"{path}: is a folder with ROS 1 bags; name the file: {bags[0]}")
@@ -86,7 +41,7 @@ def _folder_source(path: Path, rate: float | None, skip_bad_frames: bool) -> Fra
 
 def _file_source(
     path: Path, rate: float | None, skip_bad_frames: bool, allow_outside: bool
-) -> FrameSource:
+) -> Source:
     suffix = path.suffix.lower()
     if suffix in VIDEO_SUFFIXES:
         return VideoSource(path, skip_bad_frames=skip_bad_frames)
@@ -108,7 +63,7 @@ def _open_unlabelled(  # noqa: PLR0917
     skip_bad_frames: bool,
     allow_outside: bool,
     with_truth: bool,
-) -> FrameSource:
+) -> Source:
     if path.is_file() and not path.stat().st_size:
         raise RecordingError(f"{path}: the file is empty; record or copy it again")
     if is_bag(path):
@@ -120,7 +75,7 @@ def _open_unlabelled(  # noqa: PLR0917
     return _file_source(path, rate, skip_bad_frames, allow_outside)
 
 
-def _labels_of(source: FrameSource, labels: list[Label], truth: Path) -> list[Label]:
+def _labels_of(source: Source, labels: list[Label], truth: Path) -> list[Label]:
     """Return the labels that speak of this source, of all the labels in a file."""
     own = [label for label in labels if Path(label.filename).name == source.path.name]
     if own:
@@ -133,7 +88,7 @@ def _labels_of(source: FrameSource, labels: list[Label], truth: Path) -> list[La
     return labels
 
 
-def _numbered_labels(source: FrameSource, labels: list[Label], truth: Path) -> dict[int, Label]:
+def _numbered_labels(source: Source, labels: list[Label], truth: Path) -> dict[int, Label]:
     numbered = {
         label.frame: label
         for label in labels
@@ -158,9 +113,7 @@ def _entry_labels(source: SequenceFileSource, labels: list[Label]) -> dict[int, 
     return {number: label for number, label in named if number is not None}
 
 
-def _labels_by_frame(
-    source: FrameSource, truth: Path, allow_outside: bool
-) -> dict[int, CableState]:
+def _labels_by_frame(source: Source, truth: Path, allow_outside: bool) -> dict[int, CableState]:
     labels = read_labels(truth, allow_outside=allow_outside)
     found: dict[int, Label] = {}
     if isinstance(source, ImageFolderSource):
@@ -239,7 +192,7 @@ def open_source(
     return source
 
 
-def _label_from_bag(source: FrameSource, truth: Path) -> None:
+def _label_from_bag(source: Source, truth: Path) -> None:
     """Attach the ground truth of a bag: by time to a bag, by order to what has no time."""
     labels = read_bag_truth(truth)
     if isinstance(source, BagSource):

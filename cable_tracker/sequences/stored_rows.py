@@ -26,8 +26,6 @@ class StoredRows(Sequence[Row], Generic[Row]):
 
     Parameters
     ----------
-    folder : Path
-        Folder of the file.
     block : int
         Rows that are kept in memory.
     """

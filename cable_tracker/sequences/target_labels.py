@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.errors import RecordingError, one_line
+from cable_tracker.errors import RecordingError, one_line, read_failure
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag import BagSource
 from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_storage
@@ -28,7 +28,6 @@ from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.image_writer import picture_name, write_picture
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.target import make_polygon
-from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source, is_bag
 from cable_tracker.sequences.unpacking import deserialise
@@ -128,8 +127,6 @@ def find_boxes(source: Source, truth: Path | None = None) -> BoxTruth:
 
     Parameters
     ----------
-    source : Source
-        The recording.
     truth : Path or None
         Text file or bag with the labels; None: what the recording itself holds.
 

@@ -11,13 +11,12 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.errors import FrameError, RecordingError, read_failure
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame, damage
+from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.opencv_quiet import silence_opencv
 from cable_tracker.sequences.picture_header import MAX_PIXELS
-from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.stamps import stamp_of_frame
 
 VIDEO_SUFFIXES = (".mp4", ".avi", ".mkv", ".mov", ".webm", ".mpg", ".m4v", ".ts")
@@ -101,7 +100,7 @@ def pass_over(capture: cv2.VideoCapture, count: int) -> int:
     return count
 
 
-class VideoSource(FrameSource):
+class VideoSource(Source):
     """All frames of a video file, as bgr8; frame times are steady, from `FIRST_STAMP` on.
 
     Raises

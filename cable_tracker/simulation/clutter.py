@@ -196,8 +196,6 @@ def draw_streak(
     ----------
     scene : Image
         Reflected light, float32, shape (H, W).
-    streak : Streak
-        The streak.
     p, q, footprint : Image
         Where each pixel looks, `q` from `travel` on, and its extent there, of the same shape
         [radii].

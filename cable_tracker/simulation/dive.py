@@ -189,7 +189,7 @@ def render_dive(
                 )
                 visibility = visible_share(projected, place, hidden)
             truth = CableState.from_array(views.states[place]) if visibility > 0 else None
-            yield SimulatedFrame(_make_frame(start + place, rate, image, truth), visibility)
+            yield SimulatedFrame(make_frame(start + place, rate, image, truth), visibility)
 
 
 def lay_out(
@@ -259,15 +259,8 @@ def _make_bed(
     return make_bed(resolution, bottom, rng)
 
 
-def _make_frame(index: int, rate: float, image: Image, truth: CableState | None) -> Frame:
+def make_frame(index: int, rate: float, image: Image, truth: CableState | None) -> Frame:
+    """Wrap a picture, uint8 of shape (H, W), as a frame of a dive at a rate [1/s]."""
     height, width = image.shape
-    raw = RawImage(
-        encoding="mono8",
-        height=height,
-        width=width,
-        step=width,
-        is_bigendian=False,
-        data=memoryview(image.tobytes()),
-    )
-    stamp = FIRST_STAMP + round(index * NANOSECONDS / rate)
-    return Frame(index=index, stamp=stamp, image=raw, truth=truth)
+    raw = RawImage("mono8", height, width, width, False, memoryview(image.tobytes()))
+    return Frame(index, FIRST_STAMP + round(index * NANOSECONDS / rate), raw, truth=truth)

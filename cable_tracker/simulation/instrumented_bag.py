@@ -49,8 +49,6 @@ def write_instrumented_bag(
         Frames per second.
     seed : int
         Not negative; draws the errors of the instruments.
-    storage : "mcap" or "sqlite3"
-        Format of the storage file.
     overwrite : bool
         Replace a bag that lies at the path.
 

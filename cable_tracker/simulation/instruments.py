@@ -95,18 +95,14 @@ class InstrumentSet:
 
     Parameters
     ----------
-    errors : InstrumentErrors
-        Noise of the instruments.
     start : VehicleState
         Where the vehicle starts; odom lies where the vehicle believes the world to be then.
-    rng : numpy.random.Generator
-        Draws the errors.
     """
 
     def __init__(
         self, errors: InstrumentErrors, start: VehicleState, rng: np.random.Generator
     ) -> None:
-        self._errors = errors
+        self.errors = errors
         self._rng = rng
         steps = np.repeat([errors.velocity, errors.turn], 3)
         biases = np.repeat([errors.velocity_bias, errors.turn_bias], 3)
@@ -115,11 +111,6 @@ class InstrumentSet:
         self._twist_covariance = np.diag(steps**2 + biases**2)
         self._position = start.position.copy()
         self._seconds = 0.0
-
-    @property
-    def errors(self) -> InstrumentErrors:
-        """How wrong they are."""
-        return self._errors
 
     def odometry(self, motion: VehicleState, seconds: float) -> OdometryReading:
         """Read the velocity log and add its way up.
@@ -131,9 +122,9 @@ class InstrumentSet:
         self._position = self._position + rotation_of(angles) @ twist[:3] * seconds
         self._position[2] = motion.position[2]
         self._seconds += seconds
-        drift = self._errors.velocity_bias * self._seconds
-        place = max(drift, self._errors.velocity) ** 2
-        own = self._errors.attitude**2
+        drift = self.errors.velocity_bias * self._seconds
+        place = max(drift, self.errors.velocity) ** 2
+        own = self.errors.attitude**2
         return OdometryReading(
             position=self._position.copy(),
             angles=angles,
@@ -144,7 +135,7 @@ class InstrumentSet:
 
     def imu(self, motion: VehicleState) -> ImuReading:
         """Read the imu."""
-        rng, errors = self._rng, self._errors
+        rng, errors = self._rng, self.errors
         up = rotation_of(motion.angles).T @ np.array([0.0, 0.0, GRAVITY])
         return ImuReading(
             angles=self._angles(motion),
@@ -154,9 +145,9 @@ class InstrumentSet:
 
     def altitude(self, motion: VehicleState) -> float:
         """Read the altimeter, which is gimballed: the vertical distance to the bottom [m]."""
-        wrong = 1.0 + self._errors.altitude * float(self._rng.standard_normal())
+        wrong = 1.0 + self.errors.altitude * float(self._rng.standard_normal())
         return float(motion.position[2]) * wrong
 
     def _angles(self, motion: VehicleState) -> FloatArray:
-        angles: FloatArray = motion.angles + self._errors.attitude * self._rng.standard_normal(3)
+        angles: FloatArray = motion.angles + self.errors.attitude * self._rng.standard_normal(3)
         return angles

@@ -14,20 +14,16 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
-from cable_tracker.simulation.borders import project_tube
-from cable_tracker.simulation.camera import Camera
-from cable_tracker.simulation.dive import FOCAL, Seeds, Surroundings, lay_out
+from cable_tracker.simulation.dive import Seeds, Surroundings
 from cable_tracker.simulation.instruments import InstrumentErrors, InstrumentSet
 from cable_tracker.simulation.laid_cable import BuriedStretch
 from cable_tracker.simulation.look import Bottom, Look, Skin, Water
-from cable_tracker.simulation.renderer import SceneRenderer
 from cable_tracker.simulation.seen_cable import (
+    CableScene,
     bent_cable,
     cable_of_seed,
     cable_points,
-    camera_poses,
     nearest_along,
-    seen_state,
 )
 from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
 from cable_tracker.simulation.vehicle import (
@@ -37,9 +33,6 @@ from cable_tracker.simulation.vehicle import (
     VehicleState,
     VelocityCommand,
 )
-
-MOUNTING = math.radians(20.0)
-"""Angle by which the camera looks forward [rad]."""
 
 BURIAL_RAMP = 0.3
 """Way over which the sand rises and falls at the ends of the buried stretch [m]."""
@@ -139,34 +132,41 @@ class LiveWorld:
     ----------
     settings : LiveSettings
         Settings of course, burial and vehicle.
+
+    Attributes
+    ----------
+    camera : Camera
+        The vehicle's camera; base_link is at its centre.
+    instruments : InstrumentSet
+        The vehicle's instruments.
+    cable_height : float
+        Height of the cable's axis above the bottom [m].
+    time : float
+        Time since the beginning [s].
     """
 
     def __init__(self, settings: LiveSettings) -> None:
-        self._settings = settings
+        self.settings = settings
         seeds = Seeds.of(settings.seed)
         course_rng = np.random.default_rng(seeds.course)
         motion_rng, own_rng = (np.random.default_rng(seed) for seed in seeds.route.spawn(2))
-        width = settings.image_size[0]
-        self._camera = Camera(settings.image_size, FOCAL * width / 320, MOUNTING)
         self._tube = bent_cable(course_rng)
-        picture_rng = np.random.default_rng(seeds.picture)
-        scene, cable = lay_out(
-            self._camera,
+        self._scene = CableScene(
             self._tube,
             Surroundings(LOOK, stretches=self._stretches()),
             settings.length,
-            (np.random.default_rng(seeds.clutter), picture_rng),
+            settings.image_size,
+            (np.random.default_rng(seeds.clutter), np.random.default_rng(seeds.picture)),
         )
-        assert cable is not None
-        self._cable = cable
-        self._renderer = SceneRenderer(self._camera, scene, LOOK, picture_rng)
+        self.camera = self._scene.camera
+        self.cable_height = self._tube.height
         current = Current.random(settings.current, course_rng)
         self._vehicle = Vehicle(VehicleModel(), current, self._start(motion_rng), motion_rng)
-        self._instruments = InstrumentSet(InstrumentErrors(), self._vehicle.motion(), own_rng)
-        self._time = 0.0
+        self.instruments = InstrumentSet(InstrumentErrors(), self._vehicle.motion(), own_rng)
+        self.time = 0.0
 
     def _stretches(self) -> tuple[BuriedStretch, ...]:
-        settings = self._settings
+        settings = self.settings
         if not settings.buried:
             return ()
         start = settings.buried_from
@@ -180,32 +180,7 @@ class LiveWorld:
         course = math.atan2(direction[1], direction[0])
         left = np.array([-math.sin(course), math.cos(course)])
         place = point[:2] + aside * left
-        return np.array([*place, self._settings.altitude, course + turned])
-
-    @property
-    def settings(self) -> LiveSettings:
-        """Settings of the closed-loop simulation."""
-        return self._settings
-
-    @property
-    def camera(self) -> Camera:
-        """The vehicle's camera; base_link is at its centre."""
-        return self._camera
-
-    @property
-    def instruments(self) -> InstrumentSet:
-        """The vehicle's instruments."""
-        return self._instruments
-
-    @property
-    def cable_height(self) -> float:
-        """Height of the cable's axis above the bottom [m]."""
-        return self._tube.height
-
-    @property
-    def time(self) -> float:
-        """Since the beginning [s]."""
-        return self._time
+        return np.array([*place, self.settings.altitude, course + turned])
 
     def motion(self) -> VehicleState:
         """Return where the vehicle is now, and how it moves."""
@@ -214,7 +189,7 @@ class LiveWorld:
     def advance(self, command: VelocityCommand, altitude: float, seconds: float) -> None:
         """Let the vehicle go on; `altitude` is what its altimeter said last [m]."""
         self._vehicle.advance(command, altitude, seconds)
-        self._time += seconds
+        self.time += seconds
 
     def cable_at(self, along: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return points and directions of the cable in the world, each (N, 3), at places (N,)."""
@@ -232,17 +207,11 @@ class LiveWorld:
 
     def picture(self, motion: VehicleState) -> Image:
         """Take the next picture: grey, uint8, shape (H, W)."""
-        poses = camera_poses(self._camera, motion)
-        return self._renderer.render(poses.positions[0], poses.rotations[0], self._time)
+        return self._scene.picture(motion, self.time)
 
     def true_state(self, motion: VehicleState) -> CableState | None:
         """Return the cable in the image; None if nothing of it can be seen."""
-        poses = camera_poses(self._camera, motion)
-        projected = project_tube(self._tube, self._camera, poses)
-        hidden = self._renderer.hidden(
-            self._cable, poses.positions[0], projected.world[0], projected.inside[0]
-        )
-        return seen_state(projected, hidden, self._camera.image_size)[0]
+        return self._scene.seen(motion)[0]
 
 
 def cable_course(seed: int, along: FloatArray) -> FloatArray:

@@ -85,10 +85,6 @@ class SceneRenderer:
 
     Parameters
     ----------
-    camera : Camera
-        The camera.
-    scene : Scene
-        Bottom and objects to render.
     look : Look
         Water, light, and the camera's faults.
     rng : numpy.random.Generator

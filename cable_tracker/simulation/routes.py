@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.simulation.scenario_description import SCENARIO_RATE, FrameMove, Scenario, Sway
+from cable_tracker.simulation.scenario_description import SCENARIO_RATE, Scenario, Sway
 from cable_tracker.simulation.trajectory import (
     Bands,
     Harmonics,
-    Move,
     Pause,
     Signal,
     Trajectory,
@@ -106,8 +107,8 @@ def _sway(sway: Sway, unit: float, times: FloatArray, rng: np.random.Generator) 
         signal = Signal(
             unit * sway.mean,
             Harmonics.random(unit * sway.limit, sway.bands, rng),
-            tuple(_move(move, unit) for move in sway.moves),
-            tuple(_move(move, 1.0) for move in sway.strength),
+            tuple(replace(move, amount=unit * move.amount) for move in sway.moves),
+            sway.strength,
         )
         if sway.variance is None:
             return signal
@@ -119,7 +120,3 @@ def _sway(sway: Sway, unit: float, times: FloatArray, rng: np.random.Generator) 
             break
     assert best is not None
     return best
-
-
-def _move(move: FrameMove, unit: float) -> Move:
-    return Move(move.frame / SCENARIO_RATE, move.frames / SCENARIO_RATE, unit * move.amount)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from cable_tracker.simulation.look import Look, Skin
-from cable_tracker.simulation.trajectory import Bands
+from cable_tracker.simulation.trajectory import Bands, Move
 
 SCENARIO_RATE = 25.0
 """Frames per second of all scenarios."""
@@ -18,23 +18,9 @@ SWELL: Bands = ((0.45, 0.55), (1.0, 1.3))
 """Frequencies at which a cable wavers in the image [Hz]."""
 
 
-@dataclass(frozen=True, slots=True)
-class FrameMove:
-    """A single smooth move.
-
-    Attributes
-    ----------
-    frame : int
-        First frame.
-    frames : int
-        Duration [frames].
-    amount : float
-        In the unit of what moves.
-    """
-
-    frame: int
-    frames: int
-    amount: float
+def frame_move(frame: int, frames: int, amount: float) -> Move:
+    """Return a move that begins with a frame of a scenario and lasts some frames."""
+    return Move(frame / SCENARIO_RATE, frames / SCENARIO_RATE, amount)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +38,9 @@ class Sway:
     variance : float or None
         Wanted variance of the steps from frame to frame [px² or deg²]; None: the wavering takes all
         of its limit.
-    moves : tuple of FrameMove
+    moves : tuple of Move
         Besides the wavering.
-    strength : tuple of FrameMove
+    strength : tuple of Move
         How the strength of the wavering departs from 1.
     """
 
@@ -62,8 +48,8 @@ class Sway:
     limit: float
     bands: Bands = BRISK
     variance: float | None = None
-    moves: tuple[FrameMove, ...] = ()
-    strength: tuple[FrameMove, ...] = ()
+    moves: tuple[Move, ...] = ()
+    strength: tuple[Move, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,10 +20,10 @@ from cable_tracker.simulation.scenario_description import (
     SHAKY,
     SWELL,
     Crossing,
-    FrameMove,
     Motion,
     Scenario,
     Sway,
+    frame_move,
 )
 
 USUAL_MOTION = Motion(
@@ -33,7 +33,9 @@ USUAL_MOTION = Motion(
     skew=Sway(2.2, 0.9, CALM),
 )
 
-_STOPPING = (FrameMove(70, 25, -0.93), FrameMove(170, 25, 0.93))
+_OLD_CABLE = Skin(tone=0.58, stains=1.0, cover=0.4, turf=0.1, silt=0.1, bulge=0.07, shade=0.6)
+
+_STOPPING = (frame_move(70, 25, -0.93), frame_move(170, 25, 0.93))
 
 _LAMP_FROM_THE_LEFT = (
     Lamp((-0.35, 0.1, 0.0), (0.0, 0.06), 0.35, 0.7),
@@ -58,23 +60,13 @@ _ALL = (
         248,
         Motion(
             distance=Sway(0.0, 95.0, BRISK, 16.92),
-            angle=Sway(0.0, 28.0, BRISK, 0.627, strength=(FrameMove(105, 30, -0.6),)),
+            angle=Sway(0.0, 28.0, BRISK, 0.627, strength=(frame_move(105, 30, -0.6),)),
             width=Sway(40.0, 14.0, BRISK, 0.26),
-            skew=Sway(2.4, 2.6, BRISK, 0.008, strength=(FrameMove(105, 30, -0.75),)),
+            skew=Sway(2.4, 2.6, BRISK, 0.008, strength=(frame_move(105, 30, -0.75),)),
         ),
         Look(
             bottom=Bottom(tone=0.33, stones=1.8, algae=1.4, gravel=0.5),
-            skin=Skin(
-                tone=0.58,
-                stains=1.0,
-                cover=0.45,
-                turf=0.1,
-                silt=0.1,
-                bulge=0.08,
-                drift=0.28,
-                shade=0.6,
-                gap_lengths=(1.5, 4.0),
-            ),
+            skin=replace(_OLD_CABLE, cover=0.45, bulge=0.08, drift=0.28, gap_lengths=(1.5, 4.0)),
             water=Water(absorption=0.22, scatter=0.24, veil=0.28, blur=0.9, flakes=0.8),
             daylight=0.28,
             lamps=_CROSSED_LAMPS,
@@ -88,24 +80,14 @@ _ALL = (
         "continuous pitch oscillation; a rapid move near frame 430",
         499,
         Motion(
-            distance=Sway(-15.0, 45.0, BRISK, 2.07, moves=(FrameMove(424, 14, 42.0),)),
-            angle=Sway(0.0, 18.0, BRISK, 0.286, moves=(FrameMove(424, 14, -14.0),)),
+            distance=Sway(-15.0, 45.0, BRISK, 2.07, moves=(frame_move(424, 14, 42.0),)),
+            angle=Sway(0.0, 18.0, BRISK, 0.286, moves=(frame_move(424, 14, -14.0),)),
             width=Sway(58.0, 36.0, ROUGH, 5.19),
             skew=Sway(3.2, 3.0, SWELL, 0.034),
         ),
         Look(
             bottom=Bottom(tone=0.33, ripples=2.0, stones=0.6, algae=1.0, ripple_angle=6.0),
-            skin=Skin(
-                tone=0.6,
-                stains=1.0,
-                cover=0.4,
-                turf=0.09,
-                silt=0.1,
-                bulge=0.07,
-                drift=0.26,
-                shade=0.6,
-                gap_lengths=(1.0, 3.5),
-            ),
+            skin=replace(_OLD_CABLE, tone=0.6, turf=0.09, drift=0.26, gap_lengths=(1.0, 3.5)),
             water=Water(absorption=0.2, scatter=0.2, veil=0.3, blur=0.9, flakes=0.7),
             daylight=0.32,
             lamps=_LAMP_FROM_THE_LEFT,
@@ -125,15 +107,8 @@ _ALL = (
         ),
         Look(
             bottom=Bottom(stones=0.7, algae=0.9),
-            skin=Skin(
-                tone=0.58,
-                stains=0.7,
-                cover=0.38,
-                turf=0.07,
-                silt=0.1,
-                bulge=0.05,
-                drift=0.1,
-                shade=0.75,
+            skin=replace(
+                _OLD_CABLE, stains=0.7, cover=0.38, turf=0.07, bulge=0.05, drift=0.1, shade=0.75
             ),
             water=Water(absorption=0.13, scatter=0.15, flakes=0.3),
             clutter=0.35,
@@ -152,29 +127,19 @@ _ALL = (
                 38.0,
                 ROUGH,
                 8.59,
-                moves=(FrameMove(62, 18, -16.0), FrameMove(117, 18, 16.0)),
+                moves=(frame_move(62, 18, -16.0), frame_move(117, 18, 16.0)),
             ),
             skew=Sway(
                 2.4,
                 1.4,
                 BRISK,
                 0.009,
-                moves=(FrameMove(62, 18, 1.9), FrameMove(117, 18, -1.9)),
+                moves=(frame_move(62, 18, 1.9), frame_move(117, 18, -1.9)),
             ),
         ),
         Look(
             bottom=Bottom(tone=0.3, stones=2.2, gravel=0.8, algae=0.6),
-            skin=Skin(
-                tone=0.58,
-                stains=1.0,
-                cover=0.35,
-                turf=0.08,
-                silt=0.1,
-                bulge=0.07,
-                drift=0.25,
-                shade=0.6,
-                gap_lengths=(1.0, 3.0),
-            ),
+            skin=replace(_OLD_CABLE, cover=0.35, turf=0.08, drift=0.25),
             water=Water(absorption=0.2, scatter=0.18, veil=0.3, blur=0.9, flakes=0.6),
             daylight=0.3,
             lamps=_LAMP_FROM_THE_RIGHT,
@@ -194,16 +159,8 @@ _ALL = (
         ),
         Look(
             bottom=Bottom(tone=0.6, ripples=2.0, stones=0.7, algae=0.6, ripple_angle=-8.0),
-            skin=Skin(
-                tone=0.21,
-                stains=1.0,
-                cover=0.4,
-                turf=0.1,
-                silt=0.13,
-                bulge=0.07,
-                drift=0.3,
-                shade=0.5,
-                gap_lengths=(1.5, 4.0),
+            skin=replace(
+                _OLD_CABLE, tone=0.21, silt=0.13, drift=0.3, shade=0.5, gap_lengths=(1.5, 4.0)
             ),
             water=Water(absorption=0.12, scatter=0.22, veil=0.36, blur=0.9, flakes=0.5),
             daylight=0.45,
@@ -219,22 +176,12 @@ _ALL = (
         Motion(
             distance=Sway(0.0, 75.0, BRISK, 10.31),
             angle=Sway(0.0, 24.0, BRISK, 0.599),
-            width=Sway(62.0, 33.0, ROUGH, 7.50, moves=(FrameMove(16, 10, -8.0),)),
-            skew=Sway(0.8, 3.4, SHAKY, 0.177, moves=(FrameMove(16, 9, 6.4),)),
+            width=Sway(62.0, 33.0, ROUGH, 7.50, moves=(frame_move(16, 10, -8.0),)),
+            skew=Sway(0.8, 3.4, SHAKY, 0.177, moves=(frame_move(16, 9, 6.4),)),
         ),
         Look(
             bottom=Bottom(tone=0.32, ripples=1.4, stones=1.2, algae=1.3),
-            skin=Skin(
-                tone=0.57,
-                stains=0.9,
-                cover=0.4,
-                turf=0.1,
-                silt=0.1,
-                bulge=0.07,
-                drift=0.24,
-                shade=0.7,
-                gap_lengths=(1.0, 3.0),
-            ),
+            skin=replace(_OLD_CABLE, tone=0.57, stains=0.9, drift=0.24, shade=0.7),
             water=Water(absorption=0.18, scatter=0.18, veil=0.3, blur=0.85, flakes=0.6),
             daylight=0.32,
             lamps=_LAMP_FROM_THE_LEFT,
@@ -252,7 +199,7 @@ _ALL = (
                 20.0,
                 30.0,
                 CALM,
-                moves=(FrameMove(90, 40, 235.0), FrameMove(190, 40, -245.0)),
+                moves=(frame_move(90, 40, 235.0), frame_move(190, 40, -245.0)),
             ),
             angle=Sway(0.0, 8.0, CALM),
             width=Sway(38.0, 6.0, CALM),

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
@@ -17,6 +16,7 @@ from cable_tracker.simulation.texture import (
     TiledTexture,
     cloud_response,
     frequencies,
+    nearest_places,
     smooth_step,
     spectral_noise,
 )
@@ -114,8 +114,6 @@ def make_bed(resolution: int, bottom: Bottom, rng: np.random.Generator) -> Tiled
     ----------
     resolution : int
         Texels per unit.
-    bottom : Bottom
-        Composition of the bottom.
 
     Returns
     -------
@@ -147,8 +145,6 @@ def make_cable(resolution: int, skin: Skin, rng: np.random.Generator) -> TiledTe
     ----------
     resolution : int
         Texels per radius of the cable.
-    skin : Skin
-        Appearance of the cable's surface.
 
     Returns
     -------
@@ -211,28 +207,17 @@ def _spread_gravel(
 ) -> None:
     """Cover part of the bottom with pebbles side by side; changes both maps in place."""
     side = height.shape[0]
-    margin = 2 * resolution
-    seeds = np.full((side, side), 255, dtype=np.uint8)
     places = rng.integers(0, side, (int(PEBBLES_PER_AREA * BED_SIZE**2), 2))
-    seeds[places[:, 0], places[:, 1]] = 0
-    wrapped = cv2.copyMakeBorder(seeds, margin, margin, margin, margin, cv2.BORDER_WRAP)
-    distance, labels = cv2.distanceTransformWithLabels(
-        wrapped, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
-    )
-    middle = slice(margin, margin + side)
-    # A pebble at the tile's edge has another label on the far side: its tone goes by its place.
-    rows, columns = np.nonzero(wrapped == 0)
     tones = rng.normal(1.0, 0.28, (side, side)).clip(0.4, 1.8)
-    by_label = np.ones(int(labels.max()) + 1)
-    by_label[labels[rows, columns]] = tones[(rows - margin) % side, (columns - margin) % side]
+    distance, pebbles = nearest_places(places, side, 2 * resolution, tones)
     size = resolution / np.sqrt(PEBBLES_PER_AREA)
-    apart = distance[middle, middle] / size
+    apart = distance / size
     dome = np.sqrt(np.clip(1 - (apart / 0.85) ** 2, 0.0, 1.0))
     beds = spectral_noise(
         cloud_response((side, side), resolution, (14.0, 14.0), 1.0), (side, side), rng
     )
     where = smooth_step(beds, 1.6 - 3.2 * share, 2.2 - 3.2 * share)
-    tone = by_label[labels[middle, middle]] * (0.55 + 0.45 * dome)
+    tone = pebbles * (0.55 + 0.45 * dome)
     height += where * 0.12 * dome
     albedo *= 1 + where * (tone - 1)
 

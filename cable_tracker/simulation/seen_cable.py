@@ -6,15 +6,27 @@ renderer's has x across to the right and y along.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray, Image
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.simulation.borders import ProjectedBorders, fit_states, visible_share
+from cable_tracker.simulation.borders import fit_states, project_tube, visible_share
 from cable_tracker.simulation.camera import Camera, CameraPoses, VehiclePoses
-from cable_tracker.simulation.dive import CABLE_RADIUS, Seeds
+from cable_tracker.simulation.dive import (
+    CABLE_RADIUS,
+    FOCAL,
+    Seeds,
+    Surroundings,
+    lay_out,
+)
+from cable_tracker.simulation.renderer import SceneRenderer
 from cable_tracker.simulation.tube import Tube, random_bends
 from cable_tracker.simulation.vehicle import VehicleState
+
+MOUNTING = math.radians(20.0)
+"""Angle by which the camera looks forward [rad]."""
 
 CURVATURE = 0.04
 """The cable never bends more than this [1/m]."""
@@ -51,26 +63,76 @@ def nearest_along(tube: Tube, place: FloatArray, along: float) -> float:
     return along
 
 
-def camera_poses(camera: Camera, motion: VehicleState) -> CameraPoses:
-    """Return the pose of a vehicle's camera, one of them, as the renderer takes it."""
-    roll, pitch, yaw = motion.angles
-    x, y, z = motion.position
-    # The renderer counts a raised nose as positive.
-    poses = VehiclePoses(np.array([[-y, x, z]]), np.array([[yaw, -pitch, roll]]))
-    return camera.poses(poses)
+class CableScene:
+    """A cable with all that lies about it, as the camera of a vehicle sees it.
 
+    Parameters
+    ----------
+    tube : Tube
+        The first cable.
+    surroundings : Surroundings
+        Everything else on the bottom.
+    length : float
+        Length of the way along the cable's course, from 0 [m].
+    image_size : (int, int)
+        Width and height of the pictures [px].
+    rngs : (Generator, Generator)
+        Draw the clutter, and the surfaces.
 
-def seen_state(
-    projected: ProjectedBorders, hidden: BoolArray, image_size: tuple[int, int]
-) -> tuple[CableState | None, float]:
-    """Return the cable in an image, and the share of its borders in it that nothing hides.
-
-    None and 0 if nothing of it can be seen. `hidden` (2, K): which points something covers.
+    Attributes
+    ----------
+    camera : Camera
+        The vehicle's camera; base_link is at its centre.
+    streaks : tuple of Streak
+        Ropes, furrows, tracks.
     """
-    visibility = visible_share(projected, 0, hidden)
-    if visibility <= 0.0:
-        return None, 0.0
-    return CableState.from_array(fit_states(projected, image_size)[0]), visibility
+
+    def __init__(
+        self,
+        tube: Tube,
+        surroundings: Surroundings,
+        length: float,
+        image_size: tuple[int, int],
+        rngs: tuple[np.random.Generator, np.random.Generator],
+    ) -> None:
+        self._tube = tube
+        self.camera = Camera(image_size, FOCAL * image_size[0] / 320, MOUNTING)
+        scene, cable = lay_out(self.camera, tube, surroundings, length, rngs)
+        assert cable is not None
+        self._cable = cable
+        self.streaks = scene.streaks
+        self._renderer = SceneRenderer(self.camera, scene, surroundings.look, rngs[1])
+
+    def picture(self, motion: VehicleState, seconds: float) -> Image:
+        """Take the next picture at a time: grey, uint8, shape (H, W)."""
+        poses = self._poses(motion)
+        return self._renderer.render(poses.positions[0], poses.rotations[0], seconds)
+
+    def seen(self, motion: VehicleState) -> tuple[CableState | None, float]:
+        """Return the cable in the image, and the share of its borders in it that nothing hides.
+
+        None and 0 if nothing of it can be seen.
+        """
+        poses = self._poses(motion)
+        projected = project_tube(self._tube, self.camera, poses)
+        hidden = self.hidden(poses.positions[0], projected.world[0], projected.inside[0])
+        visibility = visible_share(projected, 0, hidden)
+        if visibility <= 0.0:
+            return None, 0.0
+        states = fit_states(projected, self.camera.image_size)
+        return CableState.from_array(states[0]), visibility
+
+    def hidden(self, position: FloatArray, world: FloatArray, usable: BoolArray) -> BoolArray:
+        """Tell which points of the cable's borders something covers; see `SceneRenderer.hidden`."""
+        return self._renderer.hidden(self._cable, position, world, usable)
+
+    def _poses(self, motion: VehicleState) -> CameraPoses:
+        """Return the pose of the camera, one of them, as the renderer takes it."""
+        roll, pitch, yaw = motion.angles
+        x, y, z = motion.position
+        # The renderer counts a raised nose as positive.
+        poses = VehiclePoses(np.array([[-y, x, z]]), np.array([[yaw, -pitch, roll]]))
+        return self.camera.poses(poses)
 
 
 def _from_renderer(vectors: FloatArray) -> FloatArray:

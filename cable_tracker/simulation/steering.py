@@ -31,10 +31,6 @@ def steer(
 
     Parameters
     ----------
-    tube : Tube
-        The cable.
-    camera : Camera
-        The camera.
     states : FloatArray
         d, alpha, w, beta wanted, shape (N, 4) or (N, 8) [px, rad]; |alpha| below about 80 deg.
     lean : FloatArray

@@ -124,12 +124,6 @@ def write_survey_bag(
 
     Parameters
     ----------
-    path : Path
-        Folder of the bag.
-    settings : SurveyDiveSettings
-        Settings of the dive.
-    storage : "mcap" or "sqlite3"
-        Format of the storage file.
     overwrite : bool
         Replace a bag that lies at the path.
     advance : callable
@@ -187,10 +181,6 @@ class InstrumentWriter:
     ----------
     bag : BagWriter
         Bag to write to; gets the mounting of camera and altimeter at once.
-    camera : Camera
-        The vehicle's.
-    errors : InstrumentErrors
-        Noise of the instruments.
     """
 
     def __init__(self, bag: BagWriter, camera: Camera, errors: InstrumentErrors) -> None:

@@ -17,9 +17,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.simulation.borders import project_tube
-from cable_tracker.simulation.camera import Camera
-from cable_tracker.simulation.dive import FOCAL, Seeds, Surroundings, lay_out
+from cable_tracker.simulation.dive import Seeds, Surroundings
 from cable_tracker.simulation.instruments import (
     ImuReading,
     InstrumentErrors,
@@ -27,15 +25,13 @@ from cable_tracker.simulation.instruments import (
     OdometryReading,
 )
 from cable_tracker.simulation.laid_cable import BuriedStretch
-from cable_tracker.simulation.live_world import BURIAL_RAMP, LOOK, MOUNTING
+from cable_tracker.simulation.live_world import BURIAL_RAMP, LOOK
 from cable_tracker.simulation.look import Skin
-from cable_tracker.simulation.renderer import SceneRenderer
 from cable_tracker.simulation.seen_cable import (
+    CableScene,
     cable_of_seed,
     cable_points,
-    camera_poses,
     nearest_along,
-    seen_state,
 )
 from cable_tracker.simulation.setting_checks import check_range, check_seed, check_size
 from cable_tracker.simulation.trajectory import Bands, Harmonics
@@ -208,58 +204,42 @@ class Tick:
 class SurveyDive:
     """One dive along a cable.
 
-    Parameters
+    Attributes
     ----------
-    settings : SurveyDiveSettings
-        Settings of the dive.
+    camera : Camera
+        The vehicle's camera; base_link is at its centre.
+    errors : InstrumentErrors
+        How wrong the instruments are.
+    cable_height : float
+        Height of the cable's axis above the bottom [m].
     """
 
     def __init__(self, settings: SurveyDiveSettings) -> None:
         self._settings = settings
         own, cables = Seeds.of(settings.seed), Seeds.of(settings.cable_seed)
         motion_rng, reading_rng = (np.random.default_rng(seed) for seed in own.route.spawn(2))
-        width = settings.image_size[0]
-        self._camera = Camera(settings.image_size, FOCAL * width / 320, MOUNTING)
         self._tube = cable_of_seed(settings.cable_seed)
-        picture_rng = np.random.default_rng(cables.picture)
-        scene, cable = lay_out(
-            self._camera,
+        self._scene = CableScene(
             self._tube,
             Surroundings(LOOK, stretches=self._stretches(), others=self._others()),
             settings.length,
-            (np.random.default_rng(cables.clutter), picture_rng),
+            settings.image_size,
+            (np.random.default_rng(cables.clutter), np.random.default_rng(cables.picture)),
         )
-        assert cable is not None
-        self._cable = cable
-        self._streaks = scene.streaks
-        self._renderer = SceneRenderer(self._camera, scene, LOOK, picture_rng)
+        self.camera = self._scene.camera
+        self.cable_height = self._tube.height
         self._wander = Harmonics.random(settings.wander, WANDER_BANDS, motion_rng)
         current = Current.random(settings.current, np.random.default_rng(own.course))
         self._vehicle = Vehicle(VehicleModel(), current, self._start(), motion_rng)
-        self._errors = InstrumentErrors()
-        self._instruments = InstrumentSet(self._errors, self._vehicle.motion(), reading_rng)
+        self.errors = InstrumentErrors()
+        self._instruments = InstrumentSet(self.errors, self._vehicle.motion(), reading_rng)
         self._rng = reading_rng
         self._altitude = settings.altitude
-
-    @property
-    def camera(self) -> Camera:
-        """The vehicle's camera; base_link is at its centre."""
-        return self._camera
-
-    @property
-    def errors(self) -> InstrumentErrors:
-        """How wrong the instruments are."""
-        return self._errors
-
-    @property
-    def cable_height(self) -> float:
-        """Height of the cable's axis above the bottom [m]."""
-        return self._tube.height
 
     def lines_across(self) -> FloatArray:
         """Return where other cables, ropes and furrows lie across the cable, shape (N,) [m]."""
         across = list(self._settings.crossings)
-        for streak in self._streaks:
+        for streak in self._scene.streaks:
             sine, cosine = math.sin(streak.angle), math.cos(streak.angle)
             if abs(sine) < LEAST_ACROSS or abs(streak.p / sine) > streak.half_length + 1.0:
                 continue
@@ -278,7 +258,7 @@ class SurveyDive:
             position = np.array([*points[0, :2], self._settings.altitude])
             world = self._tube.silhouette(position[None], (place + steps)[None])[0]
             usable = np.isfinite(world).all(axis=-1)
-            shares[number] = self._renderer.hidden(self._cable, position, world, usable).mean()
+            shares[number] = self._scene.hidden(position, world, usable).mean()
         return shares
 
     def ticks(self) -> Iterator[Tick]:
@@ -301,7 +281,8 @@ class SurveyDive:
                 yield Tick(number * period, motion, odometry, imu, fix=fix)
                 continue
             self._altitude = self._instruments.altitude(motion)
-            picture, truth, visibility = self._look(motion, number * period)
+            picture = self._scene.picture(motion, number * period)
+            truth, visibility = self._scene.seen(motion)
             yield Tick(
                 number * period, motion, odometry, imu, self._altitude, fix,
                 picture, truth, visibility,
@@ -356,13 +337,3 @@ class SurveyDive:
             fall = (each.end - along) / EXCURSION_RAMP + 1.0
             most = max(most, min(1.0, rise, fall))
         return most * self._settings.excursion
-
-    def _look(self, motion: VehicleState, seconds: float) -> tuple[Image, CableState | None, float]:
-        poses = camera_poses(self._camera, motion)
-        position, rotation = poses.positions[0], poses.rotations[0]
-        picture = self._renderer.render(position, rotation, seconds)
-        projected = project_tube(self._tube, self._camera, poses)
-        hidden = self._renderer.hidden(
-            self._cable, position, projected.world[0], projected.inside[0]
-        )
-        return picture, *seen_state(projected, hidden, self._camera.image_size)

@@ -87,6 +87,39 @@ def cloud_response(
     return response
 
 
+def nearest_places(places: Image, side: int, margin: int, tones: Image) -> tuple[Image, Image]:
+    """Return how far the nearest of some places is, and its tone, in a tile that repeats.
+
+    Parameters
+    ----------
+    places : Image
+        Rows and columns of the places, shape (K, 2) [texels].
+    side : int
+        Rows and columns of the tile.
+    margin : int
+        Places farther away than this need not be found beyond an edge [texels].
+    tones : Image
+        Tone of a place at each texel, shape (side, side).
+
+    Returns
+    -------
+    (Image, Image)
+        Distances [texels] and tones, shape (side, side).
+    """
+    seeds = np.full((side, side), 255, np.uint8)
+    seeds[places[:, 0], places[:, 1]] = 0
+    wrapped = cv2.copyMakeBorder(seeds, margin, margin, margin, margin, cv2.BORDER_WRAP)
+    distance, labels = cv2.distanceTransformWithLabels(
+        wrapped, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    # A place at the tile's edge has another label on the far side: its tone goes by its place.
+    rows, columns = np.nonzero(wrapped == 0)
+    by_label = np.ones(int(labels.max()) + 1, tones.dtype)
+    by_label[labels[rows, columns]] = tones[(rows - margin) % side, (columns - margin) % side]
+    middle = slice(margin, margin + side)
+    return distance[middle, middle], by_label[labels[middle, middle]]
+
+
 def smooth_step(values: Image, low: float, high: float) -> Image:
     """Rise smoothly from 0 below `low` to 1 above `high`, element by element."""
     share = np.clip((values - low) / (high - low), 0.0, 1.0)

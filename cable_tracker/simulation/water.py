@@ -52,6 +52,11 @@ class Illumination:
         In between.
     daylight : float
         Even light from above.
+
+    Attributes
+    ----------
+    length : Image
+        Length of each ray, float32, shape (H, W).
     """
 
     def __init__(self, rays: Image, lamps: tuple[Lamp, ...], water: Water, daylight: float) -> None:
@@ -59,15 +64,10 @@ class Illumination:
         self._lamps = lamps
         self._water = water
         self._daylight = np.float32(daylight)
-        self._length: Image = np.sqrt(np.sum(rays * rays, axis=0))
-        edge = self._length.max()
-        self._vignette = (1 - 0.25 * ((self._length - 1) / (edge - 1))).astype(np.float32)
+        self.length: Image = np.sqrt(np.sum(rays * rays, axis=0))
+        edge = self.length.max()
+        self._vignette = (1 - 0.25 * ((self.length - 1) / (edge - 1))).astype(np.float32)
         self._glow = self._make_glow()
-
-    @property
-    def length(self) -> Image:
-        """Length of each ray, float32, shape (H, W)."""
-        return self._length
 
     def through_water(self, scene: Image, depth: Image) -> Image:
         """Light the scene and look at it through the water.
@@ -79,7 +79,7 @@ class Illumination:
         depth : Image
             Distance along the camera's axis, float32, shape (H, W) [m].
         """
-        distance = depth * self._length
+        distance = depth * self.length
         seen = scene * self.on(depth)
         seen *= np.exp(distance * np.float32(-self._water.absorption))
         closed = 1 - np.exp(distance * np.float32(-self._water.scatter))
@@ -155,8 +155,6 @@ class Snow:
 
         Parameters
         ----------
-        camera : Camera
-            The camera.
         position, rotation : FloatArray
             Pose of the camera: (3,) [m], and (3, 3).
         time : float

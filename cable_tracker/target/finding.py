@@ -54,8 +54,6 @@ class TargetEngine(ABC):
 
     Parameters
     ----------
-    parameters : TargetParameters
-        The tracker's parameters.
     rng : numpy.random.Generator
         The only source of randomness.
     """
@@ -91,8 +89,6 @@ class TargetEngine(ABC):
 
         Parameters
         ----------
-        frame : WorkingFrame
-            The frame.
         dt : float
             Time since the frame before [s].
         motion : CameraMotion or None

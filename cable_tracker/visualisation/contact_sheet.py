@@ -38,6 +38,11 @@ class ContactSheet:
     thumbnail_width : int
         Width of a picture on the sheet [px], at least 32.
 
+    Attributes
+    ----------
+    stride : int
+        Interval of the pictures that are on the sheet now.
+
     Raises
     ------
     ParameterError
@@ -50,17 +55,12 @@ class ContactSheet:
                 f"contact sheet: stride {stride}, limit {limit}, thumbnail_width {thumbnail_width}:"
                 " give at least 1, 2 and 32"
             )
-        self._stride = stride
+        self.stride = stride
         self._limit = limit
         self._width = thumbnail_width
         self._height = 0
         self._count = 0
         self._thumbnails: list[Image] = []
-
-    @property
-    def stride(self) -> int:
-        """How many frames lie between two pictures of the sheet."""
-        return self._stride
 
     def __len__(self) -> int:
         """Return the number of pictures on the sheet."""
@@ -68,7 +68,7 @@ class ContactSheet:
 
     def wants_next(self) -> bool:
         """Tell whether the next picture will be kept; any other need not be drawn at all."""
-        return self._count % self._stride == 0
+        return self._count % self.stride == 0
 
     def add(
         self, overlay: Image | None, frame: int, words: str = "", colour: Colour = WHITE
@@ -83,8 +83,6 @@ class ContactSheet:
             Number of the frame, written below the picture.
         words : str
             Written beside the number, such as the status; ASCII.
-        colour : Colour
-            Colour of the caption.
         """
         wanted = self.wants_next()
         self._count += 1
@@ -95,7 +93,7 @@ class ContactSheet:
         self._thumbnails.append(self._shrink(overlay, frame, words, colour))
         if len(self._thumbnails) > self._limit:
             self._thumbnails = self._thumbnails[::2]
-            self._stride *= 2
+            self.stride *= 2
 
     def draw(self) -> Image:
         """Return the sheet, shape (H, W, 3), blue-green-red, uint8.

@@ -303,7 +303,7 @@ def _write_legend(
     numbers = _numbers(state) if state is not None and state.is_finite() else ""
     wide = _numbers(CableState(-1000.0, -1.0, 100.0, -0.5))
     # Measured by a text of the widest kind, so that the size does not flicker with the digits.
-    scale = min(_scale_to_fit(wide, 0.97 * width), 0.0021 * height + 0.02, 1.6)
+    scale = min(0.97 * width / max(1, _text_width(wide, 1.0)), 0.0021 * height + 0.02, 1.6)
     line = round(_text_height(scale) * 1.6)
     longest = with_presence("INITIALISING", None if presence is None else 1.0)
     side_by_side = _text_width(f"{longest}  {wide}", scale) < width - 2 * line
@@ -341,10 +341,6 @@ def _text_width(text: str, scale: float) -> int:
 
 def _text_height(scale: float) -> int:
     return int(cv2.getTextSize("Tg", FONT, scale, _thickness(scale))[0][1])
-
-
-def _scale_to_fit(text: str, width: float) -> float:
-    return width / max(1, _text_width(text, 1.0))
 
 
 def _write(canvas: Image, text: str, corner: tuple[int, int], scale: float, colour: Colour) -> None:

@@ -22,7 +22,7 @@ from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.errors import OutputError
 from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.stamps import NANOSECONDS
-from cable_tracker.visualisation.palette import ESTIMATE, TRUTH, Colour, status_colour, to_unit
+from cable_tracker.visualisation.palette import ESTIMATE, TRUTH, dark, status_colour
 
 LARGEST_COUNT = 10_000
 """A longer recording is thinned out to at most this many frames: a plot cannot show more."""
@@ -105,6 +105,17 @@ def plot_estimates(
     if not rows:
         raise OutputError(f"{path}: there are no frames to plot; check the recording")
     figure = _draw(_series(rows[:: -(-len(rows) // LARGEST_COUNT)], truths))
+    write_figure(path, figure)
+
+
+def write_figure(path: Path, figure: Figure) -> None:
+    """Write a figure as PNG; a failure leaves no file behind.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
     buffer = io.BytesIO()
     FigureCanvasAgg(figure)
     figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
@@ -162,7 +173,7 @@ def _draw_panel(axis: Axes, series: _Series, panel: _Panel) -> None:
     times, estimate = _broken(series.times, series.estimates, column)
     _, sigma = _broken(series.times, series.estimates, column, series.sigmas)
     estimate, sigma = estimate * panel.factor, sigma * panel.factor
-    colour = _dark(ESTIMATE)
+    colour = dark(ESTIMATE)
     axis.fill_between(
         times, estimate - 2 * sigma, estimate + 2 * sigma, color=colour, alpha=0.25, linewidth=0
     )
@@ -170,7 +181,7 @@ def _draw_panel(axis: Axes, series: _Series, panel: _Panel) -> None:
     _mark_single_points(axis, times, estimate, colour)
     true_times, truth = _broken(*_bridged(series.times, series.truths), column)
     truth = truth * panel.factor
-    axis.plot(true_times, truth, color=_dark(TRUTH), linewidth=1.3, linestyle=(0, (4, 2)))
+    axis.plot(true_times, truth, color=dark(TRUTH), linewidth=1.3, linestyle=(0, (4, 2)))
     axis.set_ylim(_limits(np.concatenate((estimate, truth)), sigma))
     axis.set_ylabel(panel.label)
     _decorate(axis)
@@ -178,8 +189,8 @@ def _draw_panel(axis: Axes, series: _Series, panel: _Panel) -> None:
 
 def _draw_presence(axis: Axes, series: _Series) -> None:
     percent = 100 * series.presence
-    axis.plot(series.times, percent, color=_dark(ESTIMATE), linewidth=1.4)
-    _mark_single_points(axis, series.times, percent, _dark(ESTIMATE))
+    axis.plot(series.times, percent, color=dark(ESTIMATE), linewidth=1.4)
+    _mark_single_points(axis, series.times, percent, dark(ESTIMATE))
     axis.set_ylim(-4, 104)
     axis.set_ylabel("presence [%]")
     _decorate(axis)
@@ -246,7 +257,7 @@ def _shade(axis: Axes, series: _Series, status: str) -> None:
     boxes = [[(a, 0.0), (a, 1.0), (b, 1.0), (b, 0.0)] for a, b in spans]
     collection = PolyCollection(
         boxes,
-        facecolors=[(*_dark(status_colour(status)), _shade_opacity(status))],
+        facecolors=[(*dark(status_colour(status)), _shade_opacity(status))],
         edgecolors="none",
         transform=axis.get_xaxis_transform(),
         zorder=0.5,
@@ -268,22 +279,16 @@ def _intervals(times: FloatArray, holds: BoolArray) -> list[tuple[float, float]]
 
 
 def _add_legend(figure: Figure, series: _Series, shaded: Sequence[str]) -> None:
-    colour = _dark(ESTIMATE)
+    colour = dark(ESTIMATE)
     entries: list[tuple[Line2D | Patch, str]] = [
         (Line2D([], [], color=colour, linewidth=1.6), "estimate"),
         (Patch(color=colour, alpha=0.25, linewidth=0), "estimate ± 2 sigma"),
     ]
     if np.isfinite(series.truths).any():
-        line = Line2D([], [], color=_dark(TRUTH), linewidth=1.5, linestyle=(0, (4, 2)))
+        line = Line2D([], [], color=dark(TRUTH), linewidth=1.5, linestyle=(0, (4, 2)))
         entries.append((line, "ground truth"))
     for status in shaded:
-        patch = Patch(color=_dark(status_colour(status)), alpha=_shade_opacity(status), linewidth=0)
+        patch = Patch(color=dark(status_colour(status)), alpha=_shade_opacity(status), linewidth=0)
         entries.append((patch, status))
     handles, labels = zip(*entries, strict=True)
     figure.legend(list(handles), list(labels), loc="upper center", ncol=len(labels), frameon=False)
-
-
-def _dark(colour: Colour) -> tuple[float, float, float]:
-    """Darken a colour that is made for dark pictures, for white paper."""
-    red, green, blue = to_unit(colour)
-    return red * 0.75, green * 0.75, blue * 0.75

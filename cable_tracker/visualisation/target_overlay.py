@@ -31,8 +31,6 @@ def draw_target(
     ----------
     image : Image
         uint8, grey (H, W) or blue-green-red (H, W, 3).
-    estimate : TargetEstimate
-        Estimate of this frame.
     particles : FloatArray or None
         Poses in pixels of the frame, shape (N, 6).
     line : int

@@ -45,12 +45,6 @@ def test_what_stops_a_task_reaches_the_caller():
         run_all([Failing(), Failing()])
 
 
-@pytest.mark.parametrize("workers", [0, -1, 1000])
-def test_the_number_of_workers_is_checked(workers):
-    with pytest.raises(ParameterError, match=f"workers is {workers}"):
-        run_all([Doubling(1)], workers=workers)
-
-
 def test_several_workers_without_dask_are_refused_with_what_to_do(monkeypatch):
     monkeypatch.delitem(sys.modules, "cable_tracker.campaigns.runner", raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)

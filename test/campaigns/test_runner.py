@@ -17,7 +17,7 @@ pytestmark = pytest.mark.filterwarnings("default")
 from campaign_tasks import Failing, KillsItsWorkerOnce, Square, SquareResult  # noqa: E402
 from distributed import Client, LocalCluster  # noqa: E402
 
-from cable_tracker.campaigns.folder_tasks import TaskState, fingerprint_of_files  # noqa: E402
+from cable_tracker.campaigns.folder_tasks import TaskState  # noqa: E402
 from cable_tracker.campaigns.result_tasks import run_all  # noqa: E402
 from cable_tracker.campaigns.runner import _Progress, run_campaign  # noqa: E402
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings  # noqa: E402
@@ -192,18 +192,3 @@ def test_no_scheduler_is_said(tmp_path, monkeypatch):
 def test_two_recordings_of_one_name_are_refused(tmp_path):
     with pytest.raises(ParameterError, match="two recordings are called number_1"):
         run_campaign([Square(1), Square(1)], tmp_path, ALONE)
-
-
-def test_a_file_that_is_written_to_has_another_fingerprint(tmp_path):
-    (tmp_path / "bag").mkdir()
-    (tmp_path / "bag/0.mcap").write_bytes(b"one")
-    before = fingerprint_of_files(tmp_path / "bag")
-    assert before == fingerprint_of_files(tmp_path / "bag")
-    (tmp_path / "bag/0.mcap").write_bytes(b"longer")
-    assert fingerprint_of_files(tmp_path / "bag") != before
-
-
-@pytest.mark.parametrize("workers", [0, 257])
-def test_a_number_of_workers_that_cannot_be_is_refused(workers):
-    with pytest.raises(ParameterError, match="workers"):
-        ClusterSettings(workers=workers)

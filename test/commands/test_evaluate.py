@@ -125,20 +125,6 @@ def test_a_labelled_recording_is_evaluated(command, labels, tmp_path):
     assert len((out / "frames.csv").read_text().splitlines()) == 1 + 5
 
 
-def test_results_are_not_overwritten_unless_told(command, labels, tmp_path):
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / REPORT).write_text("old")
-    arguments = (
-        "evaluate", "--source", labels, "--method", "thesis", "--seeds", 1,
-        "--output", tmp_path / "out",
-    )  # fmt: skip
-    code, _, messages = command(*arguments)
-    assert code == 2
-    assert "exists already" in messages
-    assert command(*arguments, "--force")[0] == 0
-    assert (tmp_path / "out" / REPORT).read_text(encoding="utf-8") != "old"
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

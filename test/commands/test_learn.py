@@ -1,4 +1,3 @@
-import json
 import shutil
 from pathlib import Path
 
@@ -134,22 +133,6 @@ def test_the_filter_is_that_of_the_parameters(command, bag):
     assert command("learn", bag, "--output", "a.json")[0] == 0
     assert command("learn", bag, "--params", "p.yaml", "--output", "b.json")[0] == 0
     assert (load_table("a.json").edges != load_table("b.json").edges).any()
-
-
-def test_a_table_is_replaced_only_when_told_and_nothing_else_ever_is(command, bag):
-    assert command("learn", bag, "--seed", 1, "--output", "table.json")[0] == 0
-    before = Path("table.json").read_bytes()
-    code, _, messages = command("learn", bag, "--output", "table.json")
-    assert (code, messages.count("\n")) == (2, 1)
-    assert "table.json: exists already" in messages
-    assert Path("table.json").read_bytes() == before
-    assert command("learn", bag, "--seed", 2, "--output", "table.json", "--force")[0] == 0
-    assert Path("table.json").read_bytes() != before
-    Path("mine.json").write_text(json.dumps({"dear": 1}))
-    code, _, messages = command("learn", bag, "--output", "mine.json", "--force")
-    assert code == 2
-    assert "is no earlier output of this kind" in messages
-    assert left_behind() == {"dive", "table.json", "mine.json"}
 
 
 def test_bad_frames_are_passed_over_where_that_is_wanted(command, labels):

@@ -151,15 +151,18 @@ def test_a_folder_that_cannot_be_written_to_is_said_at_once(run, tmp_path, name)
     assert os.strerror(errno.ENOTDIR) in outcome.err
 
 
+@pytest.mark.parametrize("inside", [(), ("chapter.tex",)], ids=["file", "folder"])
 @pytest.mark.parametrize("name", COMMANDS)
-def test_what_exists_is_not_replaced(run, tmp_path, name):
+def test_what_exists_is_not_replaced(run, tmp_path, name, inside):
     output = tmp_path / "out"
-    output.write_text("mine")
+    mine = output.joinpath(*inside)
+    mine.parent.mkdir(exist_ok=True)
+    mine.write_text("mine")
     assert "--force" in run(name, output).err
     forced = run(name, output, "--force")
     assert forced.code == 2
     assert "not overwritten" in forced.err
-    assert output.read_text() == "mine"
+    assert mine.read_text() == "mine"
     assert names_in(tmp_path) == {"out"}
 
 

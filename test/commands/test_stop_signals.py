@@ -31,7 +31,7 @@ DROPPED = {
 
 
 def run(code: str, number: signal.Signals) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(  # noqa: S603
+    return subprocess.run(
         [sys.executable, "-c", BEGIN.replace("NUMBER", str(number.value)) + code],
         capture_output=True,
         text=True,

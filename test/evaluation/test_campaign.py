@@ -82,9 +82,3 @@ def test_an_unknown_method_is_named_with_what_there_is(stripe):
 def test_there_must_be_something_to_run(stripe, empty):
     with pytest.raises(ParameterError, match="at least one"):
         dataclasses.replace(Campaign(("thesis",), (stripe,), (0,)), **{empty: ()})
-
-
-@pytest.mark.parametrize("workers", [0, -1, 1000])
-def test_the_number_of_workers_is_checked(stripe, workers):
-    with pytest.raises(ParameterError, match=f"workers is {workers}"):
-        run_campaign(Campaign(("thesis",), (stripe,), (0,)), workers=workers)

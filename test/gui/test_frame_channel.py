@@ -1,11 +1,9 @@
 import asyncio
 import threading
 
+from starlette.websockets import WebSocketDisconnect
+
 from cable_tracker.gui.frame_channel import FrameChannel
-
-
-class GoneError(Exception):
-    """The browser has closed the connection."""
 
 
 class Browser:
@@ -22,7 +20,7 @@ class Browser:
     async def receive_text(self):
         text = await self._texts.get()
         if text is None:
-            raise GoneError
+            raise WebSocketDisconnect
         return text
 
     async def send_bytes(self, data):
@@ -46,7 +44,7 @@ def watching(scenario, browsers=1):
     async def run():
         channel = FrameChannel()
         seen = [Browser() for _ in range(browsers)]
-        serving = [asyncio.create_task(channel.serve(browser, GoneError)) for browser in seen]
+        serving = [asyncio.create_task(channel.serve(browser)) for browser in seen]
         await turns()
         await scenario(channel, *seen)
         for browser in seen:
@@ -115,7 +113,7 @@ def test_whoever_comes_later_gets_the_newest_at_once():
         channel.publish(b"old")
         channel.publish(b"new")
         browser = Browser()
-        serving = asyncio.create_task(channel.serve(browser, GoneError))
+        serving = asyncio.create_task(channel.serve(browser))
         assert await browser.received.get() == b"new"
         browser.leaves()
         await serving

@@ -2,16 +2,13 @@ import asyncio
 
 import numpy as np
 import pytest
+from starlette.websockets import WebSocketDisconnect
 
 from cable_tracker.gui.packet import unpack
 from cable_tracker.gui.picture_feed import PictureFeed
 from cable_tracker.gui.session import Snapshot
 
 TIMEOUT = 300.0
-
-
-class GoneError(Exception):
-    """The browser has closed the connection."""
 
 
 class Browser:
@@ -27,7 +24,7 @@ class Browser:
     async def receive_text(self):
         text = await self._said.get()
         if text is None:
-            raise GoneError
+            raise WebSocketDisconnect
         return text
 
     async def send_bytes(self, data):
@@ -83,7 +80,7 @@ def looking(feed, *visits):
     async def run():
         for visit in visits:
             browser = Browser()
-            serving = asyncio.create_task(feed.channel.serve(browser, GoneError))
+            serving = asyncio.create_task(feed.channel.serve(browser))
             await visit(browser)
             await browser.go()
             await serving

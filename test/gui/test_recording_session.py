@@ -11,7 +11,6 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.errors import FrameError, GuiError, ParameterError, RecordingError
 from cable_tracker.gui.recording_request import RecordingRequest
 from cable_tracker.gui.recording_session import RecordingSession
-from cable_tracker.gui.session import Player
 from cable_tracker.gui.tracked_recording import LONGEST_RUN
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.recorded import recorded_vehicle
@@ -98,10 +97,6 @@ def watch(dive):
 
 def same_belief(one, other):
     return one.state == other.state and np.array_equal(one.cloud, other.cloud)
-
-
-def test_it_is_a_player(watch):
-    assert isinstance(watch().session, Player)
 
 
 def test_the_first_frame_is_shown_and_tracked_without_being_asked(watch):

@@ -132,17 +132,6 @@ def test_refused_frames_stand_in_the_table_and_not_in_the_video(tmp_path, dive, 
         assert len(list(video.decode(video=0))) == 2
 
 
-def test_results_are_replaced_only_where_that_is_wanted(tmp_path, dive):
-    for overwrite in (False, True):
-        with ResultFolder(tmp_path / "out", overwrite=overwrite) as results:
-            fill(results, dive[: 3 if overwrite else 1])
-    assert len(read_estimates(tmp_path / "out" / "estimates.csv")) == 3
-    with pytest.raises(OutputError, match="exists already"), ResultFolder(tmp_path / "out"):
-        pass
-    assert len(read_estimates(tmp_path / "out" / "estimates.csv")) == 3
-    assert names_in(tmp_path) == {"out"}
-
-
 def test_earlier_results_outlive_a_failed_run(tmp_path, dive):
     with ResultFolder(tmp_path / "out") as results:
         fill(results, dive[:1])
@@ -152,31 +141,11 @@ def test_earlier_results_outlive_a_failed_run(tmp_path, dive):
     assert names_in(tmp_path) == {"out"}
 
 
-def test_what_is_something_else_is_never_replaced(tmp_path, dive):
-    (tmp_path / "thesis").mkdir()
-    (tmp_path / "thesis" / "chapter.tex").write_text("precious")
-    (tmp_path / "file").write_text("precious")
-    for name in ("thesis", "file"):
-        with (
-            pytest.raises(OutputError, match="is no earlier output of this kind"),
-            ResultFolder(tmp_path / name, overwrite=True),
-        ):
-            pass
-    assert (tmp_path / "thesis" / "chapter.tex").read_text() == "precious"
-    assert (tmp_path / "file").read_text() == "precious"
-
-
 def test_an_empty_folder_may_be_filled(tmp_path, dive):
     (tmp_path / "out").mkdir()
     with ResultFolder(tmp_path / "out", overwrite=True) as results:
         fill(results, dive[:1])
     assert names_in(tmp_path / "out") == NAMES
-
-
-def test_a_place_that_cannot_be_written_is_refused(tmp_path):
-    (tmp_path / "file").write_text("x")
-    with pytest.raises(OutputError, match="cannot be written"), ResultFolder(tmp_path / "file/out"):
-        pass
 
 
 def full_disk(*_, **__):

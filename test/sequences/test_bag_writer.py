@@ -79,13 +79,6 @@ def test_nothing_is_left_after_an_exception(tmp_path, image, storage, failure):
     assert names(tmp_path) == set()
 
 
-def test_an_existing_bag_is_not_overwritten(make_bag):
-    path = make_bag()
-    with pytest.raises(OutputError, match="exists already"), BagWriter(path):
-        pass
-    assert BagSource(path).frame_count == 5
-
-
 def test_an_existing_bag_is_overwritten_on_demand(make_bag, image):
     path = make_bag()
     with BagWriter(path, overwrite=True) as bag:
@@ -102,16 +95,6 @@ def test_the_old_bag_stays_when_the_new_one_fails(make_bag):
     assert BagSource(path).frame_count == 5
 
 
-def test_anything_but_a_bag_is_never_overwritten(tmp_path):
-    (tmp_path / "thesis").mkdir()
-    (tmp_path / "thesis" / "chapter.tex").touch()
-    (tmp_path / "file").touch()
-    for name in ("thesis", "file"):
-        with pytest.raises(OutputError), BagWriter(tmp_path / name, overwrite=True):
-            pass
-    assert names(tmp_path) == {"thesis", "file"}
-
-
 def test_leftovers_of_a_killed_process_do_not_disturb(tmp_path):
     (tmp_path / ".out.partial" / "out").mkdir(parents=True)
     with BagWriter(tmp_path / "out"):
@@ -123,12 +106,6 @@ def test_missing_folders_are_made(tmp_path):
     with BagWriter(tmp_path / "a" / "b"):
         pass
     assert (tmp_path / "a" / "b" / "metadata.yaml").exists()
-
-
-def test_a_path_inside_a_file_is_refused(tmp_path):
-    (tmp_path / "file").touch()
-    with pytest.raises(OutputError, match="cannot be written"), BagWriter(tmp_path / "file" / "b"):
-        pass
 
 
 @pytest.mark.parametrize("stamp", [-1, 2**63 - 1])

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cable_tracker.errors import FrameError, OutputError, RecordingError
+from cable_tracker.errors import FrameError, RecordingError
 from cable_tracker.sequences.convert import ImageFormat, WrittenBag, in_format, write_bag
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
@@ -89,12 +89,4 @@ def test_a_frame_that_cannot_be_decoded_is_left_out_and_counted_on_request(tmp_p
         tmp_path / "bag", frames, image_format=ImageFormat.GREY, skip_bad_frames=True
     )
     assert written == WrittenBag(count=2, skipped=1, damage=None)
-    assert len(read(tmp_path / "bag")) == 2
-
-
-def test_a_bag_is_replaced_only_where_that_is_wanted(tmp_path, make_frame):
-    write_bag(tmp_path / "bag", [make_frame(1)])
-    with pytest.raises(OutputError, match="exists already"):
-        write_bag(tmp_path / "bag", [make_frame(1)])
-    write_bag(tmp_path / "bag", [make_frame(1), make_frame(2)], overwrite=True, storage="sqlite3")
     assert len(read(tmp_path / "bag")) == 2

@@ -5,12 +5,12 @@ from hypothesis import strategies as st
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.frame_access import FrameAccess
-from cable_tracker.sequences.frame_source import FrameSource, damage
+from cable_tracker.sequences.frame_source import Source, damage
 
 PIXELS = bytes(12)
 
 
-class Numbers(FrameSource):
+class Numbers(Source):
     """Frames whose stamp is their number; counts how often it was begun, and what it gave."""
 
     def __init__(self, path, count, *, broken=False):

@@ -6,10 +6,10 @@ import pytest
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError, one_line
-from cable_tracker.sequences.frame_source import FrameSource, UnreadableFrame
+from cable_tracker.sequences.frame_source import Source, UnreadableFrame
 
 
-class ListSource(FrameSource):
+class ListSource(Source):
     """Frames of a list."""
 
     def __init__(self, items, **options):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import FrameError, OutputError
+from cable_tracker.errors import FrameError
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey, raw_from_array
 from cable_tracker.sequences.frame import Frame, RawImage
 from cable_tracker.sequences.image_writer import write_sequence
@@ -50,30 +50,8 @@ def test_sixteen_bits_become_eight(tmp_path):
     assert decode_grey(frame.image)[0, 0] == 100
 
 
-def test_an_existing_folder_is_not_overwritten(tmp_path, frames):
-    write_sequence(tmp_path / "out", frames)
-    with pytest.raises(OutputError, match="exists already"):
-        write_sequence(tmp_path / "out", frames[:1])
-    assert write_sequence(tmp_path / "out", frames[:1], overwrite=True) == 1
-    assert len(list((tmp_path / "out").iterdir())) == 2
-
-
-def test_a_folder_of_something_else_is_never_overwritten(tmp_path, frames):
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "thesis.tex").touch()
-    with pytest.raises(OutputError, match="is no earlier output of this kind"):
-        write_sequence(tmp_path / "out", frames, overwrite=True)
-    assert (tmp_path / "out" / "thesis.tex").exists()
-
-
 def test_nothing_is_left_after_a_bad_frame(tmp_path, frames):
     bad = Frame(3, 0, RawImage("mono8", 1, 1, 0, False, memoryview(b"")))
     with pytest.raises(FrameError):
         write_sequence(tmp_path / "out", [*frames, bad])
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_path_inside_a_file_is_refused(tmp_path, frames):
-    (tmp_path / "file").touch()
-    with pytest.raises(OutputError, match="cannot be written"):
-        write_sequence(tmp_path / "file" / "out", frames)

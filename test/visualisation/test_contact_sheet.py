@@ -88,13 +88,6 @@ def test_no_frames_no_sheet(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_missing_folder_is_reported(tmp_path):
-    sheet = ContactSheet()
-    sheet.add(_picture(), 0)
-    with pytest.raises(OutputError, match=r"overlay\.png: cannot be written"):
-        sheet.write(tmp_path / "missing" / "overlay.png")
-
-
 @pytest.mark.parametrize("arguments", [(0, 60, 320), (10, 1, 320), (10, 60, 31)])
 def test_numbers_that_are_too_small_are_refused(arguments):
     with pytest.raises(ParameterError, match="contact sheet"):

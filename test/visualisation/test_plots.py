@@ -154,11 +154,6 @@ def test_no_rows_no_plot(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_missing_folder_is_reported(tmp_path):
-    with pytest.raises(OutputError, match=r"estimates\.png: cannot be written"):
-        plot_estimates(tmp_path / "missing" / "estimates.png", _rows(_swaying(3)), {})
-
-
 def test_labels_on_every_second_frame_make_one_line_and_long_gaps_break_it():
     times = np.arange(40) * 0.04
     states = np.full((40, 4), np.nan)

@@ -143,15 +143,6 @@ def test_a_missing_folder_is_reported_at_once(tmp_path):
     assert "\n" not in str(caught.value)
 
 
-def test_a_file_instead_of_a_folder_is_reported(tmp_path):
-    (tmp_path / "file").write_bytes(b"")
-    with (
-        pytest.raises(OutputError, match=r"v\.webm: cannot be written"),
-        VideoWriter(tmp_path / "file" / "v.webm"),
-    ):
-        raise AssertionError
-
-
 def test_a_folder_in_its_place_is_reported_and_nothing_left(tmp_path):
     (tmp_path / "v.webm").mkdir()
     with pytest.raises(OutputError, match=r"v\.webm: cannot be written"):

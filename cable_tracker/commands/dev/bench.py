@@ -15,7 +15,6 @@ from rich.table import Table
 from cable_tracker.atomic_output import output_file
 from cable_tracker.benchmark.cases import REFERENCE_PARTICLES, TIMED_PRESETS
 from cable_tracker.benchmark.footage import RENDERED_SIZE, footage
-from cable_tracker.benchmark.growth import fit_growth
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.plan import FULL, QUICK, Benchmark, Plan, absent_libraries, versions
 from cable_tracker.benchmark.report import (
@@ -95,31 +94,22 @@ def bench(  # noqa: PLR0917
 
 def _run(plan: Plan, dds_frames: int) -> BenchmarkResult:
     before = os.getloadavg()
-    with progress_bar("rendering, compiling", None):
-        benchmark = Benchmark(plan)
-    with progress_bar("measuring", benchmark.turn_count()) as progress:
-        measured = benchmark.run(lambda count: advance(progress, count))
-    nodes = measure_nodes(plan, dds_frames) if dds_frames else ()
     circumstances = Circumstances(
         command=typed_command(),
         date=date.today().isoformat(),
         machine=machine(),
         versions=versions(),
         load_before=before,
-        load_after=os.getloadavg(),
+        load_after=before,
         absent=absent_libraries(),
     )
-    return BenchmarkResult(
-        circumstances=circumstances,
-        measurements=measured.measurements,
-        accuracies=measured.accuracies,
-        growths=tuple(fit_growth(measured.measurements)),
-        profile=measured.profile,
-        memory=measured.memory,
-        nodes=nodes,
-        starts=measured.starts,
-        contours=measured.contours,
-    )
+    with progress_bar("rendering, compiling", None):
+        benchmark = Benchmark(plan)
+    with progress_bar("measuring", benchmark.turn_count()) as progress:
+        result = benchmark.run(circumstances, lambda count: advance(progress, count))
+    nodes = measure_nodes(plan, dds_frames) if dds_frames else ()
+    circumstances = replace(circumstances, load_after=os.getloadavg())
+    return replace(result, circumstances=circumstances, nodes=nodes)
 
 
 def measure_nodes(plan: Plan, frames: int) -> tuple[NodeTiming, ...]:

@@ -9,7 +9,6 @@ from typing import Annotated
 
 import numpy as np
 import typer
-from rich.table import Table
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import STATE_SIZE
@@ -21,7 +20,7 @@ from cable_tracker.commands.options import (
     TruthOption,
     open_recording,
 )
-from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.terminal import advance, console, print_table, progress_bar
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.evaluation_sequences import check_labels
 from cable_tracker.evaluation.experiments.noise import increment_variances
@@ -66,9 +65,7 @@ def estimate_noise(  # noqa: PLR0917
         )
     variances = increment_variances(np.array(states))
     console.print(f"{sum(labelled)} of {len(states)} frames labelled, {steps} steps")
-    table = Table(title="variance of the steps from frame to frame")
-    for heading in ("w [px²]", "beta [deg²]", "d [px²]", "alpha [deg²]"):
-        table.add_column(heading, justify="right")
     d, alpha, w, beta = (f"{variance:.4g}" for variance in variances)
-    table.add_row(w, beta, d, alpha)
-    console.print(table)
+    headings = ("w [px²]", "beta [deg²]", "d [px²]", "alpha [deg²]")
+    title = "variance of the steps from frame to frame"
+    print_table(title, headings, [(w, beta, d, alpha)])

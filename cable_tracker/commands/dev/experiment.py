@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from cable_tracker.atomic_output import output_folder
 from cable_tracker.campaigns.result_store import move_store, stored_beside
@@ -26,7 +25,7 @@ from cable_tracker.commands.campaign_options import (
 )
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.options import ForceOption
-from cable_tracker.commands.terminal import advance, console, progress_bar
+from cable_tracker.commands.terminal import advance, print_files, print_table, progress_bar
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.ablation_rows import ROW_NAMES
@@ -34,7 +33,6 @@ from cable_tracker.evaluation.experiments.coverage_experiment import CoverageExp
 from cable_tracker.evaluation.experiments.experiment_result import (
     TABLE_MARKDOWN,
     ExperimentResult,
-    ResultTable,
     write_experiment,
 )
 from cable_tracker.evaluation.experiments.roc_experiment import RocExperiment
@@ -91,8 +89,7 @@ def experiment(  # noqa: PLR0917
         move_store(settings, folder)
         write_experiment(folder, result, note)
     _print(result)
-    for file_name in result.file_names():
-        console.print(f"  {path / file_name}", soft_wrap=True)
+    print_files(path, result.file_names())
 
 
 def _with_rows(chosen: Experiment, rows: list[str] | None) -> Experiment:
@@ -115,13 +112,5 @@ def _with_frames(chosen: Experiment, frames: int | None) -> Experiment:
 
 def _print(result: ExperimentResult) -> None:
     for each in result.tables:
-        console.print(_for_terminal(each, each.title or result.title))
-
-
-def _for_terminal(shown: ResultTable, title: str) -> Table:
-    table = Table(title=title)
-    for heading in shown.headings[: shown.brief]:
-        table.add_column(heading, justify="right")
-    for row in shown.rows:
-        table.add_row(*row[: shown.brief])
-    return table
+        rows = (row[: each.brief] for row in each.rows)
+        print_table(each.title or result.title, each.headings[: each.brief], rows)

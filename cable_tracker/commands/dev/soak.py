@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
 from cable_tracker.atomic_output import output_file
 from cable_tracker.commands.machine import machine, typed_command
 from cable_tracker.commands.options import ForceOption
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.simulate import parse_size
-from cable_tracker.commands.terminal import console, progress_bar
+from cable_tracker.commands.terminal import console, print_table, progress_bar
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
@@ -104,24 +103,17 @@ def _is_report(path: Path) -> bool:
 
 
 def _print(record: SoakRecord) -> None:
-    faults = Table(title="faults")
-    for heading in ("class", "injected", "recovered"):
-        faults.add_column(heading, justify="left" if heading == "class" else "right")
-    for name, count in sorted(record.faults.items()):
-        faults.add_row(name, str(count), str(record.recoveries[name]))
-    console.print(faults)
-    latency = Table(title="time to the answer in lockstep [ms]")
-    for heading in ("minute", "frames", "median", "99 %", "longest"):
-        latency.add_column(heading, justify="right")
-    for window in record.latency_windows():
-        latency.add_row(
-            f"{window.minutes:g}",
-            str(window.frames),
-            f"{window.median:.1f}",
-            f"{window.percentile_99:.1f}",
-            f"{window.longest:.1f}",
-        )
-    console.print(latency)
+    faults = (
+        (name, str(count), str(record.recoveries[name]))
+        for name, count in sorted(record.faults.items())
+    )
+    print_table("faults", ("class", "injected", "recovered"), faults, left=("class",))
+    windows = []
+    for each in record.latency_windows():
+        times = (f"{ms:.1f}" for ms in (each.median, each.percentile_99, each.longest))
+        windows.append((f"{each.minutes:g}", str(each.frames), *times))
+    headings = ("minute", "frames", "median", "99 %", "longest")
+    print_table("time to the answer in lockstep [ms]", headings, windows)
     console.print(
         f"{record.sent} frames sent, {record.answered} answered;"
         f" {record.faults.total()} faults, {record.recoveries.total()} recoveries;"

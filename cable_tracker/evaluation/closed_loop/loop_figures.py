@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.atomic_output import write_bytes
 from cable_tracker.evaluation.closed_loop.loop_table import Burial, LoopRow
 from cable_tracker.metric.frames import rotation_in_plane
 from cable_tracker.visualisation.palette import (
@@ -26,11 +23,10 @@ from cable_tracker.visualisation.palette import (
     STRAW,
     WHITE,
     Colour,
+    dark,
     to_bgr,
-    to_unit,
 )
-
-DOTS_PER_INCH = 110
+from cable_tracker.visualisation.plots import DOTS_PER_INCH, write_figure
 
 MODE_COLOURS: dict[str, Colour] = {
     "WAITING": AMBER,
@@ -56,14 +52,8 @@ def plot_way(
 
     Parameters
     ----------
-    path : Path
-        PNG file to write.
-    rows : sequence of LoopRow
-        The run.
     course : FloatArray
         Points of the cable, shape (N, 3) [m].
-    burial : Burial or None
-        Buried stretch of the cable.
 
     Raises
     ------
@@ -76,11 +66,11 @@ def plot_way(
         axis.axvspan(burial.start, burial.end, color=SAND, alpha=0.8, lw=0, label="sand")
     axis.plot(course[:, 0], course[:, 1], color="0.25", lw=3.0, alpha=0.5, label="cable")
     x, y = _column(rows, "x"), _column(rows, "y")
-    axis.plot(x, y, color=_dark(ESTIMATE), lw=1.4, label="vehicle")
+    axis.plot(x, y, color=dark(ESTIMATE), lw=1.4, label="vehicle")
     for mode, colour in MODE_COLOURS.items():
         chosen = np.array([row.mode == mode for row in rows])
         if chosen.any():
-            axis.plot(x[chosen], y[chosen], ".", ms=4, color=_dark(colour), label=mode)
+            axis.plot(x[chosen], y[chosen], ".", ms=4, color=dark(colour), label=mode)
     axis.set_xlabel("x [m]")
     axis.set_ylabel("y [m], stretched")
     axis.grid(alpha=0.3)
@@ -88,7 +78,7 @@ def plot_way(
     low, high = axis.get_ylim()
     axis.set_ylim(low, high + 0.2 * (high - low))
     figure.subplots_adjust(left=0.07, right=0.985, top=0.97, bottom=0.12)
-    _save(path, figure)
+    write_figure(path, figure)
 
 
 def plot_errors(path: Path, rows: Sequence[LoopRow], burial: Burial | None) -> None:
@@ -106,21 +96,21 @@ def plot_errors(path: Path, rows: Sequence[LoopRow], burial: Burial | None) -> N
         _shade(axis, rows, burial)
         axis.grid(alpha=0.3)
     top, middle, bottom = axes
-    top.plot(times, _column(rows, "measured_offset"), ".", ms=2.5, color=_dark(SKY),
+    top.plot(times, _column(rows, "measured_offset"), ".", ms=2.5, color=dark(SKY),
              label="cross_track")  # fmt: skip
-    top.plot(times, _column(rows, "error"), color=_dark(PINK), lw=1.5, label="true error")
+    top.plot(times, _column(rows, "error"), color=dark(PINK), lw=1.5, label="true error")
     top.set_ylabel("lateral error [m]")
     degrees = np.degrees(_column(rows, "measured_heading"))
-    middle.plot(times, degrees, ".", ms=2.5, color=_dark(SKY))
-    middle.plot(times, np.degrees(_column(rows, "heading")), color=_dark(PINK), lw=1.2)
+    middle.plot(times, degrees, ".", ms=2.5, color=dark(SKY))
+    middle.plot(times, np.degrees(_column(rows, "heading")), color=dark(PINK), lw=1.2)
     middle.set_ylabel("heading error [deg]")
-    bottom.plot(times, _column(rows, "speed"), color=_dark(ESTIMATE), lw=1.2)
+    bottom.plot(times, _column(rows, "speed"), color=dark(ESTIMATE), lw=1.2)
     bottom.set_ylabel("speed [m/s]")
     bottom.set_xlabel("time since the first frame [s]")
     figure.legend(loc="upper center", ncol=8, frameon=False)
     figure.align_ylabels(axes)
     figure.subplots_adjust(left=0.08, right=0.985, top=0.94, bottom=0.075, hspace=0.12)
-    _save(path, figure)
+    write_figure(path, figure)
 
 
 def _shade(axis: Axes, rows: Sequence[LoopRow], burial: Burial | None) -> None:
@@ -136,24 +126,12 @@ def _shade(axis: Axes, rows: Sequence[LoopRow], burial: Burial | None) -> None:
         is_top = axis.get_subplotspec().rowspan.start == 0  # type: ignore[union-attr]
         label = mode if is_top and holds.any() else None
         axis.fill_between(times, 0.0, 1.0, where=holds.tolist(), step="mid", lw=0, alpha=0.25,
-                          color=_dark(colour), transform=axis.get_xaxis_transform(),
+                          color=dark(colour), transform=axis.get_xaxis_transform(),
                           label=label)  # fmt: skip
 
 
 def _column(rows: Sequence[LoopRow], name: str) -> FloatArray:
     return np.array([getattr(row, name) for row in rows], dtype=np.float64)
-
-
-def _dark(colour: Colour) -> tuple[float, float, float]:
-    red, green, blue = to_unit(colour)
-    return red * 0.75, green * 0.75, blue * 0.75
-
-
-def _save(path: Path, figure: Figure) -> None:
-    buffer = io.BytesIO()
-    FigureCanvasAgg(figure)
-    figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
-    write_bytes(path, buffer.getvalue())
 
 
 class MapPanel:
@@ -163,8 +141,6 @@ class MapPanel:
     ----------
     course : FloatArray
         Points of the cable, shape (N, 3) [m].
-    burial : Burial or None
-        Buried stretch of the cable.
     size : (int, int)
         Width and height of the panel [px].
     """

@@ -162,12 +162,8 @@ def summarise_loop(
     ----------
     rows : sequence of LoopRow
         At least one, in the order of time.
-    seed : int
-        Seed of the run.
     length : float
         Length of the cable's course [m].
-    burial : Burial or None
-        Buried stretch of the cable.
     """
     x = np.array([row.x for row in rows])
     errors = np.array([row.error for row in rows])
@@ -238,18 +234,8 @@ def write_records(path: Path, kind: type, records: Sequence[object]) -> None:
     path.write_text(csv_text(names, rows), encoding="utf-8", newline="")
 
 
-def write_rows(path: Path, rows: Sequence[LoopRow]) -> None:
-    """Write the table of a run as CSV; what is not known is empty."""
-    write_records(path, LoopRow, rows)
-
-
-def write_summary(path: Path, summary: LoopSummary) -> None:
-    """Write the judgement of a run as CSV, one line below the names."""
-    write_records(path, LoopSummary, [summary])
-
-
 def read_summary(path: Path) -> LoopSummary:
-    """Read what `write_summary` has written.
+    """Read the judgement of a run that `write_records` has written.
 
     Raises
     ------

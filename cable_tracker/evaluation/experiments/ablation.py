@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from cable_tracker.cable.parameters.parameters import ParameterValue
-from cable_tracker.campaigns.settings import Workers
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.campaign import Campaign, run_campaign
-from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence, scenario_sequences
+from cable_tracker.evaluation.campaign import Campaign
+from cable_tracker.evaluation.evaluation_sequences import (
+    THESIS_SEQUENCES,
+    EvaluationSequence,
+    scenario_sequences,
+)
 from cable_tracker.evaluation.experiments.ablation_rows import (
     ABLATION_TABLES,
     ROW_NAMES,
@@ -21,6 +24,7 @@ from cable_tracker.evaluation.experiments.ablation_rows import (
     AblationTable,
     check_row_names,
 )
+from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metric_table import METRICS_BY_NAME
@@ -28,8 +32,6 @@ from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
 from cable_tracker.evaluation.spread import spread_of
 from cable_tracker.evaluation.tables import chosen, sequences_of
-
-ABLATION_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
 
 MEAN_METRICS = (
     "wrong_claims", "silence", "median_d", "median_alpha", "nees_median", "ms",
@@ -52,7 +54,7 @@ Losses: TypeAlias = Mapping[tuple[str, int], float]
 
 
 @dataclass(frozen=True, slots=True)
-class AblationExperiment:
+class AblationExperiment(CampaignExperiment):
     """Follow the sequences from their true beginning with one part changed, or parts added.
 
     Attributes
@@ -67,29 +69,25 @@ class AblationExperiment:
 
     seeds: tuple[int, ...]
     rows: tuple[str, ...] = ROW_NAMES
-    sequences: tuple[EvaluationSequence, ...] = scenario_sequences(ABLATION_SEQUENCES)
+    sequences: tuple[EvaluationSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
 
     def __post_init__(self) -> None:
         check_row_names(self.rows)
         if not self.rows:
             raise ParameterError(f"row: give at least one of {' | '.join(ROW_NAMES)}")
 
-    def _campaign(self) -> Campaign:
+    def campaign(self) -> Campaign:
+        """Return what is run."""
         rows = {row.name: row for table in ABLATION_TABLES for row in table.rows}
-        filters = [ConfiguredFilter(name, rows[name].parameters()) for name in self._names()]
-        return Campaign((), self.sequences, self.seeds, Start.TRUTH, filters=tuple(filters))
+        filters = tuple(
+            ConfiguredFilter(name, rows[name].parameters())
+            for name in ROW_NAMES
+            if name in self.rows
+        )
+        return Campaign((), self.sequences, self.seeds, Start.TRUTH, filters=filters)
 
-    def _names(self) -> tuple[str, ...]:
-        """Return what to run, each once, in the order of the tables."""
-        return tuple(name for name in ROW_NAMES if name in self.rows)
-
-    def frame_count(self) -> int | None:
-        """Return how many frames there are to go through."""
-        return self._campaign().frame_count()
-
-    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
-        """Run it."""
-        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+    def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
+        """Put the runs into tables and figures."""
         tables = (self._table(table, results) for table in ABLATION_TABLES)
         return ExperimentResult(
             "What the parts of the preset default are worth, and what they cost",

@@ -91,8 +91,6 @@ class AidedMethod(ParticleFilterMethod):
         All of them, also the seed.
     vehicle : SimulatedVehicle
         Whose odometry it hears.
-    fault : OdometryFault
-        Fault of the odometry.
     """
 
     def __init__(

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import StateColumn
-from cable_tracker.campaigns.settings import Workers
-from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
+    THESIS_SEQUENCES,
     EvaluationSequence,
     available_worlds,
     scenario_sequences,
 )
+from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.metrics.consistency import (
     REGION_NEES,
@@ -32,7 +33,6 @@ from cable_tracker.simulation.worlds.catalogue import worlds_of
 from cable_tracker.simulation.worlds.split import Split
 
 METHOD = "default"
-SCENARIOS = ("S1", "S2", "S3", "S4", "S5", "S6")
 
 PROBABILITY = 0.95
 """Probability of the central intervals, which reach 1.96 sigma, and of the region of all four."""
@@ -84,12 +84,12 @@ def reported_groups(limit: int | None = None) -> tuple[SequenceGroup, ...]:
     worlds, notes = available_worlds(with_cable, limit)
     return (
         SequenceGroup("all `report_*` with a cable", worlds, notes),
-        SequenceGroup("S1 to S6", scenario_sequences(SCENARIOS, limit)),
+        SequenceGroup("S1 to S6", scenario_sequences(THESIS_SEQUENCES, limit)),
     )
 
 
 @dataclass(frozen=True, slots=True)
-class CoverageExperiment:
+class CoverageExperiment(CampaignExperiment):
     """Follow cables with the preset `default` from the true beginning.
 
     Attributes
@@ -109,21 +109,20 @@ class CoverageExperiment:
     def _available(self) -> tuple[SequenceGroup, ...]:
         return reported_groups(self.limit) if self.groups is None else self.groups
 
-    def _campaign(self) -> Campaign:
+    def campaign(self) -> Campaign:
+        """Return what is run."""
         sequences = tuple(each for group in self._available() for each in group.sequences)
         return Campaign((METHOD,), sequences, self.seeds, Start.TRUTH)
 
-    def frame_count(self) -> int | None:
-        """Return how many frames there are to go through."""
-        return self._campaign().frame_count()
-
-    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
-        """Run it."""
-        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+    def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
+        """Put the runs into tables and figures."""
         rows = [row for group in self._available() for row in _rows_of(group, results)]
         notes = tuple(note for group in self._available() for note in group.notes)
         shares = tuple((name, *coverage_cells(traces)) for name, traces in rows)
-        factors = tuple((name, *_factor_cells(traces)) for name, traces in rows)
+        factors = tuple(
+            (name, *(format_number(float(each), "") for each in sigma_factors(traces, PROBABILITY)))
+            for name, traces in rows
+        )
         return ExperimentResult(
             "Truths inside the stated covariance, from the truth",
             (
@@ -182,10 +181,6 @@ def coverage_cells(traces: Sequence[Trace]) -> tuple[str, ...]:
 
 def _share_in_region(squares: FloatArray) -> float:
     return float((squares <= REGION_NEES).mean()) if len(squares) else math.nan
-
-
-def _factor_cells(traces: Sequence[Trace]) -> tuple[str, ...]:
-    return tuple(format_number(float(each), "") for each in sigma_factors(traces, PROBABILITY))
 
 
 def _median(values: FloatArray) -> float:

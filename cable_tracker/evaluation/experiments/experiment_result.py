@@ -73,11 +73,10 @@ class ExperimentResult:
 
 def table_csv(table: ResultTable) -> str:
     """Return a table as CSV."""
-    return csv_text(table.headings, ([_for_machines(cell) for cell in row] for row in table.rows))
-
-
-def _for_machines(cell: str) -> str:
-    return cell.removeprefix("–").replace("−", "-")
+    return csv_text(
+        table.headings,
+        ([cell.removeprefix("–").replace("−", "-") for cell in row] for row in table.rows),
+    )
 
 
 def result_markdown(result: ExperimentResult, note: str) -> str:

@@ -13,7 +13,7 @@ from cable_tracker.cable.model.geometry import wrap_angle
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import Workers
-from cable_tracker.evaluation.evaluation_sequences import ScenarioSequence
+from cable_tracker.evaluation.evaluation_sequences import THESIS_SEQUENCES, ScenarioSequence
 from cable_tracker.evaluation.experiments.aided import AidedFilter
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
@@ -29,7 +29,6 @@ from cable_tracker.evaluation.report import median_and_range
 from cable_tracker.evaluation.spread import spread_of
 from cable_tracker.metric.cross_track import CrossTrack
 
-METRES_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
 HEADINGS = (
     "sequence", "runs", "with metres [%]",
     "RMSE at x = 0 [% of altitude]", "RMSE of heading [deg]",
@@ -124,7 +123,7 @@ class MetresExperiment:
     """
 
     seeds: tuple[int, ...]
-    sequences: tuple[ScenarioSequence, ...] = tuple(map(ScenarioSequence, METRES_SEQUENCES))
+    sequences: tuple[ScenarioSequence, ...] = tuple(map(ScenarioSequence, THESIS_SEQUENCES))
     noise: InstrumentNoise = InstrumentNoise()  # noqa: RUF009
 
     def frame_count(self) -> int | None:

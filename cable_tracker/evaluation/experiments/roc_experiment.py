@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from cable_tracker.arrays import BoolArray
 from cable_tracker.cable.parameters.presets import preset
-from cable_tracker.campaigns.settings import Workers
-from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence, available_worlds
+from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
 from cable_tracker.evaluation.experiments.experiment_result import (
     ExperimentResult,
     FigureFile,
@@ -71,7 +71,7 @@ THRESHOLDS = (
 
 
 @dataclass(frozen=True, slots=True)
-class RocExperiment:
+class RocExperiment(CampaignExperiment):
     """Follow worlds from cold starts with the preset `default` and one threshold changed.
 
     Attributes
@@ -93,17 +93,13 @@ class RocExperiment:
             return self.sequences, ()
         return available_worlds(worlds_of(Split.REPORT), self.limit)
 
-    def _campaign(self) -> Campaign:
+    def campaign(self) -> Campaign:
+        """Return what is run."""
         filters = tuple(threshold.filter() for threshold in THRESHOLDS)
         return Campaign((), self._available()[0], self.seeds, Start.RANDOM, filters=filters)
 
-    def frame_count(self) -> int | None:
-        """Return how many frames there are to go through."""
-        return self._campaign().frame_count()
-
-    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
-        """Run it."""
-        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+    def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
+        """Put the runs into tables and figures."""
         curves: dict[str, tuple[list[float], list[float]]] = {}
         rows = []
         for threshold in THRESHOLDS:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -11,9 +11,9 @@ import numpy as np
 
 from cable_tracker.cable.model.state import StateColumn
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
-from cable_tracker.campaigns.settings import Workers
-from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import StripSequence
+from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
@@ -34,7 +34,7 @@ HEADINGS = (
 
 
 @dataclass(frozen=True, slots=True)
-class StripsExperiment:
+class StripsExperiment(CampaignExperiment):
     """Show methods crisp strips from cold starts, ten frames each.
 
     Attributes
@@ -54,18 +54,14 @@ class StripsExperiment:
     sequence: StripSequence = field(default_factory=StripSequence)
     strips_per_seed: int = STRIPS_PER_SEED
 
-    def _campaign(self) -> Campaign:
+    def campaign(self) -> Campaign:
+        """Return what is run."""
         count = self.strips_per_seed
         strips = tuple(seed * count + place for seed in self.seeds for place in range(count))
         return Campaign(self.methods, (self.sequence,), strips, Start.RANDOM)
 
-    def frame_count(self) -> int | None:
-        """Return how many frames there are to go through."""
-        return self._campaign().frame_count()
-
-    def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
-        """Run it."""
-        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+    def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
+        """Put the runs into tables and figures."""
         rows = []
         for method in self.methods:
             runs = [run for run in results if run.method == method]

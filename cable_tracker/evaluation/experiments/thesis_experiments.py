@@ -13,13 +13,15 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import Workers
-from cable_tracker.evaluation.campaign import Campaign, run_campaign
+from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
+    THESIS_SEQUENCES,
     EvaluationSequence,
     ScenarioSequence,
     scenario_sequences,
 )
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
+from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
 from cable_tracker.evaluation.experiments.coverage_experiment import CoverageExperiment
 from cable_tracker.evaluation.experiments.experiment_result import (
     ExperimentResult,
@@ -44,7 +46,6 @@ from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_toget
 from cable_tracker.evaluation.tables import chosen, methods_of, sequences_of
 from cable_tracker.evaluation.trace import Trace
 
-THESIS_SEQUENCES = ("S1", "S2", "S3", "S4", "S5", "S6")
 THESIS_METHODS = ("default", "thesis")
 RESTART_FRAMES = 100
 """Frames from one random start to the next (section 5.2.4)."""
@@ -77,7 +78,7 @@ class Experiment(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class SequenceExperiment:
+class SequenceExperiment(CampaignExperiment):
     """Section 5.2.3: follow the sequences from their true beginning.
 
     Attributes
@@ -94,16 +95,12 @@ class SequenceExperiment:
     methods: tuple[str, ...] = THESIS_METHODS
     sequences: tuple[EvaluationSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
 
-    def _campaign(self) -> Campaign:
+    def campaign(self) -> Campaign:
+        """Return what is run."""
         return Campaign(self.methods, self.sequences, self.seeds, Start.TRUTH)
 
-    def frame_count(self) -> int | None:
-        """Return how many frames there are to go through."""
-        return self._campaign().frame_count()
-
-    def run(self, workers: Workers, advance: Advance) -> ExperimentResult:
-        """Run it."""
-        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+    def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
+        """Put the runs into tables and figures."""
         names = (
             "useful", "wrong_claims", "longest_loss", "rmse_d", "rmse_alpha", "rmse_w", "rmse_beta",
             "silence", "ms",
@@ -130,7 +127,7 @@ def _sequence_picture(results: Sequence[RunResult]) -> FigureFile:
 
 
 @dataclass(frozen=True, slots=True)
-class ReinitialisationExperiment:
+class ReinitialisationExperiment(CampaignExperiment):
     """Section 5.2.4: forget everything every 100 frames, and find the cable again.
 
     Attributes
@@ -143,16 +140,12 @@ class ReinitialisationExperiment:
     methods: tuple[str, ...] = THESIS_METHODS
     sequences: tuple[EvaluationSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
 
-    def _campaign(self) -> Campaign:
+    def campaign(self) -> Campaign:
+        """Return what is run."""
         return Campaign(self.methods, self.sequences, self.seeds, Start.RANDOM, RESTART_FRAMES)
 
-    def frame_count(self) -> int | None:
-        """Return how many frames there are to go through."""
-        return self._campaign().frame_count()
-
-    def run(self, workers: Workers, advance: Advance) -> ExperimentResult:
-        """Run it."""
-        results = run_campaign(self._campaign(), workers=workers, advance=advance)
+    def result_of(self, results: Sequence[RunResult]) -> ExperimentResult:
+        """Put the runs into tables and figures."""
         curves = {
             method: _held_after_start(_starts(chosen(results, method=method)))
             for method in self.methods
@@ -244,6 +237,10 @@ class _SpeedSetting:
     particles: int
     taps: int
 
+    @property
+    def name(self) -> str:
+        return f"{self.particles}/{self.taps}"
+
     def filter(self) -> ConfiguredFilter:
         # The filter ends at three sigma, so that its sigma says how long it is.
         sigma = max(0.5, THESIS_SIGMA * self.taps / THESIS_TAPS)
@@ -251,7 +248,7 @@ class _SpeedSetting:
             "particle_count": self.particles,
             "filter_sigma": sigma,
         }
-        return ConfiguredFilter(_speed_name(self), preset("thesis").replaced(values))
+        return ConfiguredFilter(self.name, preset("thesis").replaced(values))
 
 
 @dataclass(frozen=True, slots=True)
@@ -283,7 +280,7 @@ class SpeedExperiment:
         del workers
         settings = [_SpeedSetting(n, taps) for taps in self.taps for n in self.particles]
         results = [result for seed in self.seeds for result in self._run(settings, seed, advance)]
-        by_setting = {setting: chosen(results, method=_speed_name(setting)) for setting in settings}
+        by_setting = {setting: chosen(results, method=setting.name) for setting in settings}
         rows = tuple(_speed_row(setting, runs) for setting, runs in by_setting.items())
         curves = {
             f"{taps} px": (
@@ -308,10 +305,6 @@ class SpeedExperiment:
         runs = [MethodRun(each.name, each.make, seed, Start.TRUTH) for each in filters]
         frames = self.sequence.frames(seed)
         return run_together(runs, frames, self.sequence.name, lambda: advance(1))
-
-
-def _speed_name(setting: _SpeedSetting) -> str:
-    return f"{setting.particles}/{setting.taps}"
 
 
 def _mean(metric: str, results: Sequence[RunResult]) -> float:

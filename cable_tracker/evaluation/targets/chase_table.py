@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -13,6 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cable_tracker.arrays import BoolArray
+from cable_tracker.sequences.csv_text import csv_text
 
 TABLE, SUMMARY, PLOT = "chase.csv", "summary.yaml", "distance.png"
 
@@ -128,13 +128,9 @@ def _is_found(rows: Sequence[ChaseRow], start: int) -> bool:
 
 def write_chase(folder: Path, rows: Sequence[ChaseRow], summary: ChaseSummary) -> None:
     """Write table, figures and a plot of the distance into a folder."""
-    with (folder / TABLE).open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        names = [field.name for field in fields(ChaseRow)]
-        writer.writerow(names)
-        for row in rows:
-            values = [getattr(row, name) for name in names]
-            writer.writerow([str(value).replace("nan", "") for value in values])
+    names = [field.name for field in fields(ChaseRow)]
+    cells = ([str(getattr(row, name)).replace("nan", "") for name in names] for row in rows)
+    (folder / TABLE).write_text(csv_text(names, cells), encoding="utf-8", newline="")
     text = yaml.safe_dump(asdict(summary), sort_keys=False)
     (folder / SUMMARY).write_text(text, encoding="utf-8")
     figure = Figure(figsize=(9.0, 3.2))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -25,6 +24,7 @@ from cable_tracker.evaluation.targets.metrics import (
 )
 from cable_tracker.evaluation.targets.peers import PEERS, BoxTracker
 from cable_tracker.evaluation.targets.target_sequences import TargetEvaluationFrame, TargetSequence
+from cable_tracker.sequences.csv_text import csv_text
 from cable_tracker.target.model.estimate import Box
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -42,13 +42,7 @@ FIGURES = (
 
 
 class OwnTracker:
-    """Our tracker as one that follows a box.
-
-    Parameters
-    ----------
-    parameters : TargetParameters
-        Parameters of the tracker.
-    """
+    """Our tracker as one that follows a box."""
 
     def __init__(self, parameters: TargetParameters) -> None:
         self._tracker = TargetTracker(parameters)
@@ -113,8 +107,6 @@ class TargetMethodRun:
     ----------
     method : str
         Name, see `method_names`.
-    tracker : BoxTracker
-        Tracker that follows the target.
 
     Attributes
     ----------
@@ -221,12 +213,12 @@ def mean_figures(results: Sequence[RunFigures], method: str, scenario: str | Non
 
 def write_figures(path: Path, results: Sequence[RunFigures]) -> None:
     """Write one row for every run and method."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("scenario", "seed", "method", *FIGURES))
-        for each in results:
-            numbers = ["" if np.isnan(value) else f"{value:.4f}" for value in each.values]
-            writer.writerow((each.scenario, each.seed, each.method, *numbers))
+    rows = []
+    for each in results:
+        numbers = ["" if np.isnan(value) else f"{value:.4f}" for value in each.values]
+        rows.append((each.scenario, each.seed, each.method, *numbers))
+    text = csv_text(("scenario", "seed", "method", *FIGURES), rows)
+    path.write_text(text, encoding="utf-8", newline="")
 
 
 def markdown_table(results: Sequence[RunFigures], methods: Sequence[str], note: str) -> str:

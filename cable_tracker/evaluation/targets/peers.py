@@ -33,13 +33,7 @@ def _whole(box: Box) -> tuple[int, int, int, int]:
 
 
 class OpenCvTracker:
-    """One of the `cv2.Tracker...` classes.
-
-    Parameters
-    ----------
-    make : callable
-        Makes the tracker.
-    """
+    """One of the `cv2.Tracker...` classes."""
 
     def __init__(self, make: Callable[[], Any]) -> None:
         self._make = make

@@ -35,12 +35,8 @@ class CableFollower(Follower):
 
     Parameters
     ----------
-    source : Source
-        The recording.
     init : str
         Initialisation: `random`, `truth`, a detector's name, or `d,alpha,w,beta` [px, rad].
-    parameters : TrackerParameters
-        Initial parameters of the tracker.
     metres : RecordedMetres or None
         The recording's instruments; None: everything stays in pixels.
 

@@ -32,12 +32,6 @@ def make_follower(
 
     Parameters
     ----------
-    source : Source
-        The recording.
-    request : RecordingRequest
-        Request that opened the recording.
-    parameters : TrackerParameters or TargetParameters
-        Initial parameters of the tracker.
     vehicle : RecordedVehicle or None
         Instruments of the recording, for a cable in metres.
 

@@ -32,8 +32,6 @@ class TargetFollower(Follower):
     ----------
     init : str
         Initialisation: `wait` for a mark, `detect`, or `x0,y0,x1,y1` [px].
-    parameters : TargetParameters
-        Initial parameters of the tracker.
     truth : BoxTruth
         True boxes of the labelled frames [px].
 

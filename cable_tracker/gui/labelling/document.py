@@ -39,8 +39,6 @@ class LabelDocument:
 
     Parameters
     ----------
-    labels : Labels
-        Initial labels.
     stamps : mapping
         Times of frames [ns], as far as they are known.
     """
@@ -75,8 +73,6 @@ class LabelDocument:
         ----------
         frame : int
             Current frame; undo leads back to it.
-        changes : Changes
-            New labels.
         merges : bool
             Whether this goes on with the step before, for instance while a key is held down. Undo
             takes both back at once.
@@ -101,14 +97,6 @@ class LabelDocument:
             self._done.append(step)
         self._undone.clear()
         return step.after
-
-    def set(self, frame: int, label: FrameLabel, *, merges: bool = False) -> Changes:
-        """Label a frame; see `change`."""
-        return self.change(frame, {frame: label}, merges=merges)
-
-    def clear(self, frame: int) -> Changes:
-        """Take the label of a frame away; see `change`."""
-        return self.change(frame, {frame: None})
 
     def gaps_to_fill(self, frame: int | None) -> list[Gap]:
         """Return the gap at a frame, or all gaps.

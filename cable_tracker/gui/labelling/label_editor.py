@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from nicegui import ui
+from nicegui.element import Element
 
-from cable_tracker.gui.frame_canvas import FrameCanvas
 from cable_tracker.gui.frame_channel import FrameChannel
 from cable_tracker.gui.labelling.labels import FrameLabel
-from cable_tracker.visualisation.palette import AMBER, GREEN, RED, SKY, STRAW, Colour
+from cable_tracker.visualisation.palette import AMBER, GREEN, RED, SKY, STRAW, Colour, css
 
 STYLE = Path(__file__).with_name("label_editor.css")
 
@@ -28,12 +28,9 @@ COLOURS: Mapping[str, Colour] = {
 """Colours of labels by their flags; words and line styles say the same."""
 
 
-def css_colour(colour: Colour) -> str:
-    """Return a colour as a style sheet writes it."""
-    return "#{:02x}{:02x}{:02x}".format(*colour)
-
-
-class LabelEditor(FrameCanvas, component="label_editor.js"):
+class LabelEditor(
+    Element, component="label_editor.js", esm={"cable-tracker-browser": "../browser"}
+):
     """Picture, numbers, buttons and slider. What a browser says of it comes as events.
 
     ``ready {frame}``
@@ -47,20 +44,19 @@ class LabelEditor(FrameCanvas, component="label_editor.js"):
 
     Parameters
     ----------
-    channel : FrameChannel
-        Source of the pictures.
     recording : str
         Name of the recording; key under which the browser stores the current frame.
     """
 
     def __init__(self, channel: FrameChannel, recording: str) -> None:
-        super().__init__(channel)
+        super().__init__()
+        self._props["channel"] = channel.name
         ui.add_css(STYLE.read_text(encoding="utf-8"))
         ui.colors(primary=PRIMARY)
         self._props["recording"] = recording
-        self._props["colours"] = {name: css_colour(colour) for name, colour in COLOURS.items()}
+        self._props["colours"] = {name: css(colour) for name, colour in COLOURS.items()}
         for name, colour in COLOURS.items():
-            self.style(f"--{name.replace('_', '-')}: {css_colour(colour)}")
+            self.style(f"--{name.replace('_', '-')}: {css(colour)}")
 
     def load(self, news: Mapping[str, object]) -> None:
         """Show all labels anew."""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from cable_tracker.atomic_output import atomic_file
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import OutputError, RecordingError, one_line, write_failure
+from cable_tracker.errors import OutputError, RecordingError, one_line, read_failure, write_failure
 from cable_tracker.gui.labelling.labels import (
     NO_CABLE,
     FrameLabel,
@@ -20,7 +20,6 @@ from cable_tracker.gui.labelling.labels import (
 )
 from cable_tracker.gui.labelling.names import FrameNames
 from cable_tracker.sequences.csv_text import csv_text
-from cable_tracker.sequences.read_failure import read_failure
 from cable_tracker.sequences.sequence_file import (
     Label,
     format_labels,
@@ -198,8 +197,6 @@ def write_atomically(path: Path, text: str, *, waits: bool = True) -> None:
     ----------
     path : Path
         Path to write to; a link is followed.
-    text : str
-        Content to write.
     waits : bool
         Whether to wait until it is on the disk, not only in its cache.
 
@@ -269,8 +266,6 @@ class LabelFile:
 
         Parameters
         ----------
-        content : FileContent
-            Content to write.
         overwrite : bool
             Whether labels of another program or user may be lost.
 

@@ -137,8 +137,6 @@ def interpolated_state(before: CableState, after: CableState, fraction: float) -
 
     Parameters
     ----------
-    before, after : CableState
-        The two cables.
     fraction : float
         Place between them, from 0 to 1.
     """

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Protocol
+from types import MappingProxyType
 
 from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.image_folder import ImageFolderSource
@@ -15,12 +16,24 @@ FrameName = tuple[str, int | None]
 """File name, relative to the folder of the label file, and number of the frame in it if any."""
 
 
-class FrameNames(Protocol):
-    """The names of a recording's frames."""
+class FrameNames(ABC):
+    """The names of a recording's frames.
 
+    Parameters
+    ----------
+    what : str
+        A frame of the recording, in words.
+    numbers : mapping of str to int
+        Numbers of the frames by their names.
+    """
+
+    def __init__(self, what: str, numbers: Mapping[str, int] = MappingProxyType({})) -> None:
+        self._what = what
+        self._numbers = numbers
+
+    @abstractmethod
     def name(self, frame: int, folder: Path) -> FrameName:
         """Return the name of a frame in a label file that lies in a folder."""
-        ...
 
     def frames(self, labels: Sequence[Label], file: Path) -> list[int | None]:
         """Return the frame of each label of a file; None for labels of another recording.
@@ -30,7 +43,16 @@ class FrameNames(Protocol):
         RecordingError
             The file labels other recordings only.
         """
-        ...
+        found = self._found(labels)
+        if found and all(frame is None for frame in found):
+            raise RecordingError(
+                f"{file}: holds labels, but none for {self._what}; name another file with --labels"
+            )
+        return found
+
+    def _found(self, labels: Sequence[Label]) -> list[int | None]:
+        """Return the frame of each label, if any."""
+        return [self._numbers.get(str(label)) for label in labels]
 
 
 def names_of(source: Source) -> FrameNames:
@@ -55,16 +77,11 @@ def _seen_from(folder: Path, path: Path) -> str | None:
     return path.relative_to(folder).as_posix() if inside else None
 
 
-class NumberedNames:
-    """Frames of a bag or a video: ``NAME:FRAME``.
-
-    Parameters
-    ----------
-    recording : Path
-        The bag or video.
-    """
+class NumberedNames(FrameNames):
+    """Frames of a bag or a video: ``NAME:FRAME``."""
 
     def __init__(self, recording: Path) -> None:
+        super().__init__(f"a frame of {recording} (FILE:FRAME)")
         self._recording = recording
 
     def name(self, frame: int, folder: Path) -> FrameName:
@@ -75,36 +92,23 @@ class NumberedNames:
         """
         return _seen_from(folder, self._recording) or _plain(self._recording).name, frame
 
-    def frames(self, labels: Sequence[Label], file: Path) -> list[int | None]:
-        """Return the frame of each label; see `FrameNames`.
-
-        Labels of a single file of another name count as labels of this one, which may have been
-        renamed.
-        """
+    def _found(self, labels: Sequence[Label]) -> list[int | None]:
+        """Count labels of a single file of another name as of this one, which was then renamed."""
         own = _plain(self._recording).name
         names = {Path(label.filename).name for label in labels}
         if labels and own not in names and len({label.filename for label in labels}) == 1:
             own = next(iter(names))
-        found = [label.frame if Path(label.filename).name == own else None for label in labels]
-        _need_any(found, file, f"a frame of {self._recording} (FILE:FRAME)")
-        return found
+        return [label.frame if Path(label.filename).name == own else None for label in labels]
 
 
-class PictureNames:
-    """Pictures of a folder, by their file names.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of the pictures.
-    pictures : sequence of str
-        Their names, in the order of the frames.
-    """
+class PictureNames(FrameNames):
+    """Pictures of a folder, by their file names in the order of the frames."""
 
     def __init__(self, folder: Path, pictures: Sequence[str]) -> None:
+        numbers = {name: number for number, name in enumerate(pictures)}
+        super().__init__(f"a picture in {folder}", numbers)
         self._folder = folder
         self._pictures = tuple(pictures)
-        self._numbers = {name: number for number, name in enumerate(pictures)}
 
     def name(self, frame: int, folder: Path) -> FrameName:
         """Return the name of a frame; see `FrameNames`."""
@@ -112,43 +116,19 @@ class PictureNames:
         elsewhere = f"{_plain(self._folder).name}/{picture}"
         return _seen_from(folder, self._folder / picture) or elsewhere, None
 
-    def frames(self, labels: Sequence[Label], file: Path) -> list[int | None]:
-        """Return the frame of each label; see `FrameNames`."""
-        found = [self._numbers.get(Path(str(label)).name) for label in labels]
-        _need_any(found, file, f"a picture in {self._folder}")
-        return found
+    def _found(self, labels: Sequence[Label]) -> list[int | None]:
+        return [self._numbers.get(Path(str(label)).name) for label in labels]
 
 
-class EntryNames:
-    """Frames of an image-sequence file, called as they are there.
-
-    Parameters
-    ----------
-    sequence : Path
-        The sequence file.
-    entries : sequence of Label
-        Entries of the sequence file.
-    """
+class EntryNames(FrameNames):
+    """Frames of an image-sequence file, called as they are there."""
 
     def __init__(self, sequence: Path, entries: Sequence[Label]) -> None:
-        self._sequence = sequence
+        numbers = {str(entry): number for number, entry in enumerate(entries)}
+        super().__init__(f"a frame that {sequence} lists", numbers)
         self._entries = tuple(entries)
-        self._numbers = {str(entry): number for number, entry in enumerate(entries)}
 
     def name(self, frame: int, folder: Path) -> FrameName:
         """Return the name of a frame; see `FrameNames`."""
         entry = self._entries[frame]
         return entry.filename, entry.frame
-
-    def frames(self, labels: Sequence[Label], file: Path) -> list[int | None]:
-        """Return the frame of each label; see `FrameNames`."""
-        found = [self._numbers.get(str(label)) for label in labels]
-        _need_any(found, file, f"a frame that {self._sequence} lists")
-        return found
-
-
-def _need_any(found: Sequence[int | None], file: Path, what: str) -> None:
-    if found and all(frame is None for frame in found):
-        raise RecordingError(
-            f"{file}: holds labels, but none for {what}; name another file with --labels"
-        )

@@ -53,8 +53,6 @@ class Pictures:
 
     Parameters
     ----------
-    access : FrameAccess
-        The recording.
     kept_bytes : int
         Capacity of the cache of JPEG files [bytes].
     """

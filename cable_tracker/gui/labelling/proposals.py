@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
+from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.initial_state import GivenState
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
-from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.detection.pair_limits import pair_limits
 from cable_tracker.errors import FrameError
@@ -57,8 +56,6 @@ class Proposer:
     ----------
     read : callable
         Returns a frame by its number; see `FrameAccess.frame`.
-    parameters : TrackerParameters
-        Parameters of the tracker.
     """
 
     def __init__(self, read: Callable[[int], Frame], parameters: TrackerParameters) -> None:
@@ -79,8 +76,6 @@ class Proposer:
         ----------
         frame : int
             Number of the frame.
-        labels : Labels
-            Labels so far.
         stopped : callable
             Tells whether the answer is no longer wanted.
 
@@ -106,7 +101,8 @@ class Proposer:
             if stopped():
                 return LabelProposal(frame, None, "stopped")
             try:
-                estimate = _process(tracker, self._read(number))
+                frame_read = self._read(number)
+                estimate = tracker.process(decode_grey(frame_read.image), frame_read.stamp)
             except FrameError as error:
                 estimate = None
                 if number == frame:
@@ -152,7 +148,3 @@ class Proposer:
 def at_rest(state: CableState) -> CableState:
     """Return where a cable is, without its rates."""
     return CableState(state.distance, state.angle, state.width, state.skew)
-
-
-def _process(tracker: CableTracker, frame: Frame) -> CableEstimate:
-    return tracker.process(decode_grey(frame.image), frame.stamp)

@@ -49,8 +49,6 @@ class Workspace:
 
     Parameters
     ----------
-    source : Source
-        An open recording.
     path : Path
         Label file, which may not exist yet.
     allow_outside : bool

@@ -22,10 +22,10 @@ from cable_tracker.evaluation.closed_loop.loop_table import (
     SUMMARY,
     TABLE,
     Burial,
+    LoopRow,
     LoopSummary,
     summarise_loop,
-    write_rows,
-    write_summary,
+    write_records,
 )
 from cable_tracker.evaluation.methods import BASELINES
 from cable_tracker.ros.clients.lockstep import (
@@ -45,7 +45,8 @@ from cable_tracker.ros.rigs.released_commands import COMMAND, RELEASED
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
 from cable_tracker.sequences.node_topics import CLOCK
 from cable_tracker.simulation.dive import CABLE_RADIUS
-from cable_tracker.simulation.live_world import MOUNTING, LiveSettings, cable_course
+from cable_tracker.simulation.live_world import LiveSettings, cable_course
+from cable_tracker.simulation.seen_cable import MOUNTING
 from cable_tracker.simulation.tube import SETTLED
 from cable_tracker.visualisation.overlay import draw_overlay
 from cable_tracker.visualisation.video import VideoWriter
@@ -289,8 +290,8 @@ class _Run:
             raise RosError("the simulator has sent no frames; run it again on an idle machine")
         world, burial = self._request.world, self._request.burial
         summary = summarise_loop(rows, world.seed, world.length, burial)
-        write_rows(folder / TABLE, rows)
-        write_summary(folder / SUMMARY, summary)
+        write_records(folder / TABLE, LoopRow, rows)
+        write_records(folder / SUMMARY, LoopSummary, [summary])
         plot_way(folder / WAY, rows, self._course, burial)
         plot_errors(folder / ERRORS, rows, burial)
         return summary

@@ -21,10 +21,6 @@ def make_joint_state(
 
     Parameters
     ----------
-    factory : MessageFactory
-        Makes the message.
-    header : Message
-        Header with stamp and frame.
     names : sequence of str
         Names of the K scalars.
     values : FloatArray

@@ -69,10 +69,6 @@ def make_stamped_pose(
 
     Parameters
     ----------
-    factory : MessageFactory
-        Makes the messages.
-    header : Message
-        Header with stamp and frame.
     place : (float, float, float)
         In the unit of the frame, [px] or [m].
     yaw : float

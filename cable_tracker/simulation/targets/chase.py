@@ -120,13 +120,7 @@ def shown_size() -> float:
 
 
 class ChaseWorld:
-    """Vehicle, target and camera.
-
-    Parameters
-    ----------
-    settings : ChaseSettings
-        Settings of the chase.
-    """
+    """Vehicle, target and camera."""
 
     def __init__(self, settings: ChaseSettings) -> None:
         self.settings = settings

@@ -10,9 +10,10 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import STATE_SIZE, CableState
-from cable_tracker.simulation.dive import SimulatedFrame
+from cable_tracker.simulation.dive import SimulatedFrame, make_frame
+from cable_tracker.simulation.worlds.motion import WORLD_RATE
 from cable_tracker.simulation.worlds.strip import border_points, pixel_grid, view_strip
-from cable_tracker.simulation.worlds.world_dive import REFERENCE_WIDTH, make_frame
+from cable_tracker.simulation.worlds.world_dive import REFERENCE_WIDTH
 
 STRIP_WIDTHS = (4.0, 200.0)
 """Narrowest and widest strip, drawn uniformly in the logarithm [px at 320 px]."""
@@ -105,5 +106,5 @@ def simulate_strip(seed: int, frame_count: int = 10) -> Iterator[SimulatedFrame]
         seen = seen + np.float32(noise) * grain
         picture = eight_bits(seen)
         truth = CableState.from_array(wrap_states(state[None, :])[0])
-        yield SimulatedFrame(make_frame(index, picture, truth), 1.0)
+        yield SimulatedFrame(make_frame(index, WORLD_RATE, picture, truth), 1.0)
         state[0] += DRIFT * scale * rng.standard_normal()

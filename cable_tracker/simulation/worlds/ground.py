@@ -18,6 +18,7 @@ from cable_tracker.sequences.image_folder import PICTURE_SUFFIXES
 from cable_tracker.simulation.texture import (
     cloud_response,
     frequencies,
+    nearest_places,
     smooth_step,
     spectral_noise,
 )
@@ -221,21 +222,11 @@ def _stones(rng: np.random.Generator) -> Image:
 
 
 def _cobbles(rng: np.random.Generator) -> Image:
-    margin, count = 64, int(rng.integers(1500, 5000))
-    seeds = np.full((SIDE, SIDE), 255, np.uint8)
+    count = int(rng.integers(1500, 5000))
     places = rng.integers(0, SIDE, (count, 2))
-    seeds[places[:, 0], places[:, 1]] = 0
-    wrapped = cv2.copyMakeBorder(seeds, margin, margin, margin, margin, cv2.BORDER_WRAP)
-    distance, labels = cv2.distanceTransformWithLabels(
-        wrapped, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
-    )
-    rows, columns = np.nonzero(wrapped == 0)
     tones = rng.standard_normal((SIDE, SIDE)).astype(np.float32)
-    by_label = np.zeros(int(labels.max()) + 1, np.float32)
-    by_label[labels[rows, columns]] = tones[(rows - margin) % SIDE, (columns - margin) % SIDE]
-    middle = slice(margin, margin + SIDE)
-    apart = distance[middle, middle] / (SIDE / np.sqrt(count))
-    tone = by_label[labels[middle, middle]]
+    distance, tone = nearest_places(places, SIDE, 64, tones)
+    apart = distance / (SIDE / np.sqrt(count))
     return np.asarray(0.6 * tone - 2.0 * apart + 0.4 * _noise(80.0, 1.0, 1.2, rng))
 
 

@@ -73,8 +73,6 @@ def random_motion(
 
     Parameters
     ----------
-    kind : MotionKind
-        Kind of motion.
     widths : (float, float) or None
         Narrowest and widest mean width, drawn uniformly in its logarithm [px at 320 px]; None: as
         pipes show in real inspections.

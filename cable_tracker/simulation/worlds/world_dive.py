@@ -11,8 +11,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
-from cable_tracker.sequences.frame import Frame, RawImage
-from cable_tracker.simulation.dive import FIRST_STAMP, SimulatedFrame
+from cable_tracker.simulation.dive import SimulatedFrame, make_frame
 from cable_tracker.simulation.texture import smooth_step
 from cable_tracker.simulation.worlds.cable_look import (
     GROWTH_REACH,
@@ -36,7 +35,6 @@ from cable_tracker.simulation.worlds.strip import (
     view_strip,
 )
 from cable_tracker.simulation.worlds.world import World
-from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.image_frame import to_pixel
 
 ROW = 512
@@ -110,24 +108,19 @@ class WorldDive:
         self._draw_scenery(scenery)
         self._draw_picture(picture)
 
-    @property
-    def states(self) -> FloatArray:
-        """d, alpha, w, beta and their rates in each frame, shape (N, 8) [px, rad, per second]."""
-        return self._states
-
     def _draw_route(self, rng: np.random.Generator) -> None:
         world = self.world
         kind = world.motions[int(rng.integers(len(world.motions)))]
-        self._states = random_motion(kind, world.widths, world.frame_count, rng)
+        self.states = random_motion(kind, world.widths, world.frame_count, rng)
         lengths = [
             StateColumn.DISTANCE,
             StateColumn.WIDTH,
             StateColumn.DISTANCE_RATE,
             StateColumn.WIDTH_RATE,
         ]
-        self._states[:, lengths] *= self._scale
+        self.states[:, lengths] *= self._scale
         # On the bottom a texel is a pixel where the view is middling.
-        self._unit = float(self._states[:, StateColumn.WIDTH].mean()) / (2 * self._scale)
+        self._unit = float(self.states[:, StateColumn.WIDTH].mean()) / (2 * self._scale)
         speed = float(rng.uniform(*TRAVEL_SPEED))
         self._travel = speed * np.arange(world.frame_count) / WORLD_RATE
 
@@ -178,12 +171,12 @@ class WorldDive:
 
     def frames(self) -> Iterator[SimulatedFrame]:
         """Render the frames, once."""
-        for index, state in enumerate(self._states):
+        for index, state in enumerate(self.states):
             image = self._render(index, state)
             visibility = self._visibility(index, state)
             wrapped = wrap_states(state[None, :])[0]
             truth = CableState.from_array(wrapped) if visibility != 0.0 else None
-            yield SimulatedFrame(make_frame(index, image, truth), visibility)
+            yield SimulatedFrame(make_frame(index, WORLD_RATE, image, truth), visibility)
 
     def _render(self, index: int, state: FloatArray) -> Image:
         view = view_strip(state, self._x, self._y)
@@ -297,11 +290,3 @@ class WorldDive:
             seen &= share < 0.5
         visible = float(seen.mean())
         return visible if visible >= LEAST_SHARE else float("nan")
-
-
-def make_frame(index: int, image: Image, truth: CableState | None) -> Frame:
-    """Wrap a picture, uint8 of shape (H, W), as a frame of 25 per second."""
-    height, width = image.shape
-    raw = RawImage("mono8", height, width, width, False, memoryview(image.tobytes()))
-    stamp = FIRST_STAMP + round(index * NANOSECONDS / WORLD_RATE)
-    return Frame(index=index, stamp=stamp, image=raw, truth=truth)

@@ -130,8 +130,6 @@ def learn_histograms(
         The target, of the same shape.
     near : (int, int, int, int)
         First column and row, and those after the last, of what is near.
-    count : int
-        Number of bins.
 
     Returns
     -------

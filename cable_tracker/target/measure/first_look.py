@@ -78,8 +78,6 @@ def look_first(
 
     Parameters
     ----------
-    frame : WorkingFrame
-        The frame.
     mask : BoolArray
         Marked pixels, shape (H, W).
     is_exact : bool
@@ -88,8 +86,6 @@ def look_first(
         Number of points of the template inside, and of those around.
     limit : float
         Largest log-ratio.
-    settings : ContourSettings
-        Settings of the contour.
 
     Raises
     ------

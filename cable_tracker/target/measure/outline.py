@@ -104,12 +104,8 @@ def find_outline(
         Float32, shape (H, W).
     state : FloatArray
         Pose, shape (6,).
-    template : Template
-        Expected shape.
     softness : float
         Distance from its outline at which the prior's odds are e : 1, in units of the template.
-    settings : ContourSettings
-        Settings of the contour.
 
     Returns
     -------

@@ -204,12 +204,8 @@ def adapted_to_contour(
     ----------
     known : KnownTarget
         Target as known before the frame.
-    outline : Outline
-        The contour.
     shown : ShownTarget
         Histograms within and around it.
-    parameters : TargetParameters
-        The tracker's parameters.
     angle : float
         Angle of the target [rad].
     score : float

@@ -96,14 +96,10 @@ def forecast_of(
 
     Parameters
     ----------
-    belief : PoseBelief
-        Belief after the frame before.
     shape : (int, int)
         Rows and columns of the frame.
     dt : float
         Time since the frame before [s].
-    parameters : TargetParameters
-        The tracker's parameters.
     rng : numpy.random.Generator
         Draws the particles that go on.
     """

@@ -69,8 +69,6 @@ class PoseFilter(TargetEngine):
 
     Parameters
     ----------
-    parameters : TargetParameters
-        The tracker's parameters.
     rng : numpy.random.Generator
         The only source of randomness.
     """
@@ -190,12 +188,8 @@ def estimate_and_adapt(
     ----------
     belief : PoseBelief
         Belief with particles and estimate of the frame.
-    measured : MeasuredFrame
-        The frame.
     weights : FloatArray
         Weights of the particles that make the estimate, shape (N,).
-    parameters : TargetParameters
-        The tracker's parameters.
     """
     p, known, frame = parameters, belief.known, measured.frame
     softness = p.prior_softness if frame.is_coloured else p.grey_prior_softness

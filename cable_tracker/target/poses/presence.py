@@ -29,10 +29,6 @@ def presence_by_scores(
 
     Parameters
     ----------
-    sampler : FrameSampler
-        Sampler of the frame.
-    drawn : DrawnParticles
-        Particles that it drew.
     rng : numpy.random.Generator
         Draws places for clutter.
     """

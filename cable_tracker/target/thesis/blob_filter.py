@@ -98,8 +98,6 @@ class BlobFilter(TargetEngine):
 
     Parameters
     ----------
-    parameters : TargetParameters
-        The tracker's parameters.
     rng : numpy.random.Generator
         The only source of randomness.
     """

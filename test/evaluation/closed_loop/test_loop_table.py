@@ -16,8 +16,7 @@ from cable_tracker.evaluation.closed_loop.loop_table import (
     LoopSummary,
     read_summary,
     summarise_loop,
-    write_rows,
-    write_summary,
+    write_records,
 )
 
 LENGTH = 20.0
@@ -125,8 +124,8 @@ def read(path: Path) -> list[dict[str, str]]:
 
 def test_tables_are_written_with_gaps_where_nothing_is_known(tmp_path):
     rows = way()
-    write_rows(tmp_path / "rows.csv", rows)
-    write_summary(tmp_path / "summary.csv", judged(rows))
+    write_records(tmp_path / "rows.csv", LoopRow, rows)
+    write_records(tmp_path / "summary.csv", LoopSummary, [judged(rows)])
     table = read(tmp_path / "rows.csv")
     assert len(table) == len(rows)
     assert float(table[3]["x"]) == 1.5
@@ -138,7 +137,7 @@ def test_tables_are_written_with_gaps_where_nothing_is_known(tmp_path):
 
 def test_a_summary_is_read_as_it_was_written(tmp_path):
     written = replace(judged(way()), rms=0.12345, rms_offset=math.nan)
-    write_summary(tmp_path / "summary.csv", written)
+    write_records(tmp_path / "summary.csv", LoopSummary, [written])
     read_back = read_summary(tmp_path / "summary.csv")
     assert (read_back.rms, read_back.losses, read_back.found_again) == (0.12345, 1, True)
     assert math.isnan(read_back.rms_offset)

@@ -29,7 +29,7 @@ def distances(document):
 @given(label_maps, frames, frame_labels)
 def test_undo_takes_an_edit_back_and_redo_does_it_again(labels, frame, label):
     document = LabelDocument(labels)
-    document.set(frame, label)
+    document.change(frame, {frame: label})
     edited = dict(document.labels)
     if document.can_undo:
         assert document.undo()[0] == frame
@@ -42,7 +42,7 @@ def test_undo_takes_an_edit_back_and_redo_does_it_again(labels, frame, label):
 @given(label_maps, frames, frame_labels)
 def test_what_an_edit_returns_is_what_has_changed(labels, frame, label):
     document = LabelDocument(labels)
-    changes = document.set(frame, label)
+    changes = document.change(frame, {frame: label})
     after = document.labels
     different = {n for n in {*labels, *after} if labels.get(n) != after.get(n)}
     assert changes == {n: after.get(n) for n in different}
@@ -56,31 +56,31 @@ def test_nothing_to_undo_in_a_new_document():
 
 def test_an_edit_that_changes_nothing_is_no_step():
     document = LabelDocument({3: key()})
-    assert document.set(3, key()) == {}
+    assert document.change(3, {3: key()}) == {}
     assert not document.can_undo
 
 
 def test_a_new_edit_forgets_what_was_undone():
     document = LabelDocument()
-    document.set(0, key(1.0))
+    document.change(0, {0: key(1.0)})
     document.undo()
-    document.set(0, key(2.0))
+    document.change(0, {0: key(2.0)})
     assert not document.can_redo
 
 
 def test_strokes_of_a_held_key_are_one_step():
     document = LabelDocument({4: key(0.0)})
-    document.set(4, key(1.0))
-    document.set(4, key(2.0), merges=True)
-    document.set(4, key(3.0), merges=True)
+    document.change(4, {4: key(1.0)})
+    document.change(4, {4: key(2.0)}, merges=True)
+    document.change(4, {4: key(3.0)}, merges=True)
     document.undo()
     assert distances(document) == {4: 0.0}
 
 
 def test_strokes_on_another_frame_are_another_step():
     document = LabelDocument({4: key(0.0), 5: key(0.0)})
-    document.set(4, key(1.0))
-    document.set(5, key(2.0), merges=True)
+    document.change(4, {4: key(1.0)})
+    document.change(5, {5: key(2.0)}, merges=True)
     document.undo()
     assert distances(document) == {4: 1.0, 5: 0.0}
 
@@ -107,7 +107,7 @@ def test_where_nothing_can_be_interpolated_it_is_said():
 def test_interpolated_labels_follow_their_key_frame_in_the_same_step():
     document = LabelDocument({0: key(0.0), 4: key(40.0)})
     document.interpolate(0, document.gaps_to_fill(0))
-    document.set(4, key(80.0))
+    document.change(4, {4: key(80.0)})
     assert distances(document) == pytest.approx({0: 0.0, 1: 20.0, 2: 40.0, 3: 60.0, 4: 80.0})
     document.undo()
     assert distances(document) == pytest.approx({0: 0.0, 1: 10.0, 2: 20.0, 3: 30.0, 4: 40.0})
@@ -116,7 +116,7 @@ def test_interpolated_labels_follow_their_key_frame_in_the_same_step():
 def test_a_corrected_frame_becomes_a_key_frame_of_its_neighbours():
     document = LabelDocument({0: key(0.0), 4: key(40.0)})
     document.interpolate(0, document.gaps_to_fill(0))
-    document.set(2, key(100.0))
+    document.change(2, {2: key(100.0)})
     assert distances(document) == pytest.approx({0: 0.0, 1: 50.0, 2: 100.0, 3: 70.0, 4: 40.0})
 
 
@@ -142,11 +142,11 @@ class Editing(RuleBasedStateMachine):
 
     @rule(frame=frames, label=hand_labels)
     def draw(self, frame, label):
-        self.remember(self.document.set(frame, label))
+        self.remember(self.document.change(frame, {frame: label}))
 
     @rule(frame=frames)
     def clear(self, frame):
-        self.remember(self.document.clear(frame))
+        self.remember(self.document.change(frame, {frame: None}))
 
     @rule()
     def interpolate_all(self):
