@@ -1,13 +1,16 @@
 from __future__ import annotations
 
+import operator
+
 import numba
 import numpy as np
 import pytest
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Flags
 from numba.core.registry import cpu_target
+from numba.core.types.functions import BaseFunction
 
-from cable_tracker.code_libraries import _quickly_compared_flags
+from cable_tracker.code_libraries import _operators_typed_once, _quickly_compared_flags
 from cable_tracker.compilation import compiled, compiled_loop, compiled_part
 
 
@@ -172,3 +175,40 @@ def test_numba_compares_options_itself_where_no_entry_is_compiled():
         assert Flags.__eq__ is not before[0]
         raise ValueError("stop")
     assert (Flags.__eq__, Flags.__hash__) == before
+
+
+ONE_KIND_EACH = [
+    (operator.add, (numba.int64, numba.float32)),
+    (operator.lt, (numba.uint8, numba.float64)),
+    (operator.getitem, (numba.float64[:, ::1], numba.types.UniTuple(numba.int64, 2))),
+]
+
+
+@pytest.mark.parametrize(("operation", "operands"), ONE_KIND_EACH)
+def test_the_type_of_an_operators_result_is_what_numba_finds(operation, operands):
+    context = cpu_target.typing_context
+    context.refresh()
+    expected = context.resolve_function_type(operation, operands, {})
+    with _operators_typed_once():
+        first = context.resolve_function_type(operation, operands, {})
+        assert context.resolve_function_type(operation, operands, {}) is first
+    assert first == expected
+
+
+def test_operands_that_do_not_go_together_are_refused_each_time():
+    context = cpu_target.typing_context
+    context.refresh()
+    with _operators_typed_once():
+        for _ in range(2):
+            with pytest.raises(numba.TypingError):
+                context.resolve_function_type(
+                    operator.add, (numba.int64, numba.types.unicode_type), {}
+                )
+
+
+def test_numba_finds_types_itself_where_no_entry_is_compiled():
+    before = BaseFunction.get_call_type
+    with pytest.raises(ValueError, match="stop"), _operators_typed_once():
+        assert BaseFunction.get_call_type is not before
+        raise ValueError("stop")
+    assert BaseFunction.get_call_type is before
