@@ -114,19 +114,16 @@ def test_claims_that_are_off_by_alike_where_sand_begins_make_nothing_sure():
     poses = poses_of(dive).at(rows["stamp"])
     ahead = poses[:, 0] + LOOK
     rows["aside_variance"] = 0.1**2
-    unsure = (ahead > 13.0) & (ahead < 15.0)
-    rows["aside_variance"][unsure] = 0.24**2
-    rows["aside"][unsure] += 0.15
+    unsure = (ahead > 11.0) & (ahead < 15.0)
+    rows["aside_variance"][unsure] = 0.2**2
+    rows["aside"][unsure] += 0.12
     keyframes = make_keyframes(rows, poses)
     cable = smooth(keyframes)
     truth = np.array([true_aside(pose, 0.03)[0] for pose in poses[keyframes.first]])
-    beside = np.abs(cable.states[:, 0] - truth)
     sigma = np.sqrt(cable.covariances[:, 0, 0])
-    assert cable.scales[0] < 0.7
-    edge = (keyframes.places[:, 0] > 13.2) & (keyframes.places[:, 0] < 16.0)
-    assert (beside[edge] < 2.5 * sigma[edge]).all()
-    clear = keyframes.places[:, 0] < 10.0
-    assert np.median(sigma[edge]) > 2.0 * np.median(sigma[clear])
+    edge = (keyframes.places[:, 0] > 11.0) & (keyframes.places[:, 0] < 16.0)
+    assert cable.scales[0] < 0.5
+    assert (np.abs(cable.states[:, 0] - truth) < 1.96 * sigma)[edge].all()
 
 
 def test_the_way_along_the_cable_is_its_length():
