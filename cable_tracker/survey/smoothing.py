@@ -33,8 +33,13 @@ from cable_tracker.survey.curve_filter import filter_forwards, smooth_backwards
 from cable_tracker.survey.keyframes import STEP, Keyframes, summed, way_to
 from cable_tracker.survey.memory_mapped import Disk
 
-CORRELATION = 0.8
+CORRELATION = 0.7
 """Way over which the errors of claims are correlated [m]."""
+
+UNSURE = 1.5
+"""Standard deviation of the place of an unsure claim, as a multiple of the dive's usual one. Where
+sand begins to cover a cable, claims in a row are off by alike, so that they fit to each other: by
+how much is what the tracker said, not what the clear claims show."""
 
 BEND = 0.05
 """Initial standard deviation of the curvature [1/m]."""
@@ -124,9 +129,11 @@ def smooth(
     steps = disk.filled(count, lambda part: way_to(keyframes.places, part))
     seconds = disk.filled(count, lambda part: _seconds_to(keyframes.stamps, part))
     inflation = _covariance_inflation(summed(steps, disk), keyframes.claims, disk)
+    usual = _usual_variance(keyframes, disk)
     for _ in range(ROUNDS):
         for part in disk.blocks(count):
-            noise = _noise(keyframes.covariances[part], cable.scales) * inflation[part, None]
+            noise = _noise(keyframes.covariances[part], cable.scales, usual)
+            noise *= inflation[part, None]
             filter_forwards(
                 keyframes.places, seconds, keyframes.claims, noise, cable.weights, keyframes.breaks,
                 cable.bend, part.start, part.stop, cable.along, cable.states, cable.covariances,
@@ -137,7 +144,7 @@ def smooth(
                 keyframes.places, seconds, is_new, cable.bend, part.start, part.stop, cable.states,
                 cable.covariances,
             )  # fmt: skip
-        cable = _with_new_weights(keyframes, cable, disk)
+        cable = _with_new_weights(keyframes, cable, usual, disk)
     return cable
 
 
@@ -145,6 +152,18 @@ def _usual_claims(keyframes: Keyframes, part: slice) -> BoolArray:
     """Tell for some keyframes whether they have a claim that is surely of the cable."""
     claimed: BoolArray = np.isfinite(keyframes.claims[part].sum(axis=1))
     return claimed & ~keyframes.doubtful[part]
+
+
+def _usual_variance(keyframes: Keyframes, disk: Disk) -> float:
+    """Return the median variance of the place of claims that are surely of the cable [m²]; or NaN.
+
+    It is as the tracker states it.
+    """
+    count = len(keyframes.stamps)
+    if not any(_usual_claims(keyframes, part).any() for part in disk.blocks(count)):
+        return math.nan
+    variances = keyframes.covariances[:, 0]
+    return disk.median(variances, lambda part: _usual_claims(keyframes, part))
 
 
 def _pieces(breaks: BoolArray, disk: Disk) -> IndexArray:
@@ -164,21 +183,26 @@ def _seconds_to(stamps: IndexArray, part: slice) -> FloatArray:
     return steps[len(steps) - (part.stop - part.start) :]
 
 
-def _with_new_weights(keyframes: Keyframes, cable: SmoothedCable, disk: Disk) -> SmoothedCable:
-    """Return a smoothed cable with scales and bend as its claims have them, and new weights."""
+def _with_new_weights(
+    keyframes: Keyframes, cable: SmoothedCable, usual: float, disk: Disk
+) -> SmoothedCable:
+    """Return a smoothed cable with scales and bend as its claims have them, and new weights.
+
+    `usual` is the usual variance of the place of a claim [m²].
+    """
     count, scales, bend = len(keyframes.stamps), cable.scales, cable.bend
-    squares = disk.filled(count, lambda part: _normalised_squares(keyframes, cable, part))
+    squares = disk.filled(count, lambda part: _normalised_squares(keyframes, cable, usual, part))
     misses = np.ones(2)
     if any(_usual_claims(keyframes, part).any() for part in disk.blocks(count)):
-        usual = [
+        medians = [
             disk.median(column, lambda part: _usual_claims(keyframes, part)) for column in squares.T
         ]
-        misses = np.sqrt(np.array(usual) / MEDIAN_SQUARE)
+        misses = np.sqrt(np.array(medians) / MEDIAN_SQUARE)
         scales, bend = _scaled(scales, misses), _bend(cable, disk)
         misses = np.maximum(misses, 1e-9)
     for part in disk.blocks(count):
         residuals = _residuals(keyframes, cable, part)
-        plain = _noise(keyframes.covariances[part], cable.scales)
+        plain = _noise(keyframes.covariances[part], cable.scales, usual)
         claimed: BoolArray = np.isfinite(keyframes.claims[part].sum(axis=1))
         fits = _fits(residuals, plain, cable.covariances[part])
         counts = _usual_claims(keyframes, part) | (claimed & fits)
@@ -193,10 +217,13 @@ def _residuals(keyframes: Keyframes, cable: SmoothedCable, part: slice) -> Float
     return residuals
 
 
-def _normalised_squares(keyframes: Keyframes, cable: SmoothedCable, part: slice) -> FloatArray:
+def _normalised_squares(
+    keyframes: Keyframes, cable: SmoothedCable, usual: float, part: slice
+) -> FloatArray:
     """Return squared residuals of some claims over the variances of the claims, shape (K, 2)."""
     residuals = _residuals(keyframes, cable, part)
-    squares: FloatArray = residuals**2 / _noise(keyframes.covariances[part], cable.scales)[:, ::2]
+    noise = _noise(keyframes.covariances[part], cable.scales, usual)
+    squares: FloatArray = residuals**2 / noise[:, ::2]
     return squares
 
 
@@ -262,9 +289,22 @@ def _fits(residuals: FloatArray, noise: FloatArray, covariances: FloatArray) -> 
     return fits
 
 
-def _noise(covariances: FloatArray, scales: tuple[float, float]) -> FloatArray:
-    place, direction = scales
-    noise: FloatArray = covariances * [place**2, place * direction, direction**2]
+def _noise(covariances: FloatArray, scales: tuple[float, float], usual: float) -> FloatArray:
+    """Return the noise of claims: variance of place, covariance, variance of direction, (K, 3).
+
+    Parameters
+    ----------
+    covariances : FloatArray
+        The same as the tracker states it, shape (K, 3) [m², m rad, rad²].
+    scales : (float, float)
+        Factors of the standard deviations of place and direction; they shrink none of an unsure
+        claim.
+    usual : float
+        Usual variance of the place of a claim [m²]; NaN where there is none.
+    """
+    unsure = covariances[:, 0] > UNSURE**2 * usual
+    place, direction = (np.where(unsure, max(scale, 1.0), scale) for scale in scales)
+    noise: FloatArray = covariances * np.column_stack((place**2, place * direction, direction**2))
     noise[:, 0] += FLOOR**2
     noise[:, 2] += HEADING_FLOOR**2 + YAW_SIGMA**2
     return noise

@@ -107,6 +107,25 @@ def test_regions_hold_the_cable_about_as_often_as_they_say(seed):
     assert 0.8 < held <= 1.0
 
 
+def test_claims_that_are_off_by_alike_where_sand_begins_make_nothing_sure():
+    """Clear claims are better than the tracker says; unsure ones in a row are off together."""
+    dive = make_dive(Plan(hidden=((15.0, 22.0),)))
+    rows = dive.table.rows
+    poses = poses_of(dive).at(rows["stamp"])
+    ahead = poses[:, 0] + LOOK
+    rows["aside_variance"] = 0.1**2
+    unsure = (ahead > 11.0) & (ahead < 15.0)
+    rows["aside_variance"][unsure] = 0.2**2
+    rows["aside"][unsure] += 0.12
+    keyframes = make_keyframes(rows, poses)
+    cable = smooth(keyframes)
+    truth = np.array([true_aside(pose, 0.03)[0] for pose in poses[keyframes.first]])
+    sigma = np.sqrt(cable.covariances[:, 0, 0])
+    edge = (keyframes.places[:, 0] > 11.0) & (keyframes.places[:, 0] < 16.0)
+    assert cable.scales[0] < 0.5
+    assert (np.abs(cable.states[:, 0] - truth) < 1.96 * sigma)[edge].all()
+
+
 def test_the_way_along_the_cable_is_its_length():
     _, cable, _ = smoothed(Plan())
     assert cable.along[-1] - cable.along[0] == pytest.approx(40.0, rel=0.03)
