@@ -1,6 +1,10 @@
 import asyncio
 import threading
 
+import pytest
+
+pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
+
 from starlette.websockets import WebSocketDisconnect
 
 from cable_tracker.gui.frame_channel import FrameChannel

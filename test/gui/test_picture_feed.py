@@ -2,6 +2,9 @@ import asyncio
 
 import numpy as np
 import pytest
+
+pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
+
 from starlette.websockets import WebSocketDisconnect
 
 from cable_tracker.gui.packet import unpack

@@ -5,6 +5,8 @@ import threading
 import numpy as np
 import pytest
 
+pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
+
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.evaluation.targets.metrics import overlap
 from cable_tracker.gui.recording_request import RecordingRequest

@@ -2,6 +2,8 @@ import math
 
 import pytest
 
+pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are not tested")
+
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import GuiError, RecordingError
 from cable_tracker.gui.recording_request import RecordingRequest
