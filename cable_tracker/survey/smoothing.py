@@ -188,12 +188,13 @@ def _with_new_weights(
 ) -> SmoothedCable:
     """Return a smoothed cable with scales and bend as its claims have them, and new weights.
 
-    `usual` is the usual variance of the place of a claim [m²].
+    `usual` is the usual variance of the place of a claim [m²]; NaN where no claim is surely of the
+    cable.
     """
     count, scales, bend = len(keyframes.stamps), cable.scales, cable.bend
     squares = disk.filled(count, lambda part: _normalised_squares(keyframes, cable, usual, part))
     misses = np.ones(2)
-    if any(_usual_claims(keyframes, part).any() for part in disk.blocks(count)):
+    if not math.isnan(usual):
         medians = [
             disk.median(column, lambda part: _usual_claims(keyframes, part)) for column in squares.T
         ]
