@@ -122,7 +122,8 @@ class CableTracker:
     def copy(self) -> CableTracker:
         """Return another tracker that goes on as this one would, bit for bit, and apart from it."""
         # What never changes is shared: the response table is many times as large as the rest.
-        shared = {id(part): part for part in (self._table, self._parameters)}
+        parts = (self._table, self._table.ratios, self._parameters)
+        shared = {id(part): part for part in parts}
         return copy.deepcopy(self, shared)
 
     def initialise(self, given: GivenState) -> None:

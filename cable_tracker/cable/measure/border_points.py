@@ -119,8 +119,8 @@ class Crossings(NamedTuple):
         Positions from the left end of their line [working px], shape (BLOCK,).
     pixels : Image
         Indices, uint32, shape (4, BLOCK): `measure_responses` row 0, the pixel to the left;
-        `measure_contrasts` rows 0 to 2, the pixels outside, behind and deep; afterwards rows 0 and
-        1, the cells of the tables of edges and contrasts.
+        `measure_contrasts` rows 0 to 2, the pixels outside, behind and deep; afterwards row 0, the
+        cell of the table of ratios.
     levels : Image
         Values read from the line, float32, shape (3, BLOCK): in `measure_responses` gradient along
         the line, gradient across it, slope; from `measure_contrasts` on the grey levels outside,

@@ -40,10 +40,9 @@ from cable_tracker.cable.measure.polarity_prior import (
 )
 from cable_tracker.cable.measure.response_bins import (
     CLASSES,
-    contrast_cell,
-    edge_cell,
+    point_cell,
 )
-from cable_tracker.cable.measure.response_table import LARGEST_RATIO, ResponseTable, load_table
+from cable_tracker.cable.measure.response_table import ResponseTable, load_table
 from cable_tracker.cable.measure.scan_lines import ScanLines
 from cable_tracker.cable.measure.texture import (
     TextureWindows,
@@ -126,9 +125,8 @@ class RatioModel(NamedTuple):
 
     Attributes
     ----------
-    edges, contrasts : Image
-        The tables for bright and for dark cables, by cell, shapes (1440, 8) and
-        (600, 8).
+    ratios : Image
+        Ratios of a point for bright and for dark cables, see `ResponseTable.ratios`.
     tempering : float
         Power of one point's ratio.
     missing : FloatArray
@@ -137,8 +135,7 @@ class RatioModel(NamedTuple):
         Most that texture says [nats].
     """
 
-    edges: Image
-    contrasts: Image
+    ratios: Image
     tempering: float
     missing: FloatArray
     texture_limit: float
@@ -164,7 +161,7 @@ class BorderLikelihoodRatio:
         chosen = table if table is not None else load_table(parameters.response_table)
         self._tempering = parameters.tempering
         self._model = RatioModel(
-            chosen.edges_of_both, chosen.contrasts_of_both, 0.0,
+            chosen.ratios, 0.0,
             parameters.missing_cost * chosen.absent, parameters.texture_limit,
         )  # fmt: skip
 
@@ -393,34 +390,26 @@ def _sum_border(
 @compiled_inside
 def _add_ratios(count: int, model: RatioModel, crossings: Crossings, sums: Image) -> None:
     """Add the ratios of measured crossings to the sums (8,) of their border."""
-    cells = crossings.pixels
+    cells = crossings.pixels[0]
     for index in range(padded_count(count)):
-        response = crossings.responses[index]
-        cells[0, index] = edge_cell(response, crossings.slopes[index])
-        cells[1, index] = contrast_cell(response, crossings.contrasts[index])
-    # As variables, they stay in registers; an array might be one of the tables.
+        cells[index] = point_cell(
+            crossings.responses[index], crossings.slopes[index], crossings.contrasts[index]
+        )
+    # As variables, they stay in registers; an array might be the table.
     a, b, c, d = sums[0], sums[1], sums[2], sums[3]
     e, f, g, h = sums[4], sums[5], sums[6], sums[7]
     for index in range(count):
-        edges = model.edges[np.uint64(cells[0, index])]
-        contrasts = model.contrasts[np.uint64(cells[1, index])]
-        a += _ratio(edges, contrasts, 0)
-        b += _ratio(edges, contrasts, 1)
-        c += _ratio(edges, contrasts, 2)
-        d += _ratio(edges, contrasts, 3)
-        e += _ratio(edges, contrasts, 4)
-        f += _ratio(edges, contrasts, 5)
-        g += _ratio(edges, contrasts, 6)
-        h += _ratio(edges, contrasts, 7)
+        ratios = model.ratios[np.uint64(cells[index])]
+        a += ratios[0]
+        b += ratios[1]
+        c += ratios[2]
+        d += ratios[3]
+        e += ratios[4]
+        f += ratios[5]
+        g += ratios[6]
+        h += ratios[7]
     sums[0], sums[1], sums[2], sums[3] = a, b, c, d
     sums[4], sums[5], sums[6], sums[7] = e, f, g, h
-
-
-@compiled_inside
-def _ratio(edges: Image, contrasts: Image, strength: int) -> np.float32:
-    """Return the ratio of a point for a class, by its rows of both tables."""
-    ratio: np.float32 = min(edges[strength] + contrasts[strength], LARGEST_RATIO)
-    return ratio
 
 
 @compiled

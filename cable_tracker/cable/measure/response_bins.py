@@ -105,6 +105,13 @@ def contrast_cell(response: np.float32, contrast: np.float32) -> np.uint32:
     return np.uint32(row * CONTRAST_BINS + cell)
 
 
+@compiled_inside
+def point_cell(response: np.float32, slope: np.float32, contrast: np.float32) -> np.uint32:
+    """Return the row of the table of all three for a response, the size of a slope, a contrast."""
+    cell = _bin(contrast, CONTRAST_MIDDLE, CONTRAST_FACTOR, CONTRAST_BINS)
+    return np.uint32(edge_cell(response, slope) * CONTRAST_BINS + cell)
+
+
 @compiled
 def _cells_of(responses: Image, slopes: Image, contrasts: Image) -> tuple[IndexArray, IndexArray]:
     """Return the rows (P,) of both tables; all are float32 of shape (P,)."""

@@ -6,10 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.measure.response_bins import (
+    CONTRAST_BINS,
     CONTRAST_SHAPE,
     EDGE_SHAPE,
     PointMeasures,
     border_strength,
+    point_cell,
     strength_class,
 )
 
@@ -34,6 +36,8 @@ def test_every_point_has_a_cell(response, slope, contrast):
     (edge,), (contrast_cell,) = measured.cells()
     assert 0 <= edge < np.prod(EDGE_SHAPE)
     assert 0 <= contrast_cell < np.prod(CONTRAST_SHAPE)
+    row = point_cell(np.float32(response), np.float32(abs(slope)), np.float32(contrast))
+    assert divmod(int(row), CONTRAST_BINS) == (edge, contrast_cell % CONTRAST_BINS)
 
 
 @given(NUMBERS, NUMBERS, NUMBERS)
