@@ -15,8 +15,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from cable_tracker.arrays import Image
-from cable_tracker.compilation import compiled_inside, compiled_loop
+import numpy as np
+
+from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.measure.scan_lines import ACROSS, ALONG
+from cable_tracker.compilation import compiled_inside, compiled_loop, compiled_part
 
 ITERATIONS = 5
 """Number of fixed-point iterations of Tyler's estimator."""
@@ -43,7 +46,7 @@ ROUND = GradientShape(1.0, 0.0, 1.0)
 """The shape of gradients that are as strong in all directions."""
 
 
-@compiled_loop
+@compiled_part
 def gradient_shape(rows: Image, columns: Image) -> GradientShape:
     """Return the shape of the gradients of a frame.
 
@@ -52,10 +55,12 @@ def gradient_shape(rows: Image, columns: Image) -> GradientShape:
     rows, columns : Image
         Along and across each family of scan lines [robust scales], see `ScanLines.gradients`.
     """
+    of_rows, of_columns = _strong_gradients(rows, False), _strong_gradients(columns, True)
+    terms = np.empty((3, max(len(of_rows[0]), len(of_columns[0]))))
     xx, xy, yy = 1.0, 0.0, 1.0
     for _ in range(ITERATIONS):
-        first = _weighted_moments(rows, False, xx, xy, yy)
-        second = _weighted_moments(columns, True, xx, xy, yy)
+        first = _weighted_moments(of_rows, terms, xx, xy, yy)
+        second = _weighted_moments(of_columns, terms, xx, xy, yy)
         xx, xy, yy = first[0] + second[0], first[1] + second[1], first[2] + second[2]
         trace = xx + yy
         if trace <= 0.0:
@@ -65,24 +70,43 @@ def gradient_shape(rows: Image, columns: Image) -> GradientShape:
     return GradientShape(xx, xy, yy)
 
 
-@compiled_loop
-def _weighted_moments(
-    gradients: Image, turned: bool, xx: float, xy: float, yy: float
-) -> tuple[float, float, float]:
-    """Return the second moments of gradients, each over its square by a shape before."""
-    determinant = xx * yy - xy * xy
-    sum_xx, sum_xy, sum_yy = 0.0, 0.0, 0.0
+@compiled_part
+def _strong_gradients(gradients: Image, turned: bool) -> tuple[FloatArray, FloatArray]:
+    """Return x and y of the gradients that have a direction, (K,) each, of every eighth point."""
+    most = gradients.shape[0] * ((gradients.shape[1] + SHAPE_STEP - 1) // SHAPE_STEP)
+    along, across, count = np.empty(most), np.empty(most), 0
     for line in range(len(gradients)):
         for place in range(0, gradients.shape[1], SHAPE_STEP):
-            x, y = float(gradients[line, place, 0]), float(gradients[line, place, 1])
-            if x * x + y * y < LEAST_GRADIENT * LEAST_GRADIENT:
-                continue
-            if turned:
-                x, y = y, x
-            square = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / determinant
-            sum_xx += x * x / square
-            sum_xy += x * y / square
-            sum_yy += y * y / square
+            u, v = float(gradients[line, place, ALONG]), float(gradients[line, place, ACROSS])
+            along[count], across[count] = u, v
+            count += u * u + v * v >= LEAST_GRADIENT * LEAST_GRADIENT
+    if turned:
+        return across[:count], along[:count]
+    return along[:count], across[:count]
+
+
+@compiled_loop
+def _weighted_moments(
+    gradients: tuple[FloatArray, FloatArray], terms: FloatArray, xx: float, xy: float, yy: float
+) -> tuple[float, float, float]:
+    """Return the second moments of gradients, each over its square by a shape before.
+
+    `terms` (3, K or more) is room for those of the gradients: they are worked out many at a time.
+    """
+    x, y = gradients
+    terms_xx, terms_xy, terms_yy = terms[0], terms[1], terms[2]
+    determinant = xx * yy - xy * xy
+    for index in range(len(x)):
+        u, v = x[index], y[index]
+        square = (yy * u * u - 2.0 * xy * u * v + xx * v * v) / determinant
+        terms_xx[index] = u * u / square
+        terms_xy[index] = u * v / square
+        terms_yy[index] = v * v / square
+    sum_xx, sum_xy, sum_yy = 0.0, 0.0, 0.0
+    for index in range(len(x)):
+        sum_xx += terms_xx[index]
+        sum_xy += terms_xy[index]
+        sum_yy += terms_yy[index]
     return sum_xx, sum_xy, sum_yy
 
 
