@@ -20,7 +20,12 @@ from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs
 from cable_tracker.cable.hypotheses.shared_borders import is_within_shared_border_limits
-from cable_tracker.cable.measure.likelihood_ratio import allocate_log_ratios, fill_log_ratios
+from cable_tracker.cable.measure.likelihood_ratio import (
+    BRIGHT,
+    DARK,
+    allocate_log_ratios,
+    fill_log_ratios,
+)
 from cable_tracker.cable.measure.polarity_prior import marginal_log_ratio
 from cable_tracker.cable.model.geometry import (
     borders_cross_inside,
@@ -109,68 +114,84 @@ def background_of(means: FloatArray, inputs: ProposalInputs, config: ProposalCon
     The strips that are like hypotheses are shared out among them.
     """
     noise, image_size = inputs.noise, config.image_size
-    count, kinds = len(means), len(noise.anywhere)
+    count = len(means)
     background = empty_background(count, SMALLEST_DEVIATION)
     if count == 0:
         return background
     share = len(noise.alike) // count
-    total = kinds + count * share
-    strips, ratios = np.zeros((total, STATE_SIZE)), np.empty(total)
-    for row in range(kinds):
-        _place_anywhere(noise.anywhere[row], config.limits, image_size, strips[row])
-    for row in range(kinds, total):
-        mean = means[(row - kinds) // share]
-        _place_like(mean, noise, row - kinds, config.limits, image_size, strips[row])
-    measured = allocate_log_ratios(total)
-    fill_log_ratios(strips, 0, total, inputs.scan, inputs.model, measured)
-    for row in range(total):
-        log_ratios = measured.log_ratios[row]
-        ratios[row] = marginal_log_ratio(inputs.polarity, log_ratios[0], log_ratios[1])
-        if borders_cross_inside(strips[row], image_size):
-            ratios[row] = -np.inf
+    strips = np.zeros((len(noise.anywhere) + count * share, STATE_SIZE))
+    # A strip that no hypothesis is held against is not kept: the next one takes its row.
+    kinds = 0
+    for row in range(len(noise.anywhere)):
+        _place_anywhere(noise.anywhere[row], config.limits, image_size, strips[kinds])
+        kinds += _is_of_use_for_any(strips[kinds], means, image_size)
+    total, ends = kinds, np.empty(count, np.int64)
+    for row in range(count * share):
+        index = row // share
+        _place_like(means[index], noise, row, config.limits, image_size, strips[total])
+        total += _is_beside(strips[total], means[index], image_size)
+        ends[index] = total
+    ratios = _ratios_of(strips[:total], inputs)
+    first = kinds
     for index in range(count):
-        mean, first = means[index], kinds + index * share
         background.means[index], background.deviations[index] = _moments(
-            strips, ratios, kinds, mean, image_size[0]
+            strips[:kinds], ratios, means[index], image_size[0]
         )
-        background.alike[index] = _best(strips, ratios, first, first + share, mean, image_size[0])
+        for row in range(first, ends[index]):
+            background.alike[index] = max(background.alike[index], ratios[row])
+        first = ends[index]
     return background
+
+
+@compiled_part
+def _ratios_of(strips: FloatArray, inputs: ProposalInputs) -> FloatArray:
+    """Return the log-likelihood ratios (R,) of strips, shape (R, 8)."""
+    ratios, measured = np.empty(len(strips)), allocate_log_ratios(len(strips))
+    fill_log_ratios(strips, 0, len(strips), inputs.scan, inputs.model, measured)
+    for row in range(len(strips)):
+        log_ratios = measured.log_ratios[row]
+        ratios[row] = marginal_log_ratio(inputs.polarity, log_ratios[BRIGHT], log_ratios[DARK])
+    return ratios
+
+
+@compiled_loop
+def _is_of_use_for_any(
+    strip: FloatArray, means: FloatArray, image_size: tuple[float, float]
+) -> bool:
+    """Tell whether a strip may be a cable, and shares no border with one of the hypotheses."""
+    apart = False
+    for mean in means:
+        apart = apart or not is_within_shared_border_limits(strip, mean, image_size[0])
+    return apart and not borders_cross_inside(strip, image_size)
+
+
+@compiled_loop
+def _is_beside(strip: FloatArray, mean: FloatArray, image_size: tuple[float, float]) -> bool:
+    """Tell whether a strip may be a cable, and does not lie on a hypothesis."""
+    return (
+        abs(strip[DISTANCE] - mean[DISTANCE]) >= 0.5 * mean[WIDTH]
+        and not borders_cross_inside(strip, image_size)
+        and not is_within_shared_border_limits(strip, mean, image_size[0])
+    )
 
 
 @compiled_loop
 def _moments(
-    strips: FloatArray, ratios: FloatArray, count: int, mean: FloatArray, image_width: float
+    strips: FloatArray, ratios: FloatArray, mean: FloatArray, image_width: float
 ) -> tuple[float, float]:
-    """Return mean and standard deviation over the first strips that share no border with one."""
+    """Return mean and standard deviation over the strips (R, 8) that share no border with one.
+
+    `ratios` may have more rows.
+    """
     used, total, squares = 0, 0.0, 0.0
-    for row in range(count):
-        if ratios[row] > -np.inf and not is_within_shared_border_limits(
-            strips[row], mean, image_width
-        ):
+    for row in range(len(strips)):
+        if not is_within_shared_border_limits(strips[row], mean, image_width):
             used, total, squares = used + 1, total + ratios[row], squares + ratios[row] ** 2
     if used < FEWEST_STRIPS:
         return 0.0, SMALLEST_DEVIATION
     average = total / used
     deviation = math.sqrt(max(squares / used - average * average, 0.0))
     return average, max(deviation, SMALLEST_DEVIATION)
-
-
-@compiled_loop
-def _best(
-    strips: FloatArray,
-    ratios: FloatArray,
-    start: int,
-    stop: int,
-    mean: FloatArray,
-    image_width: float,
-) -> float:
-    """Return the largest ratio of strips that do not lie on a hypothesis; 0 without any."""
-    best = 0.0
-    for row in range(start, stop):
-        beside = abs(strips[row, DISTANCE] - mean[DISTANCE]) >= 0.5 * mean[WIDTH]
-        if beside and not is_within_shared_border_limits(strips[row], mean, image_width):
-            best = max(best, ratios[row])
-    return best
 
 
 @compiled_loop
