@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.measure.scan_lines import ScanLines
+from cable_tracker.arrays import FloatArray, Image, IndexArray
+from cable_tracker.cable.measure.scan_lines import ACROSS, ALONG, ScanLines
 from cable_tracker.cable.measure.working_image import WorkingImage
-from cable_tracker.compilation import compiled, compiled_inside, compiled_part
+from cable_tracker.compilation import compiled, compiled_inside, compiled_loop, compiled_part
 from cable_tracker.detection.coherent_lines import (
     FEWEST_CELLS,
     coarse_brightness,
@@ -147,23 +147,43 @@ def _vote_of_both(rows: ScanLines, columns: ScanLines, accumulator: _Accumulator
 def _vote(lines: ScanLines, turned: bool, accumulator: _Accumulator) -> None:
     """Let the ridges of the gradient along scan lines vote; `turned` scan lines are columns."""
     places, length = lines.places, lines.gradients.shape[1]
-    squares = np.empty(length, np.float32)
+    squares, ridges = np.empty(length, np.float32), np.empty(length, np.int64)
+    candidates = np.empty(length, np.uint8)
     for line in range(len(places)):
         values = lines.gradients[line]
-        for place in range(length):
-            squares[place] = values[place, 0] ** 2 + values[place, 1] ** 2
-        for place in range(1, length - 1):
-            here = squares[place]
-            if not (here > STRONG * STRONG and squares[place - 1] <= here > squares[place + 1]):
-                continue
-            along, across = values[place, 0], values[place, 1]
-            if abs(along) >= abs(across):
-                u, v = place - (length - 1) / 2, places[line]
-                weight = min(math.sqrt(here), VOTE_CAP)
-                if turned:
-                    _cast(v, u, (float(across), float(along)), weight, accumulator)
-                else:
-                    _cast(u, v, (float(along), float(across)), weight, accumulator)
+        for ridge in range(_find_ridges(values, squares, candidates, ridges)):
+            place = ridges[ridge]
+            along, across = float(values[place, ALONG]), float(values[place, ACROSS])
+            u, v = place - (length - 1) / 2, places[line]
+            weight = min(math.sqrt(squares[place]), VOTE_CAP)
+            if turned:
+                _cast(v, u, (across, along), weight, accumulator)
+            else:
+                _cast(u, v, (along, across), weight, accumulator)
+
+
+@compiled_loop
+def _find_ridges(gradients: Image, squares: Image, candidates: Image, ridges: IndexArray) -> int:
+    """Find where strong gradients (n, 3), rather along a line than across it, are strongest.
+
+    Their squares (n,) and the places are filled in, and the number of places returned.
+    """
+    for place in range(len(squares)):
+        along, across = gradients[place, ALONG], gradients[place, ACROSS]
+        squares[place] = along * along + across * across
+        candidates[place] = np.uint8(abs(along) >= abs(across))
+    # Without branches, which could not be predicted, many places are looked at together.
+    before, here, after, inner = squares[:-2], squares[1:-1], squares[2:], candidates[1:-1]
+    least = np.float32(STRONG * STRONG)
+    for place in range(len(here)):
+        inner[place] &= np.uint8(here[place] > least)
+        inner[place] &= np.uint8(before[place] <= here[place])
+        inner[place] &= np.uint8(here[place] > after[place])
+    count = 0
+    for place in range(len(inner)):
+        ridges[count] = place + 1
+        count += inner[place]
+    return count
 
 
 @compiled_inside
