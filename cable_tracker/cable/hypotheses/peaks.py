@@ -152,7 +152,7 @@ def add_peaks(
             )
 
 
-@compiled_loop
+@compiled_part
 def add_detections(
     states: FloatArray,
     start: int,
@@ -166,12 +166,16 @@ def add_detections(
     scales, tail = config.detection_sigmas, config.degrees_of_freedom
     peak = peak_density(tail, POSE_SIZE) / (scales[0] * scales[1] * scales[2] * scales[3])
     factor = float(count) * peak / len(centres)
+    # The distances of one state are worked out several at a time.
+    places, squared = centres.T.copy(), np.empty(len(centres))
     for row in range(start, stop):
         state, total = states[row], 0.0
-        for index in range(len(centres)):
-            a = (state[DISTANCE] - centres[index, DISTANCE]) / scales[DISTANCE]
-            b = (state[ANGLE] - centres[index, ANGLE]) / scales[ANGLE]
-            c = (state[WIDTH] - centres[index, WIDTH]) / scales[WIDTH]
-            d = (state[SKEW] - centres[index, SKEW]) / scales[SKEW]
-            total += relative_density(a * a + b * b + c * c + d * d, tail, POSE_SIZE)
+        for index in range(len(squared)):
+            a = (state[DISTANCE] - places[DISTANCE, index]) / scales[DISTANCE]
+            b = (state[ANGLE] - places[ANGLE, index]) / scales[ANGLE]
+            c = (state[WIDTH] - places[WIDTH, index]) / scales[WIDTH]
+            d = (state[SKEW] - places[SKEW, index]) / scales[SKEW]
+            squared[index] = a * a + b * b + c * c + d * d
+        for index in range(len(squared)):
+            total += relative_density(squared[index], tail, POSE_SIZE)
         proposal_density[row] += factor * total

@@ -202,7 +202,7 @@ def _apply_shadow_losses(
         fill_log_likelihoods(sample, 0, filled, inputs.polarity, config.limits, config.image_size)
 
 
-@compiled_loop
+@compiled_part
 def _fill_proposal_density(
     sample: Sample,
     counts: SampleCounts,
