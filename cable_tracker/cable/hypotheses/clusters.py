@@ -232,17 +232,14 @@ def _rows_about(
     """Return which of some rows lie inside the ellipsoid `radii` about `mean`, and their number."""
     inside, count = np.empty(len(rows), np.int64), 0
     for row in rows:
-        # Most particles are far away in one component already.
-        c = (states[row, WIDTH] - mean[WIDTH]) / radii[WIDTH]
         wrapped, sign = relative_direction(states[row, ANGLE], mean[ANGLE])
-        b = wrapped / radii[ANGLE]
-        if b * b + c * c > 1.0:
-            continue
         a = (sign * states[row, DISTANCE] - mean[DISTANCE]) / radii[DISTANCE]
+        b = wrapped / radii[ANGLE]
+        c = (states[row, WIDTH] - mean[WIDTH]) / radii[WIDTH]
         d = (sign * states[row, SKEW] - mean[SKEW]) / radii[SKEW]
-        if a * a + b * b + c * c + d * d <= 1.0:
-            inside[count] = row
-            count += 1
+        # Without a branch, which could not be predicted.
+        inside[count] = row
+        count += a * a + b * b + c * c + d * d <= 1.0
     return inside, count
 
 
