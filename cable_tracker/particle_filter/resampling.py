@@ -14,6 +14,7 @@ from typing import TypeAlias
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.compilation import compiled
 
 ResamplingScheme: TypeAlias = Callable[[FloatArray, int, np.random.Generator], IndexArray]
 
@@ -25,14 +26,27 @@ SMALLEST_STEP = 1e-300
 """Steps that are all zero have no sum to divide by."""
 
 
+@compiled
 def _invert_cumulative_weights(weights: FloatArray, positions: FloatArray) -> IndexArray:
-    cumulative = weights.cumsum()
-    # Scaling the positions instead of forcing the last entry to one: rounding must neither draw a
+    """Return the particle on which each position falls, shape (count,).
+
+    `positions`, from 0 to 1, shape (count,), must ascend.
+    """
+    total, last_possible = 0.0, 0
+    for particle in range(len(weights)):
+        before = total
+        total += weights[particle]
+        if total > before:
+            last_possible = particle
+    # Scaling the positions instead of forcing the last sum to one: rounding must neither draw a
     # particle of weight zero at the end nor run past it.
-    indices = cumulative.searchsorted(positions * cumulative[-1], side="right")
-    last_possible = cumulative.searchsorted(cumulative[-1], side="left")
-    bounded: IndexArray = np.minimum(indices, last_possible)
-    return bounded
+    indices, particle, reached = np.empty(len(positions), np.int64), 0, weights[0]
+    for number in range(len(positions)):
+        while reached <= positions[number] * total and particle < last_possible:
+            particle += 1
+            reached += weights[particle]
+        indices[number] = particle
+    return indices
 
 
 def multinomial_positions(count: int, rng: np.random.Generator) -> FloatArray:
@@ -65,7 +79,7 @@ def systematic_positions(count: int, rng: np.random.Generator) -> FloatArray:
 
 
 def multinomial_resampling(weights: FloatArray, count: int, rng: np.random.Generator) -> IndexArray:
-    """Draw independently, by binary search in the cumulative weights (thesis, section 3.3.3)."""
+    """Draw independently, by search in the cumulative weights (thesis, section 3.3.3)."""
     return _invert_cumulative_weights(weights, multinomial_positions(count, rng))
 
 
