@@ -13,6 +13,7 @@ from cable_tracker.cable.model.limits import clip_to_limits, reflect_at_limits, 
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.cable.model.state import POSE_SIZE
 from cable_tracker.cable.parameters.parameters import REFERENCE_RATE, TrackerParameters
+from cable_tracker.compilation import compiled
 from cable_tracker.particle_filter.student_t import standard_student_t
 from cable_tracker.tracking.rates import over_time
 
@@ -38,6 +39,18 @@ def effective_time(parameters: TrackerParameters, dt: float) -> float:
     frames = dt * REFERENCE_RATE
     damped = -math.expm1(frames * math.log(damping)) if damping > 0.0 else 1.0
     return damped / (1.0 - damping) / REFERENCE_RATE
+
+
+@compiled
+def _drifted(states: FloatArray, time: float, damping: float) -> FloatArray:
+    """Return states (N, 8) moved by their rates over a time [s], and the rates damped."""
+    moved = np.empty(states.shape)
+    for row in range(len(states)):
+        for column in range(POSE_SIZE):
+            rate = states[row, POSE_SIZE + column]
+            moved[row, column] = states[row, column] + rate * time
+            moved[row, POSE_SIZE + column] = rate * damping
+    return moved
 
 
 class CableMovement:
@@ -126,10 +139,9 @@ class CableMovement:
 
     def drift(self, states: FloatArray, dt: float) -> FloatArray:
         """Return where the rates alone take the states in `dt` seconds, shape (N, 8)."""
-        moved = states.copy()
-        moved[:, :POSE_SIZE] += states[:, POSE_SIZE:] * effective_time(self._parameters, dt)
-        moved[:, POSE_SIZE:] *= rate_damping_over(self._parameters, dt)
-        return moved
+        time = effective_time(self._parameters, dt)
+        damping = rate_damping_over(self._parameters, dt)
+        return _drifted(np.ascontiguousarray(states), time, damping)
 
     def diffusion_sigmas(self, dt: float, motion: MotionAid | None = None) -> FloatArray:
         """Return the scale of the diffusion over `dt` seconds, shape (8,).
