@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.association import is_same_hypothesis
 from cable_tracker.cable.hypotheses.belief import Belief
 from cable_tracker.cable.hypotheses.claim_support import is_new_clear
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses
@@ -32,23 +31,13 @@ class BeliefUpdate:
         The tracker's parameters.
     image_size : (int, int)
         Width and height of the frames [px].
-    same_hypothesis_radii : FloatArray
-        `SAME_HYPOTHESIS_RADII` for frames of this size, shape (4,) [px, rad].
     """
 
-    def __init__(
-        self,
-        parameters: TrackerParameters,
-        image_size: tuple[int, int],
-        same_hypothesis_radii: FloatArray,
-    ) -> None:
+    def __init__(self, parameters: TrackerParameters, image_size: tuple[int, int]) -> None:
         self._parameters = parameters
         self._image_size = image_size
-        self._radii = same_hypothesis_radii
 
-    def updated_belief(
-        self, before: Belief, found: Conclusion, expected_leader: FloatArray, dt: float
-    ) -> Belief:
+    def updated_belief(self, before: Belief, found: Conclusion, dt: float) -> Belief:
         """Return the belief after a frame.
 
         Parameters
@@ -57,16 +46,13 @@ class BeliefUpdate:
             Belief before the frame, aged to its time.
         found : Conclusion
             Particles, clusters and log-odds after the frame, at least one cluster.
-        expected_leader : FloatArray
-            Expected state of the leading cluster before the frame, shape (8,).
         dt : float
             Time since the frame before [s].
         """
         hypotheses = found.hypotheses
         presence = probability_of(float(found.log_odds[0]))
         leader = hypotheses.clusters.means[0]
-        goes_on = is_same_hypothesis(leader, expected_leader, self._radii)
-        is_known = goes_on and before.is_known(self._parameters.known_after)
+        is_known = found.goes_on and before.is_known(self._parameters.known_after)
         is_clear = is_new_clear(
             hypotheses, before.width_prior, self._parameters, self._image_size[0]
         )
@@ -95,7 +81,7 @@ class BeliefUpdate:
             ),
             known_time=(
                 before.known_time + (dt if is_learnt_from else 0.0)
-                if goes_on and presence >= KNOWN_PRESENCE
+                if found.goes_on and presence >= KNOWN_PRESENCE
                 else 0.0
             ),
         )

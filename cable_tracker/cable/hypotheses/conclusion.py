@@ -7,7 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.association import continues_known, inherited_log_odds
+from cable_tracker.cable.hypotheses.association import (
+    continues_known,
+    inherited_log_odds,
+    is_same_hypothesis,
+)
 from cable_tracker.cable.hypotheses.background import (
     BEST_OF_ANY,
     Background,
@@ -103,6 +107,8 @@ class Conclusion(NamedTuple):
         Log-odds that the clusters are cables, shape (K,) [nats].
     p_bright : float
         Weighted share of bright cables: probability that the cable is brighter than the bottom.
+    goes_on : bool
+        Whether the leading cluster continues the one that led before the frame.
     """
 
     states: FloatArray
@@ -110,6 +116,7 @@ class Conclusion(NamedTuple):
     hypotheses: Hypotheses
     log_odds: FloatArray
     p_bright: float
+    goes_on: bool
 
 
 @compiled
@@ -163,7 +170,10 @@ def conclude(
     found = _reordered_clusters(found, order)
     clear = BorderClearness(clear.clearness[order], clear.shown[order])
     hypotheses, p_bright = leader_measures(states, found, clear, sample, inputs)
-    return Conclusion(states, found.log_weights, hypotheses, log_odds[order], p_bright)
+    goes_on = is_same_hypothesis(
+        found.clusters.means[0], prior.expected[0], config.same_hypothesis_radii
+    )
+    return Conclusion(states, found.log_weights, hypotheses, log_odds[order], p_bright, goes_on)
 
 
 @compiled_part
@@ -268,7 +278,7 @@ def impossible_posterior(states: FloatArray, log_posterior: FloatArray) -> Concl
     clusters = Clusters(labels, none, np.empty((0, STATE_SIZE)), labels[:0], 1.0)
     covariance = np.zeros((STATE_SIZE, STATE_SIZE))
     hypotheses = Hypotheses(clusters, covariance, 0.0, 0.0, 0.0, np.zeros(2), 0.0)
-    return Conclusion(states, log_posterior, hypotheses, none, 0.0)
+    return Conclusion(states, log_posterior, hypotheses, none, 0.0, False)
 
 
 @compiled_loop

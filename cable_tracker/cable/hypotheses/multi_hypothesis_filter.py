@@ -101,7 +101,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         self._known_config = beside_a_known_cable(self._config, parameters)
         self._sample = empty_sample(parameters.particle_count)
         self._predictor = Predictor(parameters, self._movement, self._box, image_size, rng)
-        self._update = BeliefUpdate(parameters, image_size, self._config.same_hypothesis_radii)
+        self._update = BeliefUpdate(parameters, image_size)
 
     def first_belief(self) -> Belief:
         """Return the belief of a search: the prior, without a history."""
@@ -160,7 +160,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             # Every particle is impossible.
             states = draw_births(prediction.births, self._parameters.particle_count, self._rng)
             return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
-        return self._update.updated_belief(belief, found, prediction.expected[0], dt)
+        return self._update.updated_belief(belief, found, dt)
 
     def _inputs(
         self,

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief
 from cable_tracker.cable.hypotheses.belief_update import BeliefUpdate
 from cable_tracker.cable.hypotheses.conclusion import Conclusion
@@ -14,23 +13,22 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 PARAMETERS = TrackerParameters()
-UPDATE = BeliefUpdate(PARAMETERS, (320, 240), SAME_HYPOTHESIS_RADII)
+UPDATE = BeliefUpdate(PARAMETERS, (320, 240))
 LEADER = CableState(10.0, 0.2, 30.0, 0.0).to_array()
-ELSEWHERE = CableState(90.0, 0.2, 30.0, 0.0).to_array()
 YOUNG = 0.5 * PARAMETERS.known_after
 BEFORE = replace(initial_belief(LEADER[None], 0.9), known_time=YOUNG, refused_time=0.3)
 CLEAR, FAINT = 100.0, -100.0
 
 
-def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0) -> Conclusion:
+def concluded(clearness=CLEAR, border_mean=CLEAR, log_odds=5.0, goes_on=True) -> Conclusion:
     hypotheses = BEFORE.hypotheses._replace(
         scaled_clearness=clearness, weaker_border_mean=border_mean
     )
-    return Conclusion(LEADER[None], np.zeros(1), hypotheses, np.array([log_odds]), 1.0)
+    return Conclusion(LEADER[None], np.zeros(1), hypotheses, np.array([log_odds]), 1.0, goes_on)
 
 
-def updated(found: Conclusion, before: Belief = BEFORE, expected=LEADER) -> Belief:
-    return UPDATE.updated_belief(before, found, expected, 0.1)
+def updated(found: Conclusion, before: Belief = BEFORE) -> Belief:
+    return UPDATE.updated_belief(before, found, 0.1)
 
 
 def test_a_clear_cable_is_remembered_and_its_time_grows():
@@ -61,13 +59,13 @@ def test_a_known_cable_may_be_faint_as_long_as_it_would_be_kept():
 
 
 def test_another_hypothesis_or_an_absent_one_is_not_known():
-    assert updated(concluded(), expected=ELSEWHERE).known_time == 0.0
+    assert updated(concluded(goes_on=False)).known_time == 0.0
     assert updated(concluded(log_odds=-2.0)).known_time == 0.0
 
 
 def test_from_another_hypothesis_than_the_known_one_nothing_is_learnt_unless_it_is_clear():
     known = replace(BEFORE, known_time=PARAMETERS.known_after)
-    faint, clear = (updated(concluded(c), known, ELSEWHERE) for c in (FAINT, CLEAR))
+    faint, clear = (updated(concluded(c, goes_on=False), known) for c in (FAINT, CLEAR))
     assert faint.memory is None and faint.width_prior is None
     assert faint.refused_time == pytest.approx(0.4)
     assert clear.memory is not None
