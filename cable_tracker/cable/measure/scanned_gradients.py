@@ -113,11 +113,11 @@ def scan_frame(picture: Image, spacing: int, kernels: ScanKernels) -> ScannedFra
     """
     height, width = picture.shape
     rows, columns, places = scan_places((width, height), spacing)
-    # Columns are scanned upwards: the rows of this one are the columns of that, from below.
-    turned = np.asarray(cv2.rotate(picture, cv2.ROTATE_90_CLOCKWISE))
     # One kind of array: for bytes, and for frames that cannot be written to, Numba would compile
     # anew.
-    pixels, turned = (np.require(each, np.float32, ("C", "W", "A")) for each in (picture, turned))
+    pixels = np.require(picture, np.float32, ("C", "W", "A"))
+    # Columns are scanned upwards: the rows of this one are the columns of that, from below.
+    turned = np.asarray(cv2.rotate(pixels, cv2.ROTATE_90_CLOCKWISE))
     return ScannedFrame(*_scan_both(pixels, turned, rows, columns, places, kernels))
 
 
