@@ -122,13 +122,16 @@ def plausible_pairs(
     found = 0
     for first in range(count):
         for second in range(first + 1, count):
+            # The normals of a strip's borders are opposite: turn the second line's round.
+            angle = angles[first]
+            opposite = angle + turn_between(angles[second] + math.pi, angle)
+            if abs(opposite - angle) / 2 > limits.most_skew:
+                continue
             pose = poses[found]
-            bright[found] = _cable_between(
-                angles[first], offsets[first], angles[second], offsets[second], pose
-            )
+            bright[found] = _cable_between(angle, offsets[first], opposite, -offsets[second], pose)
             if not limits.narrowest <= pose[2] <= limits.widest:
                 continue
-            if abs(pose[3]) > limits.most_skew or borders_cross_inside(pose, image_size):
+            if borders_cross_inside(pose, image_size):
                 continue
             scores[found] = math.sqrt(supports[first] * supports[second])
             ends[found, 0], ends[found, 1] = first, second
@@ -150,20 +153,20 @@ def plausible_pairs(
 def _cable_between(
     angle: float, offset: float, other: float, other_offset: float, pose: FloatArray
 ) -> bool:
-    """Fill in d, alpha, w, beta of the cable between two lines; tell whether it is bright."""
-    # The normals of a strip's borders are opposite: turn the second line's round.
-    turned = -other_offset
-    turn = turn_between(other + math.pi, angle)
-    left, right = angle, angle + turn
-    bright = offset <= turned
+    """Fill in d, alpha, w, beta of the cable between two lines; tell whether it is bright.
+
+    Their normals point to the same side.
+    """
+    left, right = angle, other
+    bright = offset <= other_offset
     if not bright:
         left, right = right, left
     skew = (right - left) / 2
     cos_skew = math.cos(skew)
     middle = (left + right) / 2
     wrapped, sign = relative_direction(middle, 0.0)
-    pose[0] = sign * (offset + turned) / (2 * cos_skew)
+    pose[0] = sign * (offset + other_offset) / (2 * cos_skew)
     pose[1] = wrapped
-    pose[2] = abs(turned - offset) / cos_skew
+    pose[2] = abs(other_offset - offset) / cos_skew
     pose[3] = sign * skew
     return bright
