@@ -131,11 +131,11 @@ def background_of(means: FloatArray, inputs: ProposalInputs, config: ProposalCon
         _place_like(means[index], noise, row, config.limits, image_size, strips[total])
         total += _is_beside(strips[total], means[index], image_size)
         ends[index] = total
-    ratios = _ratios_of(strips[:total], inputs)
+    ratios = _ratios_of(strips, total, inputs)
     first = kinds
     for index in range(count):
         background.means[index], background.deviations[index] = _moments(
-            strips[:kinds], ratios, means[index], image_size[0]
+            strips, ratios, kinds, means[index], image_size[0]
         )
         for row in range(first, ends[index]):
             background.alike[index] = max(background.alike[index], ratios[row])
@@ -144,11 +144,11 @@ def background_of(means: FloatArray, inputs: ProposalInputs, config: ProposalCon
 
 
 @compiled_part
-def _ratios_of(strips: FloatArray, inputs: ProposalInputs) -> FloatArray:
-    """Return the log-likelihood ratios (R,) of strips, shape (R, 8)."""
-    ratios, measured = np.empty(len(strips)), allocate_log_ratios(len(strips))
-    fill_log_ratios(strips, 0, len(strips), inputs.scan, inputs.model, measured)
-    for row in range(len(strips)):
+def _ratios_of(strips: FloatArray, count: int, inputs: ProposalInputs) -> FloatArray:
+    """Return the log-likelihood ratios (count,) of the first strips."""
+    ratios, measured = np.empty(count), allocate_log_ratios(count)
+    fill_log_ratios(strips, 0, count, inputs.scan, inputs.model, measured)
+    for row in range(count):
         log_ratios = measured.log_ratios[row]
         ratios[row] = marginal_log_ratio(inputs.polarity, log_ratios[BRIGHT], log_ratios[DARK])
     return ratios
@@ -160,8 +160,8 @@ def _is_of_use_for_any(
 ) -> bool:
     """Tell whether a strip may be a cable, and shares no border with one of the hypotheses."""
     apart = False
-    for mean in means:
-        apart = apart or not is_within_shared_border_limits(strip, mean, image_size[0])
+    for index in range(len(means)):
+        apart = apart or not is_within_shared_border_limits(strip, means[index], image_size[0])
     return apart and not borders_cross_inside(strip, image_size)
 
 
@@ -177,14 +177,11 @@ def _is_beside(strip: FloatArray, mean: FloatArray, image_size: tuple[float, flo
 
 @compiled_loop
 def _moments(
-    strips: FloatArray, ratios: FloatArray, mean: FloatArray, image_width: float
+    strips: FloatArray, ratios: FloatArray, count: int, mean: FloatArray, image_width: float
 ) -> tuple[float, float]:
-    """Return mean and standard deviation over the strips (R, 8) that share no border with one.
-
-    `ratios` may have more rows.
-    """
+    """Return mean and standard deviation over the first strips that share no border with one."""
     used, total, squares = 0, 0.0, 0.0
-    for row in range(len(strips)):
+    for row in range(count):
         if not is_within_shared_border_limits(strips[row], mean, image_width):
             used, total, squares = used + 1, total + ratios[row], squares + ratios[row] ** 2
     if used < FEWEST_STRIPS:

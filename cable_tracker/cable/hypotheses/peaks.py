@@ -166,8 +166,11 @@ def add_detections(
     scales, tail = config.detection_sigmas, config.degrees_of_freedom
     peak = peak_density(tail, POSE_SIZE) / (scales[0] * scales[1] * scales[2] * scales[3])
     factor = float(count) * peak / len(centres)
-    # The distances of one state are worked out several at a time.
-    places, squared = centres.T.copy(), np.empty(len(centres))
+    # The distances of one state are worked out several at a time, component by component.
+    places, squared = np.empty((POSE_SIZE, len(centres))), np.empty(len(centres))
+    for index in range(len(centres)):
+        for column in range(POSE_SIZE):
+            places[column, index] = centres[index, column]
     for row in range(start, stop):
         state, total = states[row], 0.0
         for index in range(len(squared)):

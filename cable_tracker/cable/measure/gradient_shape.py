@@ -55,12 +55,16 @@ def gradient_shape(rows: Image, columns: Image) -> GradientShape:
     rows, columns : Image
         Along and across each family of scan lines [robust scales], see `ScanLines.gradients`.
     """
-    of_rows, of_columns = _strong_gradients(rows, False), _strong_gradients(columns, True)
-    terms = np.empty((3, max(len(of_rows[0]), len(of_columns[0]))))
+    most = 0
+    for lines in (rows, columns):
+        most += len(lines) * (lines.shape[1] // SHAPE_STEP + 1)
+    strong, terms = np.empty((2, most)), np.empty((3, most))
+    middle = _add_strong(rows, ALONG, ACROSS, strong, 0)
+    end = _add_strong(columns, ACROSS, ALONG, strong, middle)
     xx, xy, yy = 1.0, 0.0, 1.0
     for _ in range(ITERATIONS):
-        first = _weighted_moments(of_rows, terms, xx, xy, yy)
-        second = _weighted_moments(of_columns, terms, xx, xy, yy)
+        first = _weighted_moments(strong, 0, middle, terms, xx, xy, yy)
+        second = _weighted_moments(strong, middle, end, terms, xx, xy, yy)
         xx, xy, yy = first[0] + second[0], first[1] + second[1], first[2] + second[2]
         trace = xx + yy
         if trace <= 0.0:
@@ -70,30 +74,29 @@ def gradient_shape(rows: Image, columns: Image) -> GradientShape:
     return GradientShape(xx, xy, yy)
 
 
-@compiled_part
-def _strong_gradients(gradients: Image, turned: bool) -> tuple[FloatArray, FloatArray]:
-    """Return x and y of the gradients that have a direction, (K,) each, of every eighth point."""
-    most = gradients.shape[0] * ((gradients.shape[1] + SHAPE_STEP - 1) // SHAPE_STEP)
-    along, across, count = np.empty(most), np.empty(most), 0
+@compiled_loop
+def _add_strong(gradients: Image, x: int, y: int, strong: FloatArray, count: int) -> int:
+    """Add the gradients that have a direction, of every eighth point, to the first `count` ones.
+
+    `x` and `y` are their channels; `strong` has shape (2, K). Returns how many there are then.
+    """
     for line in range(len(gradients)):
         for place in range(0, gradients.shape[1], SHAPE_STEP):
-            u, v = float(gradients[line, place, ALONG]), float(gradients[line, place, ACROSS])
-            along[count], across[count] = u, v
+            u, v = float(gradients[line, place, x]), float(gradients[line, place, y])
+            strong[0, count], strong[1, count] = u, v
             count += u * u + v * v >= LEAST_GRADIENT * LEAST_GRADIENT
-    if turned:
-        return across[:count], along[:count]
-    return along[:count], across[:count]
+    return count
 
 
 @compiled_loop
 def _weighted_moments(
-    gradients: tuple[FloatArray, FloatArray], terms: FloatArray, xx: float, xy: float, yy: float
+    strong: FloatArray, start: int, stop: int, terms: FloatArray, xx: float, xy: float, yy: float
 ) -> tuple[float, float, float]:
     """Return the second moments of gradients, each over its square by a shape before.
 
-    `terms` (3, K or more) is room for those of the gradients: they are worked out many at a time.
+    `terms`, shape (3, K), is room for those of each gradient: they are worked out many at a time.
     """
-    x, y = gradients
+    x, y = strong[0, start:stop], strong[1, start:stop]
     terms_xx, terms_xy, terms_yy = terms[0], terms[1], terms[2]
     determinant = xx * yy - xy * xy
     for index in range(len(x)):
