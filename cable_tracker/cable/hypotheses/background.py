@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.clusters import Groups, group_means
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs
@@ -73,43 +72,8 @@ def empty_background(count: int, deviation: float) -> Background:
 
 
 @compiled_part
-def background_of_groups(
-    states: FloatArray,
-    log_weights: FloatArray,
-    groups: Groups,
-    inputs: ProposalInputs,
-    config: ProposalConfig,
-) -> Background:
-    """Return the background of each group of particles."""
-    shares = _shares_within(log_weights, groups)
-    order, _, means = group_means(states, shares, groups)
-    found = background_of(means, inputs, config)
-    background = empty_background(groups.number, 1.0)
-    for index in range(len(order)):
-        group = order[index]
-        background.alike[group] = found.alike[index]
-        background.means[group] = found.means[index]
-        background.deviations[group] = found.deviations[index]
-    return background
-
-
-@compiled_part
-def _shares_within(log_weights: FloatArray, groups: Groups) -> FloatArray:
-    """Return weights (N,) of which the largest in each group is one, however light the group."""
-    labels = groups.labels
-    peaks, shares = np.full(groups.number, -np.inf), np.zeros(len(labels))
-    for row in range(len(labels)):
-        if labels[row] >= 0:
-            peaks[labels[row]] = max(peaks[labels[row]], log_weights[row])
-    for row in range(len(labels)):
-        if labels[row] >= 0 and log_weights[row] > -np.inf:
-            shares[row] = math.exp(log_weights[row] - peaks[labels[row]])
-    return shares
-
-
-@compiled_part
 def background_of(means: FloatArray, inputs: ProposalInputs, config: ProposalConfig) -> Background:
-    """Measure strips beside each of K hypotheses, shape (K, 8), in the frame of the inputs.
+    """Measure strips beside each of K hypotheses or groups, shape (K, 8), in the inputs' frame.
 
     The strips that are like hypotheses are shared out among them.
     """

@@ -9,17 +9,24 @@ from cable_tracker.cable.hypotheses.belief import Belief
 from cable_tracker.cable.hypotheses.border_displacement import displaced_covariance
 from cable_tracker.cable.hypotheses.clusters import Clusters
 from cable_tracker.cable.hypotheses.conclusion import Hypotheses
-from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
+from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
+from cable_tracker.cable.hypotheses.thin_strips import needed_clearness, trusted_share
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.measure.border_points import MINIMUM_POINTS
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.geometry import wrap_state
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.cable.model.statistics import wrapped_estimate
-from cable_tracker.cable.parameters.parameters import TrackerParameters
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
 
 FAMILIAR = 2.0
 """Largest difference from the remembered cable, in scales of its place and spreads of its width."""
+
+APPEARANCE_SHARE = 0.5
+"""Clearness that one nat of appearance is worth [nats per point]."""
+
+LEAST_APPEARANCE, MOST_APPEARANCE = -0.6, 3.0
+"""Limits of what counts above `ORDINARY_APPEARANCE` [nats]; chosen on the worlds to tune on."""
 
 SMALLEST_HYPOTHESIS = 0.01
 """Minimum mass of a cluster that is reported; the leading one always is."""
@@ -69,7 +76,11 @@ def is_new_clear(
     needed = needed_clearness(width, parameters, image_width)
     if width_prior is not None and needed > 0.0:
         needed *= 1.0 + width_prior.deviation(width, parameters) ** 2
-    return hypotheses.scaled_clearness >= needed
+    thin_width = parameters.thin_width * image_width / REFERENCE_WIDTH
+    # What is thin has no looks that speak for it, see `trusted_appearance`.
+    ordinary = ORDINARY_APPEARANCE * trusted_share(width, thin_width)
+    above = min(max(hypotheses.appearance - ordinary, LEAST_APPEARANCE), MOST_APPEARANCE)
+    return hypotheses.scaled_clearness + APPEARANCE_SHARE * above >= needed
 
 
 def is_familiar(belief: Belief, parameters: TrackerParameters, image_width: int) -> bool:

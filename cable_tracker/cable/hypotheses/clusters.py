@@ -28,7 +28,7 @@ RADII = np.array([24.0, np.deg2rad(12.0), 30.0, np.deg2rad(10.0)])
 """Half-axes of the ellipsoid that a cluster fills at most: d, alpha, w, beta [px at the reference
 width, rad]."""
 
-MOST_CLUSTERS = 5
+MOST_CLUSTERS = 6
 
 SMALLEST_MASS = 1e-9
 """Clusters with a smaller share of the weight are dropped."""
@@ -135,9 +135,9 @@ def leading_covariance(states: FloatArray, weights: FloatArray, clusters: Cluste
 
 @compiled_part
 def find_groups(
-    states: FloatArray, log_weights: FloatArray, radii: FloatArray, anchors: FloatArray
+    states: FloatArray, log_weights: FloatArray, radii: FloatArray, anchors: FloatArray, most: int
 ) -> Groups:
-    """Return the groups of particles.
+    """Return the groups of particles: about anchors, then each about the heaviest that is left.
 
     Parameters
     ----------
@@ -146,18 +146,20 @@ def find_groups(
     radii : FloatArray
         `RADII` for frames of this size, shape (4,) [px, rad].
     anchors : FloatArray
-        State about which the first group is found, shape (0 or 1, 8).
+        States about which the first groups are found, shape (A, 8).
+    most : int
+        Maximum number of groups.
     """
     labels = np.full(len(states), NO_CLUSTER, np.int64)
     free, left = _possible_rows(log_weights)
     count = 0
-    if len(anchors):
+    for anchor in anchors:
         labelled = _label_one_cluster(
-            states, log_weights, radii, anchors[0], free[:left], labels, 0
+            states, log_weights, radii, anchor, free[:left], labels, count
         )
-        count = 1 if labelled else 0
+        count += 1 if labelled else 0
         left = _still_free(free, left, labels)
-    while count < MOST_CLUSTERS:
+    while count < most:
         heaviest = _heaviest_of(log_weights, free[:left])
         if heaviest < 0:
             break
@@ -166,6 +168,30 @@ def find_groups(
         left = _still_free(free, left, labels)
         count += 1
     return Groups(labels, count)
+
+
+@compiled_part
+def group_centres(states: FloatArray, log_weights: FloatArray, groups: Groups) -> FloatArray:
+    """Return the weighted means of all groups, shape (K, 8), however light a group is."""
+    order, _, means = group_means(states, _shares_within(log_weights, groups), groups)
+    centres = np.zeros((groups.number, STATE_SIZE))
+    for index in range(len(order)):
+        centres[order[index]] = means[index]
+    return centres
+
+
+@compiled_part
+def _shares_within(log_weights: FloatArray, groups: Groups) -> FloatArray:
+    """Return weights (N,) of which the largest in each group is one, however light the group."""
+    labels = groups.labels
+    peaks, shares = np.full(groups.number, -np.inf), np.zeros(len(labels))
+    for row in range(len(labels)):
+        if labels[row] >= 0:
+            peaks[labels[row]] = max(peaks[labels[row]], log_weights[row])
+    for row in range(len(labels)):
+        if labels[row] >= 0 and log_weights[row] > -np.inf:
+            shares[row] = math.exp(log_weights[row] - peaks[labels[row]])
+    return shares
 
 
 @compiled_part

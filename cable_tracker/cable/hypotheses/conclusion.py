@@ -15,14 +15,16 @@ from cable_tracker.cable.hypotheses.association import (
 from cable_tracker.cable.hypotheses.background import (
     BEST_OF_ANY,
     Background,
-    background_of_groups,
+    background_of,
 )
 from cable_tracker.cable.hypotheses.clusters import (
+    MOST_CLUSTERS,
     NO_CLUSTER,
     Clusters,
     Groups,
     clusters_of,
     find_groups,
+    group_centres,
     leading_covariance,
     most_probable_first,
     reordered,
@@ -39,7 +41,8 @@ from cable_tracker.cable.hypotheses.score_likelihood import (
     FrameScores,
     shown_share,
 )
-from cable_tracker.cable.hypotheses.thin_strips import thin_factor
+from cable_tracker.cable.hypotheses.thin_strips import thin_factor, trusted_appearance
+from cable_tracker.cable.measure.appearance import appearances_of
 from cable_tracker.cable.measure.likelihood_ratio import (
     BRIGHT,
     DARK,
@@ -83,6 +86,8 @@ class Hypotheses(NamedTuple):
     scaled_clearness : float
         Clearness of the weaker border of the leading mean (`BorderClearness.clearness`, nats per
         visible point) times `shown_share`; 0 for borders shorter than 0.3 image heights.
+    appearance : float
+        How much the leading group looks like a cable, see `trusted_appearance` [nats].
     """
 
     clusters: Clusters
@@ -92,6 +97,7 @@ class Hypotheses(NamedTuple):
     visible_length: float
     border_means: FloatArray
     scaled_clearness: float
+    appearance: float
 
 
 class Conclusion(NamedTuple):
@@ -128,8 +134,8 @@ def draw_and_conclude(
     prior: PriorPresence,
 ) -> Conclusion:
     """Draw the particles of all rounds, weigh them, and conclude."""
-    end = draw_sample(sample, inputs, counts, config)
-    return conclude(sample, end, inputs, config, prior)
+    end, candidates = draw_sample(sample, inputs, counts, config)
+    return conclude(sample, end, candidates, inputs, config, prior)
 
 
 class CorrectedClusters(NamedTuple):
@@ -143,29 +149,41 @@ class CorrectedClusters(NamedTuple):
         Clusters by these weights.
     background : Background
         Background of the groups that `clusters.group_of` names.
+    appearances : FloatArray
+        How much the clusters look like cables, see `trusted_appearance`, shape (K,) [nats].
     """
 
     log_weights: FloatArray
     weights: FloatArray
     clusters: Clusters
     background: Background
+    appearances: FloatArray
 
 
 @compiled_part
 def conclude(
-    sample: Sample, end: int, inputs: ProposalInputs, config: ProposalConfig, prior: PriorPresence
+    sample: Sample,
+    end: int,
+    candidates: FloatArray,
+    inputs: ProposalInputs,
+    config: ProposalConfig,
+    prior: PriorPresence,
 ) -> Conclusion:
-    """Conclude from the first `end` rows of a sample."""
+    """Conclude from the first `end` rows of a sample.
+
+    About each of the candidates, shape (C, 8), particles are one group, however little they weigh.
+    """
     states = _wrapped_states(sample, end)
     log_prior = importance_log_weights(sample, end, 0.0)
     log_posterior = add_log_likelihoods(log_prior, sample.log_likelihoods)
-    groups = find_groups(states, log_posterior, config.cluster_radii, inputs.anchors)
+    anchors = np.concatenate((inputs.anchors, candidates))
+    groups = find_groups(states, log_posterior, config.cluster_radii, anchors, MOST_CLUSTERS)
     if groups.number == 0:
         return impossible_posterior(states, log_posterior)
     found = corrected_clusters(states, log_prior, log_posterior, groups, sample, inputs, config)
     clear = border_clearness(found.clusters.means, inputs.scan, inputs.model)
     margins, scores = margins_and_scores(found, sample)
-    log_odds = _log_odds(found.clusters.means, margins, scores, clear, config, prior)
+    log_odds = _log_odds(found, margins, scores, clear, config, prior)
     order = most_probable_first(found.clusters.masses, log_odds)
     found = _reordered_clusters(found, order)
     clear = BorderClearness(clear.clearness[order], clear.shown[order])
@@ -199,7 +217,9 @@ def corrected_clusters(
     sample, inputs, config : Sample, ProposalInputs, ProposalConfig
         The sample that they come from, and what it was drawn with.
     """
-    background = background_of_groups(states, log_posterior, groups, inputs, config)
+    background, appearances = _background_and_appearances(
+        states, log_posterior, groups, inputs, config
+    )
     corrected = normalise_log_weights(
         corrected_log_weights(
             log_posterior,
@@ -208,6 +228,7 @@ def corrected_clusters(
             sample.densities,
             groups,
             background.alike,
+            appearances,
             config.evidence_limits,
         )
     ).log_weights
@@ -216,17 +237,42 @@ def corrected_clusters(
     if not len(clusters.masses):
         # Correcting may leave all groups light and the rest heavy: group by the corrected weights.
         nowhere = inputs.anchors[:0]
-        groups = find_groups(states, corrected, config.cluster_radii, nowhere)
-        background = background_of_groups(states, corrected, groups, inputs, config)
+        groups = find_groups(states, corrected, config.cluster_radii, nowhere, MOST_CLUSTERS)
+        background, appearances = _background_and_appearances(
+            states, corrected, groups, inputs, config
+        )
         clusters = clusters_of(states, weights, groups)
-    return CorrectedClusters(corrected, weights, clusters, background)
+    trusted = np.empty(len(clusters.masses))
+    for index in range(len(trusted)):
+        trusted[index] = trusted_appearance(
+            appearances[clusters.group_of[index]],
+            clusters.means[index, WIDTH],
+            config.evidence_limits.thin_width,
+        )
+    return CorrectedClusters(corrected, weights, clusters, background, trusted)
+
+
+@compiled_part
+def _background_and_appearances(
+    states: FloatArray,
+    log_weights: FloatArray,
+    groups: Groups,
+    inputs: ProposalInputs,
+    config: ProposalConfig,
+) -> tuple[Background, FloatArray]:
+    """Return what groups of particles are held against, and how much they look like cables."""
+    centres = group_centres(states, log_weights, groups)
+    background = background_of(centres, inputs, config)
+    return background, appearances_of(centres, inputs.scan, inputs.model)
 
 
 @compiled_part
 def _reordered_clusters(found: CorrectedClusters, order: IndexArray) -> CorrectedClusters:
     """Return corrected clusters with the clusters in another order, shape (K,)."""
     clusters = reordered(found.clusters, order)
-    return CorrectedClusters(found.log_weights, found.weights, clusters, found.background)
+    return CorrectedClusters(
+        found.log_weights, found.weights, clusters, found.background, found.appearances[order]
+    )
 
 
 @compiled_part
@@ -248,6 +294,7 @@ def leader_measures(
         visible_length,
         _leading_border_means(clusters.means, inputs),
         clear.clearness[0] * shown_share(clear.shown[0]),
+        found.appearances[0],
     )
     return hypotheses, p_bright
 
@@ -277,7 +324,7 @@ def impossible_posterior(states: FloatArray, log_posterior: FloatArray) -> Concl
     none = np.empty(0)
     clusters = Clusters(labels, none, np.empty((0, STATE_SIZE)), labels[:0], 1.0)
     covariance = np.zeros((STATE_SIZE, STATE_SIZE))
-    hypotheses = Hypotheses(clusters, covariance, 0.0, 0.0, 0.0, np.zeros(2), 0.0)
+    hypotheses = Hypotheses(clusters, covariance, 0.0, 0.0, 0.0, np.zeros(2), 0.0, 0.0)
     return Conclusion(states, log_posterior, hypotheses, none, 0.0, False)
 
 
@@ -334,7 +381,7 @@ def margins_and_scores(found: CorrectedClusters, sample: Sample) -> tuple[FloatA
 
 @compiled_part
 def _log_odds(
-    means: FloatArray,
+    found: CorrectedClusters,
     margins: FloatArray,
     scores: FloatArray,
     clear: BorderClearness,
@@ -342,6 +389,7 @@ def _log_odds(
     prior: PriorPresence,
 ) -> FloatArray:
     """Return the log-odds (K,) that clusters are cables."""
+    means = found.clusters.means
     log_odds = np.empty(len(means))
     for index in range(len(means)):
         # Any bottom has thin lines: what speaks for them counts less.
@@ -351,6 +399,7 @@ def _log_odds(
             factor * scores[index],
             clear.clearness[index],
             clear.shown[index],
+            found.appearances[index],
         )
         inherited = inherited_log_odds(prior, means[index], config.same_hypothesis_radii)
         is_known = continues_known(prior, means[index], config.same_hypothesis_radii)

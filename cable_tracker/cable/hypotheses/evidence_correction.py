@@ -2,7 +2,9 @@
 
 Correlation between frames. Particles of one group compete by their likelihood; what is corrected is
 the weight of each group as a whole. A group's log-likelihood ratio is log(posterior mass / prior
-mass), less that of the bottom at its place, times `thin_factor`. Of a surviving group only
+mass), less that of the bottom at its place, times `thin_factor`; half of it counts, and how much
+the group looks like a cable (`appearance`), for the bottom has stronger borders than a faint cable.
+Of a surviving group only
 `evidence_repeated` times min(ratio, limit) is added: a furrow that is there in this frame is there
 in the next. Of a new group: that part of the reference group's ratio plus min(ratio - reference
 ratio, limit). The reference is the surviving group of largest prior mass. limit = `evidence_limit`
@@ -23,6 +25,14 @@ from cable_tracker.cable.hypotheses.thin_strips import thin_factor
 from cable_tracker.cable.model.state import WIDTH
 from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import masked_log_sum_exp
+
+BACKGROUND_SHARE = 0.5
+"""Share of the log-likelihood ratio above the background that counts beside the appearance.
+
+Chosen on simulated worlds to tune on (`tune_*`)."""
+
+ORDINARY_APPEARANCE = 1.2
+"""Appearance at which a group explains the frame no better than none [nats]."""
 
 SURVIVED = 0.5
 """Least share of survivors of the frame before in the prior mass of a surviving group."""
@@ -55,8 +65,9 @@ class GroupEvidence(NamedTuple):
     ----------
     log_ratio : FloatArray
         log(posterior mass / prior mass) [nats]; -inf for a group without posterior mass.
-    above_background : FloatArray
-        `log_ratio` less that of the bottom at the place of the group, times `thin_factor` [nats].
+    counted : FloatArray
+        `log_ratio` less that of the bottom at the place of the group, times `thin_factor` and
+        `BACKGROUND_SHARE`, plus the appearance above `ORDINARY_APPEARANCE` [nats].
     survived_share : FloatArray
         Share of the prior mass that survived from the frame before, 0 to 1.
     width_penalty : FloatArray
@@ -66,7 +77,7 @@ class GroupEvidence(NamedTuple):
     """
 
     log_ratio: FloatArray
-    above_background: FloatArray
+    counted: FloatArray
     survived_share: FloatArray
     width_penalty: FloatArray
     prior_mass: FloatArray
@@ -80,6 +91,7 @@ def corrected_log_weights(
     densities: DensityValues,
     groups: Groups,
     backgrounds: FloatArray,
+    appearances: FloatArray,
     limits: EvidenceLimits,
 ) -> FloatArray:
     """Return log-weights (N,) with the log-likelihood ratio of each group corrected.
@@ -94,14 +106,23 @@ def corrected_log_weights(
         Groups of the particles.
     backgrounds : FloatArray
         Log-likelihood ratio of the bottom at each group, shape (K,) [nats].
+    appearances : FloatArray
+        Appearance of each group, shape (K,) [nats].
     limits : EvidenceLimits
         Limits of the correction.
     """
     found = group_evidence(
-        log_posterior, log_prior, states, densities, groups, backgrounds, limits.thin_width
+        log_posterior,
+        log_prior,
+        states,
+        densities,
+        groups,
+        backgrounds,
+        appearances,
+        limits.thin_width,
     )
     leader = reference_group(found)
-    reference = found.above_background[leader] if leader != NO_CLUSTER else 0.0
+    reference = found.counted[leader] if leader != NO_CLUSTER else 0.0
     corrections = np.zeros(groups.number + 1)
     for label in range(NO_CLUSTER, groups.number):
         if found.log_ratio[label] != -np.inf:
@@ -121,6 +142,7 @@ def group_evidence(
     densities: DensityValues,
     groups: Groups,
     backgrounds: FloatArray,
+    appearances: FloatArray,
     thin_width: float,
 ) -> GroupEvidence:
     """Sum up what the frame says of each group; arguments as of `corrected_log_weights`."""
@@ -150,7 +172,9 @@ def group_evidence(
         background = backgrounds[label] if label != NO_CLUSTER else 0.0
         ratio = posterior_mass - prior_mass
         found.log_ratio[label] = ratio
-        found.above_background[label] = thin_factor(width, thin_width) * (ratio - background)
+        above = thin_factor(width, thin_width) * (ratio - background)
+        appearance = appearances[label] - ORDINARY_APPEARANCE if label != NO_CLUSTER else 0.0
+        found.counted[label] = BACKGROUND_SHARE * above + appearance
         found.survived_share[label] = min(survived, 1.0)
         found.width_penalty[label] = penalty
         found.prior_mass[label] = prior_mass
@@ -177,7 +201,7 @@ def counted_log_ratio(
     group counts as surviving by its survived share, as new by the rest.
     """
     limit, repeated = limits.evidence_limit, limits.evidence_repeated
-    highest, ratio = limit + found.width_penalty[label], found.above_background[label]
+    highest, ratio = limit + found.width_penalty[label], found.counted[label]
     surviving = repeated * min(ratio, highest)
     new = repeated * min(reference, highest) + min(max(ratio - reference, -limit), highest)
     share = found.survived_share[label]

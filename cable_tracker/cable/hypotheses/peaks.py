@@ -7,7 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
-from cable_tracker.cable.hypotheses.clusters import find_groups, group_covariance, group_means
+from cable_tracker.cable.hypotheses.clusters import (
+    MOST_CLUSTERS,
+    find_groups,
+    group_covariance,
+    group_means,
+)
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.model.state import (
@@ -80,7 +85,8 @@ def find_peaks(
         Number of peaks that are filled in.
     """
     weights = exponentials(log_weights)
-    groups = find_groups(states, log_weights, config.cluster_radii, np.empty((0, STATE_SIZE)))
+    nowhere = np.empty((0, STATE_SIZE))
+    groups = find_groups(states, log_weights, config.cluster_radii, nowhere, MOST_CLUSTERS)
     order, masses, means = group_means(states, weights, groups)
     number = 1
     while number < min(config.most_refined, len(order)) and masses[number] >= config.least_refined:
@@ -103,6 +109,43 @@ def find_peaks(
         cholesky_factor(covariance, peaks.factors[peak])
     peaks.counts[used] += left
     return used + number
+
+
+@compiled_loop
+def add_round_peaks(
+    strips: FloatArray,
+    count: int,
+    narrowing: float,
+    config: ProposalConfig,
+    peaks: Peaks,
+    used: int,
+) -> int:
+    """Add strips (C, 8) as peaks to draw about, and return how many peaks there are.
+
+    Parameters
+    ----------
+    strips : FloatArray
+        Centres of the peaks.
+    count : int
+        Number of particles that are to be drawn about them.
+    narrowing : float
+        Factor on the kernel scales of detections.
+    config : ProposalConfig
+        Kernel scales of detections, and the smallest ones.
+    peaks, used : Peaks, int
+        See `find_peaks`.
+    """
+    for index in range(len(strips)):
+        peak = used + index
+        # The first ones get what the division leaves over.
+        peaks.counts[peak] = (count + len(strips) - 1 - index) // len(strips)
+        for row in range(POSE_SIZE):
+            sigma = narrowing * config.detection_sigmas[row]
+            peaks.locations[peak, row] = strips[index, row]
+            for column in range(POSE_SIZE):
+                peaks.factors[peak, row, column] = 0.0
+            peaks.factors[peak, row, row] = max(sigma, config.smallest_sigmas[row])
+    return used + len(strips)
 
 
 @compiled_loop

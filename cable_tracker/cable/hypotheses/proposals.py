@@ -1,7 +1,8 @@
 """The particles of a frame: drawn in rounds from several proposals, and weighed by the frame.
 
 First survivors of the particles of the frame before, births, and cables about what a detector sees;
-then, in rounds, particles about the best ones of the same frame.
+then, in rounds, particles about the best ones of the same frame, and about those that look most
+like cables.
 """
 
 from __future__ import annotations
@@ -13,11 +14,18 @@ import numpy as np
 from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.births import place_births
 from cable_tracker.cable.hypotheses.border_jump import place_jumps
+from cable_tracker.cable.hypotheses.candidates import (
+    CANDIDATE_NARROWING,
+    CANDIDATE_SHARE,
+    MOST_CANDIDATES,
+    likeliest_strips,
+)
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.peaks import (
     Peaks,
     add_detections,
     add_peaks,
+    add_round_peaks,
     draw_about_peaks,
     empty_peaks,
     find_peaks,
@@ -83,11 +91,15 @@ class ProposalInputs(NamedTuple):
 @compiled_part
 def draw_sample(
     sample: Sample, inputs: ProposalInputs, counts: SampleCounts, config: ProposalConfig
-) -> int:
-    """Draw the particles of all rounds, and return how many there are."""
+) -> tuple[int, FloatArray]:
+    """Draw the particles of all rounds.
+
+    How many there are is returned, and the candidates of the last round, shape (C, 8).
+    """
     centres = np.empty((len(inputs.detected), POSE_SIZE))
     _unwrap_poses(inputs.detected, inputs.reference_angle, centres)
-    peaks = empty_peaks(len(counts.refined) * config.most_refined)
+    peaks = empty_peaks(len(counts.refined) * (config.most_refined + MOST_CANDIDATES))
+    candidates = np.empty((0, STATE_SIZE))
     filled = _draw_first(sample, inputs, counts, config, centres)
     _apply_shadow_losses(sample, filled, inputs, config)
     _fill_proposal_density(sample, counts, config, 0, filled, centres, peaks, 0)
@@ -100,9 +112,15 @@ def draw_sample(
         if weights.degenerate or count == 0:
             continue
         states, stop = sample.states[:filled], filled + count
-        found = find_peaks(
-            states, weights.log_weights, count, config.widenings[number], config, peaks, used
+        candidates = likeliest_strips(
+            states, sample.log_likelihoods[:filled], inputs.scan, inputs.model, config
         )
+        share = int(CANDIDATE_SHARE * count) if len(candidates) else 0
+        widening, narrowing = config.widenings[number], CANDIDATE_NARROWING ** (number + 1)
+        found = find_peaks(
+            states, weights.log_weights, count - share, widening, config, peaks, used
+        )
+        found = add_round_peaks(candidates, share, narrowing, config, peaks, found)
         draw_about_peaks(sample.states, filled, inputs.noise, peaks, used, found)
         tail = config.degrees_of_freedom
         add_peaks(sample.states, 0, filled, peaks, used, found, tail, sample.proposal_density)
@@ -111,7 +129,7 @@ def draw_sample(
         _fill_proposal_density(sample, counts, config, filled, stop, centres, peaks, used)
         filled = stop
         _apply_shadow_losses(sample, filled, inputs, config)
-    return filled
+    return filled, candidates
 
 
 @compiled_loop

@@ -47,6 +47,9 @@ class ScoreModel(NamedTuple):
         Length in view, as a share of the picture's height, up to which the clearness does not
         count, and from which it counts fully; linear between. Short edges of the bottom are clear,
         too.
+    appearance_slope, appearance_given : float
+        `appearance_slope` (a + `appearance_given`) is added to the log-likelihood ratio that the
+        above make, a the appearance of the hypothesis [nats].
     hidden_share : float
         Probability q that a frame shows nothing of a cable in view: growth, sand, shadows.
     largest_log_ratio : float
@@ -66,6 +69,8 @@ class ScoreModel(NamedTuple):
     clearness_slope: float = 16.0
     least_shown: float = 0.3
     enough_shown: float = 0.5
+    appearance_slope: float = 1.2
+    appearance_given: float = 0.0
     hidden_share: float = 0.5
     largest_log_ratio: float = 6.0
 
@@ -73,7 +78,13 @@ class ScoreModel(NamedTuple):
 MODEL = ScoreModel()
 """Of the best hypothesis of a frame, wherever it lies."""
 
-KNOWN_MODEL = MODEL._replace(empty_mode=1.2, empty_scale=1.0, ordinary_margin=1.0, hidden_share=0.2)
+KNOWN_MODEL = MODEL._replace(
+    empty_mode=1.2,
+    empty_scale=1.0,
+    ordinary_margin=1.0,
+    appearance_given=2.0,
+    hidden_share=0.2,
+)
 """Of a cable that was known before the frame, where it is expected. Chosen on `tune_*`, on cables
 that were given and on places given where none is."""
 
@@ -92,17 +103,23 @@ class FrameScores(NamedTuple):
         Log-likelihood ratio above the mean of strips of any kind, over their standard deviation.
     clearness, shown : float
         Clearness of its borders and length in view, see `BorderClearness`.
+    appearance : float
+        How much it looks like a cable, see `trusted_appearance` [nats].
     """
 
     margin: float
     score: float
     clearness: float
     shown: float
+    appearance: float
 
 
 @compiled_inside
 def frame_log_likelihood_ratio(scores: FrameScores, model: ScoreModel) -> float:
-    """Return the log-likelihood ratio of a frame, a cable against none, limited [nats]."""
+    """Return the log-likelihood ratio of a frame, a cable against none, limited [nats].
+
+    What the appearance adds is limited with it: what the borders alone say has its own limits.
+    """
     margin = scores.margin
     ratio = _log_ratio_of_score(scores.score, model)
     ratio += model.clear_slope * max(margin - model.clear_margin, 0.0)
@@ -111,6 +128,8 @@ def frame_log_likelihood_ratio(scores: FrameScores, model: ScoreModel) -> float:
     # A short strip, in a corner, never stands as high as one through the whole picture.
     clearer = max(scores.clearness - model.clearness, 0.0)
     ratio += model.clearness_slope * shown_share(scores.shown) * clearer
+    ratio = min(max(ratio, least_log_ratio(model)), model.largest_log_ratio)
+    ratio += model.appearance_slope * (scores.appearance + model.appearance_given)
     return min(max(ratio, least_log_ratio(model)), model.largest_log_ratio)
 
 

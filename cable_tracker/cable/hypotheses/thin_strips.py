@@ -18,6 +18,10 @@ THINNEST_FACTOR = 0.5
 USUAL_WIDTH = 2.0
 """Width, in units of `thin_width`, at which the clearness that is needed is `evidence_to_find`."""
 
+LEAST_TRUSTED, MOST_TRUSTED = 4.0 / 3.0, 2.0
+"""Widths, in units of `thin_width`, up to which what speaks for a strip in its appearance does not
+count, and from which it counts fully; linear between."""
+
 LEAST_FACTOR, MOST_FACTOR = 2.0 / 3.0, 3.0
 """Limits of the factor on `evidence_to_find`, for wide and for thin strips. Chosen on the simulated
 worlds to tune on (`tune_*`) and on crisp strips."""
@@ -30,6 +34,23 @@ def thin_factor(width: float, thin_width: float) -> float:
     Any bottom has thin lines.
     """
     return min(max(math.sqrt(max(width, 0.0) / thin_width), THINNEST_FACTOR), 1.0)
+
+
+@compiled_inside
+def trusted_share(width: float, thin_width: float) -> float:
+    """Return how far the appearance of a strip of a width counts, 0 to 1."""
+    share = (width / thin_width - LEAST_TRUSTED) / (MOST_TRUSTED - LEAST_TRUSTED)
+    return min(max(share, 0.0), 1.0)
+
+
+@compiled_inside
+def trusted_appearance(appearance: float, width: float, thin_width: float) -> float:
+    """Return what counts of a strip's appearance [nats]: of a thin one only what speaks against it.
+
+    A rope on the bottom has a cable's looks, and there is no inside of it to be looked at.
+    """
+    share = trusted_share(width, thin_width)
+    return share * appearance + (1.0 - share) * min(appearance, 0.0)
 
 
 def needed_clearness(width: float, parameters: TrackerParameters, image_width: float) -> float:

@@ -9,9 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.belief import initial_belief
-from cable_tracker.cable.hypotheses.claim_support import belief_summary, is_new_clear
+from cable_tracker.cable.hypotheses.claim_support import (
+    APPEARANCE_SHARE,
+    LEAST_APPEARANCE,
+    MOST_APPEARANCE,
+    belief_summary,
+    is_new_clear,
+)
+from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.remembered_cable import remember
-from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
+from cable_tracker.cable.hypotheses.thin_strips import needed_clearness, trusted_share
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.measure.border_points import MINIMUM_POINTS
 from cable_tracker.cable.model.state import CableState
@@ -33,6 +40,7 @@ def summary(
         covariance=np.eye(8),
         weaker_border_mean=border_mean,
         scaled_clearness=clearness,
+        appearance=ORDINARY_APPEARANCE,
         visible_length=length,
     )
     return belief_summary(replace(belief, hypotheses=hypotheses), PARAMETERS, 320)
@@ -86,7 +94,8 @@ def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, se
     needed = needed_clearness(width, PARAMETERS, 320)
 
     def is_clear(factor, prior):
-        clear = hypotheses._replace(scaled_clearness=factor * needed)
+        ordinary = ORDINARY_APPEARANCE * trusted_share(width, PARAMETERS.thin_width)
+        clear = hypotheses._replace(scaled_clearness=factor * needed, appearance=ordinary)
         return is_new_clear(clear, prior, PARAMETERS, 320)
 
     prior = WIDTH.aged(seconds)
@@ -94,3 +103,20 @@ def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, se
     assert is_clear(1.001, None) and not is_clear(0.999, None)
     assert is_clear(1.001 * factor, prior) and not is_clear(0.999 * factor, prior)
     assert is_clear(1.001 * factor, prior.aged(10.0))
+
+
+@pytest.mark.parametrize(
+    ("more", "worth"),
+    [(1.0, 1.0), (100.0, MOST_APPEARANCE), (-100.0, LEAST_APPEARANCE)],
+)
+def test_the_looks_of_a_strip_are_worth_clearness_up_to_a_limit(more, worth):
+    hypotheses = initial_belief(LEADER[None], 0.9).hypotheses
+    needed = needed_clearness(LEADER[2], PARAMETERS, 320) - APPEARANCE_SHARE * worth
+
+    def is_clear(clearness):
+        looked_at = hypotheses._replace(
+            scaled_clearness=clearness, appearance=ORDINARY_APPEARANCE + more
+        )
+        return is_new_clear(looked_at, None, PARAMETERS, 320)
+
+    assert is_clear(needed + 1e-6) and not is_clear(needed - 1e-6)

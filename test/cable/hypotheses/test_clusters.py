@@ -39,8 +39,8 @@ def named(clusters) -> list[Found]:
     ]
 
 
-def groups_of(states, log_weights, width, anchors=NOWHERE) -> Groups:
-    return kernels.find_groups(states, log_weights, RADII * pose_units(width), anchors)
+def groups_of(states, log_weights, width, anchors=NOWHERE, most=MOST_CLUSTERS) -> Groups:
+    return kernels.find_groups(states, log_weights, RADII * pose_units(width), anchors, most)
 
 
 def grouped(states, weights, width):

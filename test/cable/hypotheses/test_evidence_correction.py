@@ -7,6 +7,8 @@ import pytest
 
 from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Groups
 from cable_tracker.cable.hypotheses.evidence_correction import (
+    BACKGROUND_SHARE,
+    ORDINARY_APPEARANCE,
     EvidenceLimits,
     GroupEvidence,
     corrected_log_weights,
@@ -17,7 +19,16 @@ from cable_tracker.cable.hypotheses.predicted_density import empty_densities
 LIMITS = EvidenceLimits(evidence_limit=8.0, evidence_repeated=0.15, thin_width=12.0)
 
 
-def corrected(log_posterior, log_prior, survived, labels, penalty=0.0, width=30.0, background=0.0):
+def corrected(
+    log_posterior,
+    log_prior,
+    survived,
+    labels,
+    penalty=0.0,
+    width=30.0,
+    background=0.0,
+    appearance=ORDINARY_APPEARANCE,
+):
     """Log-weights of particles of one width, of each of which a share has survived."""
     count = len(labels)
     states = np.zeros((count, 8))
@@ -29,8 +40,9 @@ def corrected(log_posterior, log_prior, survived, labels, penalty=0.0, width=30.
     )
     groups = Groups(np.array(labels), max(labels) + 1)
     backgrounds = np.full(groups.number, background)
+    appearances = np.full(groups.number, appearance)
     return corrected_log_weights(
-        log_posterior, log_prior, states, densities, groups, backgrounds, LIMITS
+        log_posterior, log_prior, states, densities, groups, backgrounds, appearances, LIMITS
     )
 
 
@@ -43,27 +55,35 @@ def evidence_after(evidence, survived=0.0, **others) -> float:
     return changes[0]
 
 
-def test_of_a_new_group_all_counts_that_it_explains():
-    assert evidence_after(3.0) == pytest.approx(3.0)
-    assert evidence_after(-3.0) == pytest.approx(-3.0)
+def test_of_a_new_group_a_share_counts_that_it_explains():
+    assert evidence_after(3.0) == pytest.approx(BACKGROUND_SHARE * 3.0)
+    assert evidence_after(-3.0) == pytest.approx(BACKGROUND_SHARE * -3.0)
+
+
+def test_how_much_it_looks_like_a_cable_counts_fully():
+    assert evidence_after(0.0, appearance=ORDINARY_APPEARANCE + 2.0) == pytest.approx(2.0)
+    assert evidence_after(4.0, appearance=ORDINARY_APPEARANCE - 5.0) == pytest.approx(
+        BACKGROUND_SHARE * 4.0 - 5.0
+    )
 
 
 def test_of_a_new_group_counts_what_it_explains_better_than_one_that_goes_on():
     log_prior = np.log([0.9, 0.1])
     for old, new in ((5.0, 7.0), (7.0, 5.0), (0.0, 99.0)):
-        after = corrected(log_prior + np.array([old, new]), log_prior, [1.0, 0.0], [0, 1])
+        ratios = np.array([old, new]) / BACKGROUND_SHARE
+        after = corrected(log_prior + ratios, log_prior, [1.0, 0.0], [0, 1])
         first, second = after - log_prior
         assert first == pytest.approx(0.15 * min(old, 8.0))
         assert second == pytest.approx(0.15 * old + min(new - old, 8.0))
 
 
 def test_what_the_bottom_explains_as_well_does_not_count():
-    assert evidence_after(6.0, background=4.0) == pytest.approx(2.0)
+    assert evidence_after(6.0, background=4.0) == pytest.approx(BACKGROUND_SHARE * 2.0)
 
 
 def test_evidence_for_thin_strips_counts_less():
-    assert evidence_after(4.0, width=3.0) == pytest.approx(2.0)
-    assert evidence_after(4.0, width=12.0) == pytest.approx(4.0)
+    assert evidence_after(4.0, width=3.0) == pytest.approx(BACKGROUND_SHARE * 2.0)
+    assert evidence_after(4.0, width=12.0) == pytest.approx(BACKGROUND_SHARE * 4.0)
 
 
 def test_it_counts_up_to_the_limit_which_a_wrong_width_lowers():
@@ -72,8 +92,10 @@ def test_it_counts_up_to_the_limit_which_a_wrong_width_lowers():
 
 
 def test_what_survived_counts_once_more_only_by_a_share():
-    assert evidence_after(3.0, survived=1.0) == pytest.approx(3.0 * 0.15)
-    assert evidence_after(3.0, survived=0.5) == pytest.approx(3.0 * (0.5 * 0.15 + 0.5))
+    assert evidence_after(6.0, survived=1.0) == pytest.approx(6.0 * BACKGROUND_SHARE * 0.15)
+    assert evidence_after(6.0, survived=0.5) == pytest.approx(
+        6.0 * BACKGROUND_SHARE * (0.5 * 0.15 + 0.5)
+    )
 
 
 def test_within_a_group_the_likelihood_decides_as_before():

@@ -9,6 +9,7 @@ from cable_tracker.cable.hypotheses.peaks import (
     Peaks,
     add_detections,
     add_peaks,
+    add_round_peaks,
     draw_about_peaks,
     empty_peaks,
     find_peaks,
@@ -72,6 +73,17 @@ def test_peaks_have_the_mean_and_the_widened_covariance_of_the_clusters(rng):
     factor = np.tril(peaks.factors[1])
     spread = factor @ factor.T - np.diag(SCALES**2)
     np.testing.assert_allclose(np.diag(spread), 1.5 * np.diag(FACTOR @ FACTOR.T), rtol=0.5)
+
+
+def test_strips_become_round_peaks_that_share_the_particles_out():
+    strips = np.hstack((np.array([PLACE, PLACE + 3.0, PLACE - 3.0]), np.zeros((3, 4))))
+    peaks = empty_peaks(5)
+    config = CONFIG._replace(detection_sigmas=SCALES, smallest_sigmas=np.full(4, 0.1))
+    assert add_round_peaks(strips, 11, 0.5, config, peaks, 1) == 4
+    assert sorted(peaks.counts[1:4]) == [3, 4, 4]
+    np.testing.assert_array_equal(peaks.locations[1:4], strips[:, :4])
+    for factor in peaks.factors[1:4]:
+        np.testing.assert_allclose(factor, np.diag([1.5, 0.1, 2.0, 0.1]))
 
 
 def test_what_is_drawn_about_a_peak_has_its_mean_and_covariance(rng):

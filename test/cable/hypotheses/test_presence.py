@@ -29,7 +29,7 @@ def prior(survival: float, appearance: float = 0.0) -> PriorPresence:
     return PriorPresence(np.empty((0, 8)), np.empty(0), survival, appearance, 0.3, False)
 
 
-FAINT = FrameScores(margin=12.0, score=12.0, clearness=0.5, shown=1.0)
+FAINT = FrameScores(margin=12.0, score=12.0, clearness=0.5, shown=1.0, appearance=0.0)
 
 
 @given(

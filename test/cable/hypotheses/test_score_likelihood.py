@@ -12,7 +12,7 @@ from cable_tracker.cable.hypotheses.score_likelihood import (
     least_log_ratio,
 )
 
-FAINT = FrameScores(margin=12.0, score=12.0, clearness=0.5, shown=1.0)
+FAINT = FrameScores(margin=12.0, score=12.0, clearness=0.5, shown=1.0, appearance=0.0)
 
 
 def ratio_of(scores: FrameScores, model: ScoreModel = MODEL) -> float:
@@ -26,6 +26,7 @@ def ratio_of(scores: FrameScores, model: ScoreModel = MODEL) -> float:
         score=st.floats(-1e3, 1e3),
         clearness=st.floats(-1e3, 1e3),
         shown=st.floats(0.0, 1.0),
+        appearance=st.floats(-1e3, 1e3),
     ),
     st.sampled_from(FrameScores._fields),
     st.floats(0.0, 1e3),
@@ -57,18 +58,25 @@ def test_a_clear_strip_in_a_corner_is_a_cable_and_a_clear_edge_of_a_stone_is_not
         score=6.0,
         clearness=MODEL.clearness + 0.4,
         shown=0.0,
+        appearance=0.0,
     )
     assert ratio_of(low._replace(shown=MODEL.enough_shown)) > 3.0
     assert ratio_of(low._replace(shown=MODEL.least_shown)) < 0.0
     assert ratio_of(low._replace(shown=MODEL.enough_shown, clearness=MODEL.clearness)) < 0.0
 
 
+def test_what_looks_like_a_cable_is_one_though_its_borders_are_faint():
+    faint = FAINT._replace(margin=3.0, score=4.0)
+    assert ratio_of(faint) < 0.0 < ratio_of(faint._replace(appearance=3.0))
+    assert ratio_of(FAINT._replace(appearance=-3.0)) < 0.0
+
+
 def test_a_known_cable_need_not_be_the_best_of_the_frame():
-    ordinary = FrameScores(margin=4.0, score=6.0, clearness=0.2, shown=1.0)
+    ordinary = FrameScores(margin=4.0, score=6.0, clearness=0.2, shown=1.0, appearance=0.0)
     assert ratio_of(ordinary) < 0.0
     assert ratio_of(ordinary, KNOWN_MODEL) > 0.0
 
 
 def test_a_known_cable_that_is_gone_is_given_up_sooner_than_one_among_many():
-    bottom = FrameScores(margin=-2.0, score=1.0, clearness=-0.1, shown=1.0)
+    bottom = FrameScores(margin=-2.0, score=1.0, clearness=-0.1, shown=1.0, appearance=-3.0)
     assert ratio_of(bottom, KNOWN_MODEL) < ratio_of(bottom) < 0.0

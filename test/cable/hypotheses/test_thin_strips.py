@@ -12,6 +12,7 @@ from cable_tracker.cable.hypotheses.thin_strips import (
     USUAL_WIDTH,
     needed_clearness,
     thin_factor,
+    trusted_appearance,
 )
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -48,3 +49,13 @@ def test_who_asks_for_nothing_gets_any_width(evidence):
 def test_thin_strips_count_less_but_something():
     factors = [thin_factor(width, 12.0) for width in (0.0, 3.0, 6.0, 12.0, 100.0)]
     assert factors == pytest.approx([0.5, 0.5, math.sqrt(0.5), 1.0, 1.0])
+
+
+@given(st.floats(0.1, 500.0), st.floats(-20.0, 20.0))
+def test_looks_speak_for_wide_strips_alone_and_against_all(width, appearance):
+    trusted = trusted_appearance(appearance, width, 12.0)
+    assert min(appearance, 0.0) - 1e-9 <= trusted <= max(appearance, 0.0) + 1e-9
+    if width >= 24.0 or appearance <= 0.0:
+        assert trusted == pytest.approx(appearance)
+    elif width <= 16.0:
+        assert trusted == 0.0

@@ -1,0 +1,68 @@
+"""Candidates: the strips among the particles that look most like cables, whatever they weigh.
+
+A particle weighs what its place was believed and how strong its borders are: a faint cable that a
+detector sees for the first time weighs next to nothing beside a furrow that has been followed for a
+while, is drawn about in no round, and is never found. So a part of each round goes to the strips
+that look most like cables. They are proposals: what is drawn about them weighs what it weighs
+anyway.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.hypotheses.clusters import find_groups
+from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
+from cable_tracker.cable.measure.appearance import appearances_of
+from cable_tracker.cable.measure.border_points import FrameScan
+from cable_tracker.cable.measure.likelihood_ratio import RatioModel
+from cable_tracker.cable.model.state import STATE_SIZE
+from cable_tracker.compilation import compiled_part
+
+CANDIDATE_SHARE = 0.5
+"""Share of the particles of a round that are drawn about candidates."""
+
+CANDIDATE_NARROWING = 0.5
+"""Factor on the kernel scales of detections, for each round once more."""
+
+MOST_LOOKED_AT, MOST_CANDIDATES = 12, 3
+"""Number of strips that are looked at in a round, and of candidates among them."""
+
+
+@compiled_part
+def likeliest_strips(
+    states: FloatArray,
+    log_likelihoods: FloatArray,
+    scan: FrameScan,
+    model: RatioModel,
+    config: ProposalConfig,
+) -> FloatArray:
+    """Return the particles that look most like cables, best first, shape (C, 8).
+
+    Of particles that lie together only the likeliest is looked at.
+
+    Parameters
+    ----------
+    states, log_likelihoods : FloatArray
+        Particles, shape (N, 8), and their log-likelihood ratios, shape (N,); -inf for impossible
+        ones.
+    scan, model : FrameScan, RatioModel
+        The frame, and the tables of its log-likelihood ratios.
+    config : ProposalConfig
+        Radii of the clusters.
+    """
+    nowhere = np.empty((0, STATE_SIZE))
+    groups = find_groups(states, log_likelihoods, config.cluster_radii, nowhere, MOST_LOOKED_AT)
+    likeliest = np.full(groups.number, -1, np.int64)
+    for row in range(len(states)):
+        label = groups.labels[row]
+        if label >= 0 and log_likelihoods[row] > -math.inf:
+            best = likeliest[label]
+            if best < 0 or log_likelihoods[row] > log_likelihoods[best]:
+                likeliest[label] = row
+    strips = states[likeliest]
+    order = np.argsort(-appearances_of(strips, scan, model))
+    return strips[order[:MOST_CANDIDATES]]

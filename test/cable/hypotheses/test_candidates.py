@@ -1,0 +1,53 @@
+from __future__ import annotations
+
+import numpy as np
+
+from cable_tracker.cable.hypotheses.candidates import MOST_CANDIDATES, likeliest_strips
+from cable_tracker.cable.hypotheses.proposal_config import proposal_config
+from cable_tracker.cable.measure.border_points import frame_scan
+from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
+from cable_tracker.cable.measure.working_image import make_working_image
+from cable_tracker.cable.parameters.parameters import TrackerParameters
+
+MODEL = BorderLikelihoodRatio(TrackerParameters())
+CONFIG = proposal_config(TrackerParameters(), 4.0, (320, 240))
+CABLE, ELSEWHERE = [40.0, 0.0, 40.0, 0.0], [-80.0, 0.3, 30.0, 0.0]
+
+
+def candidates(picture, poses, log_likelihoods) -> np.ndarray:
+    image = make_working_image(picture.astype(np.float32), 320)
+    states = np.hstack((np.array(poses), np.zeros((len(poses), 4))))
+    found = likeliest_strips(
+        states, np.array(log_likelihoods), frame_scan(image), MODEL.model_for(image), CONFIG
+    )
+    return found[:, :4]
+
+
+def picture_of_a_cable(rng) -> np.ndarray:
+    picture = rng.normal(100.0, 10.0, (240, 320))
+    picture[:, 180:220] = rng.normal(115.0, 2.0, (240, 40))
+    return picture
+
+
+def test_what_looks_like_a_cable_comes_first_whatever_its_likelihood(rng):
+    found = candidates(picture_of_a_cable(rng), [ELSEWHERE, CABLE], [30.0, 1.0])
+    np.testing.assert_array_equal(found, [CABLE, ELSEWHERE])
+
+
+def test_of_strips_that_lie_together_the_likeliest_is_looked_at(rng):
+    beside = [CABLE[0] + 2.0, *CABLE[1:]]
+    found = candidates(picture_of_a_cable(rng), [beside, CABLE, beside], [1.0, 2.0, 0.0])
+    np.testing.assert_array_equal(found, [CABLE])
+
+
+def test_impossible_ones_are_no_candidates(rng):
+    picture = picture_of_a_cable(rng)
+    assert len(candidates(picture, [CABLE, ELSEWHERE], [-np.inf, -np.inf])) == 0
+    np.testing.assert_array_equal(
+        candidates(picture, [CABLE, ELSEWHERE], [-np.inf, 0.0]), [ELSEWHERE]
+    )
+
+
+def test_they_are_few(rng):
+    poses = [[20.0 * index - 100.0, 0.4 * (index % 3), 20.0, 0.0] for index in range(10)]
+    assert len(candidates(picture_of_a_cable(rng), poses, range(10))) == MOST_CANDIDATES
