@@ -2,8 +2,9 @@
 
 Correlation between frames. Particles of one group compete by their likelihood; what is corrected is
 the weight of each group as a whole. A group's log-likelihood ratio is log(posterior mass / prior
-mass), less that of the bottom at its place, times `thin_factor`; half of it counts, and how much
-the group looks like a cable (`appearance`), for the bottom has stronger borders than a faint cable.
+mass), less that of the bottom at its place, times `thin_factor`. Where no cable is known half of it
+counts, and how much the group looks like one (`appearance`): the bottom has stronger borders than a
+faint cable.
 Of a surviving group only
 `evidence_repeated` times min(ratio, limit) is added: a furrow that is there in this frame is there
 in the next. Of a new group: that part of the reference group's ratio plus min(ratio - reference
@@ -27,7 +28,7 @@ from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.weights import masked_log_sum_exp
 
 BACKGROUND_SHARE = 0.5
-"""Share of the log-likelihood ratio above the background that counts beside the appearance.
+"""Share of the log-likelihood ratio above the background that counts where no cable is known.
 
 Chosen on simulated worlds to tune on (`tune_*`)."""
 
@@ -49,11 +50,15 @@ class EvidenceLimits(NamedTuple):
         Share of the ratio of a surviving group that counts, 0 to 1.
     thin_width : float
         Width below which ratios count less [px of the frame].
+    background_share, appearance_share : float
+        Shares of the ratio above the background and of the appearance that count.
     """
 
     evidence_limit: float
     evidence_repeated: float
     thin_width: float
+    background_share: float
+    appearance_share: float
 
 
 class GroupEvidence(NamedTuple):
@@ -66,8 +71,8 @@ class GroupEvidence(NamedTuple):
     log_ratio : FloatArray
         log(posterior mass / prior mass) [nats]; -inf for a group without posterior mass.
     counted : FloatArray
-        `log_ratio` less that of the bottom at the place of the group, times `thin_factor` and
-        `BACKGROUND_SHARE`, plus the appearance above `ORDINARY_APPEARANCE` [nats].
+        Share of `log_ratio` less that of the bottom at the place of the group, times `thin_factor`,
+        plus the share of the appearance above `ORDINARY_APPEARANCE` [nats].
     survived_share : FloatArray
         Share of the prior mass that survived from the frame before, 0 to 1.
     width_penalty : FloatArray
@@ -119,7 +124,7 @@ def corrected_log_weights(
         groups,
         backgrounds,
         appearances,
-        limits.thin_width,
+        limits,
     )
     leader = reference_group(found)
     reference = found.counted[leader] if leader != NO_CLUSTER else 0.0
@@ -143,7 +148,7 @@ def group_evidence(
     groups: Groups,
     backgrounds: FloatArray,
     appearances: FloatArray,
-    thin_width: float,
+    limits: EvidenceLimits,
 ) -> GroupEvidence:
     """Sum up what the frame says of each group; arguments as of `corrected_log_weights`."""
     labels, count = groups.labels, groups.number + 1
@@ -172,9 +177,11 @@ def group_evidence(
         background = backgrounds[label] if label != NO_CLUSTER else 0.0
         ratio = posterior_mass - prior_mass
         found.log_ratio[label] = ratio
-        above = thin_factor(width, thin_width) * (ratio - background)
+        above = thin_factor(width, limits.thin_width) * (ratio - background)
         appearance = appearances[label] - ORDINARY_APPEARANCE if label != NO_CLUSTER else 0.0
-        found.counted[label] = BACKGROUND_SHARE * above + appearance
+        found.counted[label] = (
+            limits.background_share * above + limits.appearance_share * appearance
+        )
         found.survived_share[label] = min(survived, 1.0)
         found.width_penalty[label] = penalty
         found.prior_mass[label] = prior_mass

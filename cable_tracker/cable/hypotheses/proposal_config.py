@@ -10,7 +10,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.clusters import RADII
-from cable_tracker.cable.hypotheses.evidence_correction import EvidenceLimits
+from cable_tracker.cable.hypotheses.evidence_correction import BACKGROUND_SHARE, EvidenceLimits
 from cable_tracker.cable.hypotheses.rounds import annealing_power, widening_in
 from cable_tracker.cable.hypotheses.shadows import ShadowRules
 from cable_tracker.cable.model.limits import StateLimits, state_limits
@@ -92,6 +92,8 @@ def proposal_config(
             parameters.evidence_limit,
             parameters.evidence_repeated,
             parameters.thin_width * width / REFERENCE_WIDTH,
+            BACKGROUND_SHARE,
+            1.0,
         ),
         same_hypothesis_radii=SAME_HYPOTHESIS_RADII * units,
         shadows=ShadowRules(
@@ -106,9 +108,11 @@ def proposal_config(
 def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) -> ProposalConfig:
     """Return a configuration in which other strips count less: where the cable is, is known.
 
-    It is not taken for a shadow, either.
+    It is not taken for a shadow, either, and need not look like a cable: it is one.
     """
-    limits = config.evidence_limits._replace(evidence_limit=parameters.evidence_limit_known)
+    limits = config.evidence_limits._replace(
+        evidence_limit=parameters.evidence_limit_known, background_share=1.0, appearance_share=0.0
+    )
     return config._replace(
         evidence_limits=limits, shadows=config.shadows._replace(evidence=math.inf)
     )

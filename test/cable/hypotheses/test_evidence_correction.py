@@ -15,8 +15,16 @@ from cable_tracker.cable.hypotheses.evidence_correction import (
     reference_group,
 )
 from cable_tracker.cable.hypotheses.predicted_density import empty_densities
+from cable_tracker.cable.hypotheses.proposal_config import beside_a_known_cable, proposal_config
+from cable_tracker.cable.parameters.parameters import TrackerParameters
 
-LIMITS = EvidenceLimits(evidence_limit=8.0, evidence_repeated=0.15, thin_width=12.0)
+LIMITS = EvidenceLimits(
+    evidence_limit=8.0,
+    evidence_repeated=0.15,
+    thin_width=12.0,
+    background_share=BACKGROUND_SHARE,
+    appearance_share=1.0,
+)
 
 
 def corrected(
@@ -28,6 +36,7 @@ def corrected(
     width=30.0,
     background=0.0,
     appearance=ORDINARY_APPEARANCE,
+    limits=LIMITS,
 ):
     """Log-weights of particles of one width, of each of which a share has survived."""
     count = len(labels)
@@ -42,7 +51,7 @@ def corrected(
     backgrounds = np.full(groups.number, background)
     appearances = np.full(groups.number, appearance)
     return corrected_log_weights(
-        log_posterior, log_prior, states, densities, groups, backgrounds, appearances, LIMITS
+        log_posterior, log_prior, states, densities, groups, backgrounds, appearances, limits
     )
 
 
@@ -121,3 +130,11 @@ def test_the_reference_is_the_heaviest_group_that_survived(survived, masses, ref
     none = np.zeros(4)
     found = GroupEvidence(none, none, np.array([*survived, 1.0]), none, np.array([*masses, 9.0]))
     assert reference_group(found) == reference
+
+
+def test_beside_a_known_cable_looks_do_not_count():
+    parameters = TrackerParameters()
+    config = proposal_config(parameters, 4.0, (320, 240))
+    known = beside_a_known_cable(config, parameters).evidence_limits
+    assert evidence_after(2.0, limits=known, appearance=9.0) == pytest.approx(2.0)
+    assert evidence_after(2.0, limits=known, appearance=-9.0) == pytest.approx(2.0)
