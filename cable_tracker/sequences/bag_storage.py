@@ -132,6 +132,9 @@ class RosbagsStorage:
                 )
                 for name, info in reader.topics.items()
             }
+        if not all(isinstance(name, str) for name in self.topics):
+            self.close()
+            raise RecordingError("metadata.yaml has a topic whose name is no text")
 
     @contextmanager
     def _opened(self) -> Iterator[Reader1 | Reader2]:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 
 import numpy as np
@@ -267,6 +268,21 @@ def test_corrupt_metadata_is_an_error_after_what_can_be_read(make_bag, text):
     frames, message = read_until_damage(path)
     assert len(frames) == 5
     assert str(path) in message
+
+
+def test_a_topic_without_a_name_in_the_metadata_is_found_out_from_the_messages(make_bag):
+    path = make_bag(truth=False)
+    metadata = path / "metadata.yaml"
+    without_others = re.sub(
+        r"(Image\n(?: {6,}.*\n)+) {2}-.*(?= {2}version)",
+        r"\1",
+        metadata.read_text(),
+        flags=re.DOTALL,
+    )
+    metadata.write_text(without_others.replace("name: /camera/image", "name:"))
+    frames, message = read_until_damage(path)
+    assert len(frames) == 5
+    assert "a topic whose name is no text" in message
 
 
 @pytest.mark.parametrize("name", ["x.mcap", "x.db3", "x.bag"])
