@@ -111,6 +111,16 @@ def test_a_strip_that_shares_one_border_with_the_cable_looks_less_like_one(
     assert appearance(picture) > appearance(picture, other) + 2.0
 
 
+def test_a_beam_that_ends_in_the_picture_is_no_cable(rng):
+    cable = rng.normal(100.0, 5.0, (240, 320))
+    cable[:, 150:168] += 60.0
+    beam = rng.normal(100.0, 5.0, (240, 320))
+    beam[90:210, 150:168] += 60.0
+    state = CableState(-0.5, 0.0, 18.0)
+    assert appearance(cable, state) > 1.0
+    assert appearance(beam, state) < 0.0
+
+
 def test_what_has_one_border_in_a_corner_is_hardly_known(bottom):
     corner = CableState(150.0, 0.6, 120.0, 0.0)
     assert appearance(bottom, corner) < UNDECIDED + 0.4 * IN_VIEW
