@@ -8,7 +8,6 @@ lost           no message comes, so a controller must have a timeout of its own
 """
 
 import math
-from contextlib import suppress
 
 import rclpy
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
@@ -40,5 +39,11 @@ class FollowCable(Node):
 
 if __name__ == "__main__":
     rclpy.init()
-    with suppress(KeyboardInterrupt, ExternalShutdownException):
+    try:
         rclpy.spin(FollowCable())
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except RuntimeError:
+        # A signal came between two waits: rclpy began to wait with a context that was gone.
+        if rclpy.ok():
+            raise

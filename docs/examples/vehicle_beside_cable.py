@@ -5,7 +5,6 @@ frame of the world. Here that frame is `cable`: x runs along the cable, y to its
 """
 
 import math
-from contextlib import suppress
 
 import rclpy
 from geometry_msgs.msg import PoseWithCovarianceStamped
@@ -52,5 +51,11 @@ class VehicleBesideCable(Node):
 
 if __name__ == "__main__":
     rclpy.init()
-    with suppress(KeyboardInterrupt, ExternalShutdownException):
+    try:
         rclpy.spin(VehicleBesideCable())
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except RuntimeError:
+        # A signal came between two waits: rclpy began to wait with a context that was gone.
+        if rclpy.ok():
+            raise

@@ -94,7 +94,8 @@ def draw_sample(
 ) -> tuple[int, FloatArray]:
     """Draw the particles of all rounds.
 
-    How many there are is returned, and the candidates of the last round, shape (C, 8).
+    How many there are is returned, and the candidates of the last round, shape (C, 8): none beside
+    a known cable, where looks do not count.
     """
     centres = np.empty((len(inputs.detected), POSE_SIZE))
     _unwrap_poses(inputs.detected, inputs.reference_angle, centres)
@@ -112,9 +113,10 @@ def draw_sample(
         if weights.degenerate or count == 0:
             continue
         states, stop = sample.states[:filled], filled + count
-        candidates = likeliest_strips(
-            states, sample.log_likelihoods[:filled], inputs.scan, inputs.model, config
-        )
+        if config.evidence_limits.appearance_share > 0.0:
+            candidates = likeliest_strips(
+                states, sample.log_likelihoods[:filled], inputs.scan, inputs.model, config
+            )
         share = int(CANDIDATE_SHARE * count) if len(candidates) else 0
         widening, narrowing = config.widenings[number], CANDIDATE_NARROWING ** (number + 1)
         found = find_peaks(
