@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+import cv2
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
@@ -69,15 +70,16 @@ def strongest_lines(
     most : int
         Number of lines at most.
     """
-    return _strongest_lines(np.ascontiguousarray(votes, np.float32), offset_bin, middle, most)
+    smooth = np.asarray(cv2.GaussianBlur(np.asarray(votes, np.float32), (3, 3), 0))
+    return _strongest_lines(smooth, offset_bin, middle, most)
 
 
 @compiled
 def _strongest_lines(
     votes: Image, offset_bin: float, middle: int, most: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return what `strongest_lines` does, for one kind of array."""
-    clear = clearness_of(blurred(votes))
+    """Return what `strongest_lines` does, for blurred votes."""
+    clear = clearness_of(votes)
     highest = highest_about(clear)
     rows, columns = clear.shape
     heights, cells, count = np.empty(most), np.empty(most, np.int64), 0
@@ -104,29 +106,6 @@ def _strongest_lines(
         angles[index] = (row + _vertex(above, here, below) - ANGLE_MARGIN) * BIN
         offsets[index] = (column + _vertex(left, here, right) - middle) * offset_bin
     return angles, offsets, heights[:count]
-
-
-@compiled_part
-def blurred(votes: Image) -> Image:
-    """Return votes smoothed by the binomial filter of three by three, mirrored at the edges."""
-    rows, columns = votes.shape
-    half, quarter = np.float32(0.5), np.float32(0.25)
-    beside, smooth = np.empty((rows, columns), np.float32), np.empty((rows, columns), np.float32)
-    for row in range(rows):
-        values, last = votes[row], columns - 1
-        for column in range(1, last):
-            either = values[column - 1] + values[column + 1]
-            beside[row, column] = half * values[column] + quarter * either
-        beside[row, 0] = half * values[0] + half * values[1]
-        beside[row, last] = half * values[last] + half * values[last - 1]
-    for row in range(rows):
-        # Mirrored, both rows beside an end are the same one.
-        above = beside[row - 1 if row > 0 else 1]
-        below = beside[row + 1 if row + 1 < rows else rows - 2]
-        for column in range(columns):
-            either = above[column] + below[column]
-            smooth[row, column] = half * beside[row, column] + quarter * either
-    return smooth
 
 
 @compiled_part

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from cable_tracker.detection.vote_peaks import (
     ANGLE_BINS,
     ANGLE_MARGIN,
-    blurred,
     clearness_of,
     highest_about,
     strongest_lines,
@@ -45,12 +44,6 @@ def test_the_clearest_lines_come_first_and_no_more_than_asked_for(rng):
 
 def test_a_frame_without_votes_has_no_lines():
     assert all(len(each) == 0 for each in strongest_lines(np.zeros((40, 31)), 3.0, 15, 24))
-
-
-@pytest.mark.parametrize("shape", [(20, 9), (3, 2), (2, 5)])
-def test_votes_are_smoothed_by_a_binomial_filter_that_mirrors_them(rng, shape):
-    votes = rng.exponential(1.0, shape).astype(np.float32)
-    np.testing.assert_allclose(blurred(votes), cv2.GaussianBlur(votes, (3, 3), 0), rtol=1e-6)
 
 
 def test_the_highest_about_a_cell_is_that_of_its_neighbours_and_itself(rng):

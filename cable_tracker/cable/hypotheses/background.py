@@ -66,9 +66,9 @@ class Background(NamedTuple):
 
 
 @compiled_part
-def empty_background(count: int, deviation: float) -> Background:
-    """Return a background that explains nothing, with one standard deviation."""
-    return Background(np.zeros(count), np.zeros(count), np.full(count, deviation))
+def empty_background(count: int) -> Background:
+    """Return a background that explains nothing."""
+    return Background(np.zeros(count), np.zeros(count), np.full(count, SMALLEST_DEVIATION))
 
 
 @compiled_part
@@ -79,7 +79,7 @@ def background_of(means: FloatArray, inputs: ProposalInputs, config: ProposalCon
     """
     noise, image_size = inputs.noise, config.image_size
     count = len(means)
-    background = empty_background(count, SMALLEST_DEVIATION)
+    background = empty_background(count)
     if count == 0:
         return background
     share = len(noise.alike) // count

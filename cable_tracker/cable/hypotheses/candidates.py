@@ -9,12 +9,10 @@ anyway.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
-from cable_tracker.cable.hypotheses.clusters import find_groups
+from cable_tracker.cable.hypotheses.clusters import find_groups, heaviest_members
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.measure.appearance import appearances_of
 from cable_tracker.cable.measure.border_points import FrameScan
@@ -56,13 +54,6 @@ def likeliest_strips(
     """
     nowhere = np.empty((0, STATE_SIZE))
     groups = find_groups(states, log_likelihoods, config.cluster_radii, nowhere, MOST_LOOKED_AT)
-    likeliest = np.full(groups.number, -1, np.int64)
-    for row in range(len(states)):
-        label = groups.labels[row]
-        if label >= 0 and log_likelihoods[row] > -math.inf:
-            best = likeliest[label]
-            if best < 0 or log_likelihoods[row] > log_likelihoods[best]:
-                likeliest[label] = row
-    strips = states[likeliest]
+    strips = states[heaviest_members(log_likelihoods, groups)]
     order = np.argsort(-appearances_of(strips, scan, model))
     return strips[order[:MOST_CANDIDATES]]

@@ -300,7 +300,7 @@ def group_means(
 
     Shapes (K,), (K,), (K, 8). A mean is taken in the chart about the heaviest member.
     """
-    masses, heaviest = _masses_and_heaviest(weights, groups)
+    masses, heaviest = _group_masses(weights, groups), heaviest_members(weights, groups)
     means = _means_about_heaviest(states, weights, groups, masses, heaviest)
     order = _descending_order(masses, SMALLEST_MASS)
     sorted_masses, sorted_means = np.empty(len(order)), np.empty((len(order), STATE_SIZE))
@@ -312,17 +312,29 @@ def group_means(
 
 
 @compiled_part
-def _masses_and_heaviest(weights: FloatArray, groups: Groups) -> tuple[FloatArray, IndexArray]:
-    """Return the sum of weights of each group, and the row of its heaviest particle, (K,) each."""
-    labels, count = groups
-    masses, heaviest = np.zeros(count), np.full(count, -1, np.int64)
+def _group_masses(weights: FloatArray, groups: Groups) -> FloatArray:
+    """Return the sum of weights of each group, shape (K,)."""
+    masses = np.zeros(groups.number)
+    for row in range(len(groups.labels)):
+        if groups.labels[row] != NO_CLUSTER:
+            masses[groups.labels[row]] += weights[row]
+    return masses
+
+
+@compiled_part
+def heaviest_members(weights: FloatArray, groups: Groups) -> IndexArray:
+    """Return the row of the heaviest particle of each group, shape (K,).
+
+    The weights, shape (N,), may be logarithms. Of equal ones it is the first.
+    """
+    labels, heaviest = groups.labels, np.full(groups.number, -1, np.int64)
     for row in range(len(labels)):
         label = labels[row]
-        if label != NO_CLUSTER:
-            masses[label] += weights[row]
-            if heaviest[label] < 0 or weights[row] > weights[heaviest[label]]:
-                heaviest[label] = row
-    return masses, heaviest
+        if label == NO_CLUSTER:
+            continue
+        if heaviest[label] < 0 or weights[row] > weights[heaviest[label]]:
+            heaviest[label] = row
+    return heaviest
 
 
 @compiled_part

@@ -112,7 +112,7 @@ def find_peaks(
 
 
 @compiled_loop
-def add_round_peaks(
+def add_candidate_peaks(
     strips: FloatArray,
     count: int,
     narrowing: float,

@@ -23,9 +23,9 @@ from cable_tracker.cable.hypotheses.candidates import (
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.peaks import (
     Peaks,
+    add_candidate_peaks,
     add_detections,
     add_peaks,
-    add_round_peaks,
     draw_about_peaks,
     empty_peaks,
     find_peaks,
@@ -122,7 +122,7 @@ def draw_sample(
         found = find_peaks(
             states, weights.log_weights, count - share, widening, config, peaks, used
         )
-        found = add_round_peaks(candidates, share, narrowing, config, peaks, found)
+        found = add_candidate_peaks(candidates, share, narrowing, config, peaks, found)
         draw_about_peaks(sample.states, filled, inputs.noise, peaks, used, found)
         tail = config.degrees_of_freedom
         add_peaks(sample.states, 0, filled, peaks, used, found, tail, sample.proposal_density)

@@ -7,9 +7,9 @@ import numpy as np
 from cable_tracker.cable.hypotheses.frame_noise import draw_frame_noise
 from cable_tracker.cable.hypotheses.peaks import (
     Peaks,
+    add_candidate_peaks,
     add_detections,
     add_peaks,
-    add_round_peaks,
     draw_about_peaks,
     empty_peaks,
     find_peaks,
@@ -75,11 +75,11 @@ def test_peaks_have_the_mean_and_the_widened_covariance_of_the_clusters(rng):
     np.testing.assert_allclose(np.diag(spread), 1.5 * np.diag(FACTOR @ FACTOR.T), rtol=0.5)
 
 
-def test_strips_become_round_peaks_that_share_the_particles_out():
+def test_candidates_become_peaks_that_share_the_particles_out():
     strips = np.hstack((np.array([PLACE, PLACE + 3.0, PLACE - 3.0]), np.zeros((3, 4))))
     peaks = empty_peaks(5)
     config = CONFIG._replace(detection_sigmas=SCALES, smallest_sigmas=np.full(4, 0.1))
-    assert add_round_peaks(strips, 11, 0.5, config, peaks, 1) == 4
+    assert add_candidate_peaks(strips, 11, 0.5, config, peaks, 1) == 4
     assert sorted(peaks.counts[1:4]) == [3, 4, 4]
     np.testing.assert_array_equal(peaks.locations[1:4], strips[:, :4])
     for factor in peaks.factors[1:4]:
