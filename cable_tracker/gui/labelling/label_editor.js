@@ -257,8 +257,9 @@ export default {
     },
     received(description) {
       this.hasPicture = true;
-      this.cancelDrag();
       const isOther = description.frame !== this.frame;
+      // The same picture comes again after a reconnection: the hand on it goes on.
+      if (isOther) this.cancelDrag();
       this.frame = description.frame;
       this.stamp = description.stamp;
       this.trouble = description.trouble;
@@ -347,6 +348,7 @@ export default {
       this.drag = { handle, from, start: this.shown, state: this.shown };
     },
     moveDrag(to, both) {
+      if (!this.drag) return; // cancelled while the button is still down
       const { handle, from, start } = this.drag;
       this.drag.state =
         handle.kind === "draw"
@@ -356,6 +358,7 @@ export default {
       this.view.redraw();
     },
     endDrag() {
+      if (!this.drag) return;
       const { state, start } = this.drag;
       this.drag = null;
       if (state && state !== start) this.commitState(state);

@@ -224,6 +224,38 @@ def test_a_cable_is_drawn_by_one_drag(edit, saved):
         assert contains(state, None, (20, 80)) == pytest.approx(0.0, abs=0.3)
 
 
+def begin_drag(editor):
+    editor.page.mouse.move(*editor.on_screen((0, 0)))
+    editor.page.mouse.down()
+    editor.page.mouse.move(*editor.on_screen((5, 0)))
+
+
+def end_drag(editor):
+    editor.page.mouse.move(*editor.on_screen((18, 0)))
+    editor.page.mouse.up()
+
+
+def test_a_drag_goes_on_when_the_same_picture_comes_again(edit):
+    with edit(label_line((0.0, 0.0, 60.0, 0.0))) as editor:
+        editor.at(0, "hand")
+        begin_drag(editor)
+        editor.ask("editor.received({ ...editor.view.description, frame: 0 })")
+        end_drag(editor)
+        assert editor.ask("editor.labels.get(0).state[0]") == pytest.approx(18.0, abs=0.5)
+
+
+@pytest.mark.parametrize(("key", "frame"), [("Escape", 0), ("PageDown", 1)])
+def test_a_cancelled_drag_changes_no_label(edit, key, frame):
+    with edit(label_line((0.0, 0.0, 60.0, 0.0))) as editor:
+        editor.at(0, "hand")
+        begin_drag(editor)
+        editor.press(key)
+        editor.at(frame)
+        end_drag(editor)
+        assert editor.ask("editor.labels.get(0).state[0]") == 0.0
+        assert editor.ask("editor.labels.size") == 1
+
+
 def test_zoom_and_pan_do_not_move_the_label(edit):
     with edit(label_line(OBLIQUE)) as editor:
         editor.at(0, "hand")
