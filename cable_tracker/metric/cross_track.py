@@ -273,19 +273,31 @@ class CrossTrackMeter:
             centre[:, 1] - (x * (ahead - centre[:, 0]) + z * drop) / safe
             for ahead in (0.0, self._settings.look_ahead)
         ]
-        heading = wrap_angle(np.arctan2(-x, y))
+        heading = wrap_angle(_headings(normals))
         # The plane's distance from the vertical through the camera, and the drop to the axis.
         level = np.hypot(x, y)
         reach = np.abs(drop) / np.maximum(level, 1e-9)
         cosine = np.abs(np.einsum("ni,ni->n", normals[:, 1], normals[:, 2]))
-        half_angle = np.arccos(np.clip(cosine, -1.0, 1.0)) / 2
-        return np.column_stack((*offsets, heading, 2 * reach * np.sin(half_angle)))
+        sine_of_half = np.sqrt((1.0 - np.minimum(cosine, 1.0)) / 2)
+        return np.column_stack((*offsets, heading, 2 * reach * sine_of_half))
 
 
 def _places_along(angle: float, segment: tuple[tuple[float, float], ...]) -> FloatArray:
     """Return where points stand along a line inside the image, from its foot point, (K,) [px]."""
     low, high = (-x * math.sin(angle) + y * math.cos(angle) for x, y in segment)
     return np.linspace(low, high, POINTS_PER_LINE)
+
+
+@compiled
+def _headings(normals: FloatArray) -> FloatArray:
+    """Return the directions of the sea bed's cuts with planes of normals (N, 3, 3), (N,) [rad].
+
+    Compiled because NumPy 1.26 rounds an arctan2 by where in memory its result lies.
+    """
+    headings = np.empty(len(normals))
+    for n in range(len(normals)):
+        headings[n] = math.atan2(-normals[n, 0, 0], normals[n, 0, 1])
+    return headings
 
 
 @compiled
