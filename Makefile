@@ -161,6 +161,7 @@ else
 	@$(BIN)/cable-tracker gui "$(SOURCE)"
 endif
 
+loop: SEED = 2
 loop: install
 	@mkdir -p $(DEMO)
 	@echo "a simulated vehicle follows 100 m of cable, which takes some minutes ..."
