@@ -53,6 +53,7 @@ setup(
         "pyogrio>=0.9",
         "pyproj>=3.6",
         "shapely>=2",
+        "threadpoolctl>=3.1",
         "av>=12",
         "pillow>=10.2",
         "mcap>=1.1",

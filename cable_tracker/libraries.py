@@ -1,4 +1,4 @@
-"""Other libraries: their refusals in the exceptions of this package, and how OpenCV computes."""
+"""Other libraries: their refusals in the exceptions of this package, and how they compute."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 import cv2
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from cable_tracker.errors import CableTrackerError, one_line
 
@@ -33,14 +34,16 @@ def refusals_as(kind: type[CableTrackerError], what: str) -> Iterator[None]:
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Let OpenCV use one thread, as all else does.
+    """Let OpenCV and NumPy's linear algebra use one thread, as all else does.
 
-    What is measured must not depend on the number of processors.
+    What is measured must not depend on the number of processors. OpenBLAS' threads, moreover, go on
+    taking a processor's whole time for a tenth of a second after a product of large matrices.
     """
     before = cv2.getNumThreads()
     cv2.setNumThreads(1)
     try:
-        yield
+        with threadpool_limits(limits=1, user_api="blas"):
+            yield
     finally:
         cv2.setNumThreads(before)
 

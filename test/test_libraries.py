@@ -1,6 +1,7 @@
 import cv2
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info
 
 from cable_tracker.errors import FrameError, MetricError
 from cable_tracker.libraries import one_thread, refusals_as, without_ipp
@@ -32,6 +33,18 @@ def test_opencv_uses_one_thread_meanwhile():
     with one_thread():
         assert cv2.getNumThreads() == 1
     assert cv2.getNumThreads() == before
+
+
+def test_linear_algebra_uses_one_thread_meanwhile():
+    before = [pool["num_threads"] for pool in blas_pools()]
+    assert before
+    with one_thread():
+        assert [pool["num_threads"] for pool in blas_pools()] == [1] * len(before)
+    assert [pool["num_threads"] for pool in blas_pools()] == before
+
+
+def blas_pools():
+    return [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
 
 
 def test_opencv_does_without_ipp_meanwhile():

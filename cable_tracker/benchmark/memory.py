@@ -10,13 +10,13 @@ from itertools import pairwise
 from multiprocessing import get_context
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from cable_tracker.benchmark.footage import RENDERED_SIZE, Footage, FrameLoop, footage
 from cable_tracker.benchmark.statistics import fit_line
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.evaluation.methods import ConfiguredFilter
+from cable_tracker.libraries import one_thread
 
 STATUS = Path("/proc/self/statm")
 KIB = 1024
@@ -90,8 +90,8 @@ def measure_memory_apart(name: str, footage_frames: int, frames: int) -> MemoryU
 
 
 def _measure_alone(name: str, footage_frames: int, frames: int) -> MemoryUse:
-    cv2.setNumThreads(1)
-    return measure_memory(name, footage(footage_frames, RENDERED_SIZE), frames)
+    with one_thread():
+        return measure_memory(name, footage(footage_frames, RENDERED_SIZE), frames)
 
 
 def _run(loop: FrameLoop, frames: int, advance: Callable[[int], None]) -> None:

@@ -134,7 +134,7 @@ class Benchmark:
     def run(
         self, circumstances: Circumstances, advance: Advance = lambda count: None
     ) -> BenchmarkResult:
-        """Measure all but nodes; OpenCV uses one thread meanwhile."""
+        """Measure all but nodes, in one thread."""
         plan, shown = self._plan, self._footages[0]
         with one_thread():
             measurements = measure_in_turns(self._cases, self._yardstick, plan.effort, advance)

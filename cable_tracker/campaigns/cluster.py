@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import cv2
 import dask
 from distributed import Client, LocalCluster
 
@@ -46,7 +45,7 @@ def connected(settings: ClusterSettings) -> Iterator[Client]:
     with dask.config.set(quiet):
         if settings.scheduler is None:
             with _local(settings) as cluster, Client(cluster) as client:
-                _prepare(client)
+                check_versions(client)
                 yield client
             return
         try:
@@ -57,7 +56,7 @@ def connected(settings: ClusterSettings) -> Iterator[Client]:
                 " with `dask scheduler`"
             ) from error
         with client:
-            _prepare(client)
+            check_versions(client)
             yield client
 
 
@@ -81,17 +80,6 @@ def _local(settings: ClusterSettings) -> LocalCluster:
         )
     except ValueError as error:
         raise ParameterError(f"memory: {one_line(error)}; give a size such as 2GiB") from error
-
-
-def _prepare(client: Client) -> None:
-    """See that the workers are there and of this version, and let each use one thread."""
-    check_versions(client)
-    client.run(use_one_thread)
-
-
-def use_one_thread() -> None:
-    """Let OpenCV use one thread: each worker has one processor."""
-    cv2.setNumThreads(1)
 
 
 def version_here() -> str:

@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-import cv2
 from distributed import Client, as_completed, get_worker
 from distributed.scheduler import KilledWorker
 
@@ -61,10 +60,10 @@ def _folder_in_worker(task: FolderTask, number: int, root: str, version: str) ->
     """Do a task in a worker; return why it failed, or an empty text, and how many frames it had."""
     if version != __version__:
         return _other_version(version), 0
-    cv2.setNumThreads(1)
     teller = _Teller(number)
     try:
-        run_in_folder(task, Path(root), version, teller)
+        with one_thread():
+            run_in_folder(task, Path(root), version, teller)
     except CableTrackerError as error:
         return str(error), teller.total
     return "", teller.total
