@@ -33,7 +33,7 @@ setup(
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     package_data={
         PACKAGE: ["py.typed"],
-        f"{PACKAGE}.cable.measure": ["*.json"],
+        f"{PACKAGE}.cable.measure": ["*.json", "*.onnx"],
         f"{PACKAGE}.evaluation": ["templates/*.j2"],
         f"{PACKAGE}.survey.outputs": ["*.j2", "*.js"],
         f"{PACKAGE}.gui": ["*.css", "*.js", "browser/*.js"],
@@ -76,6 +76,7 @@ setup(
             "scikit-image",
             "types-PyYAML",
         ],
+        "train": ["onnx", "torch"],
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),

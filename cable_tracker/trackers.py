@@ -16,7 +16,9 @@ from cable_tracker.detection.pair_limits import pair_limits
 PROPOSERS: Mapping[str, Callable[[TrackerParameters], CableProposer]] = MappingProxyType(
     {
         "none": lambda _parameters: NoProposer(),
-        "line_pairs": lambda parameters: LinePairProposer(pair_limits(parameters)),
+        "line_pairs": lambda parameters: LinePairProposer(
+            pair_limits(parameters), looks_at_map=parameters.looks == "network"
+        ),
     }
 )
 """The detectors that the parameter `detector` can name."""

@@ -12,6 +12,7 @@ The constants were chosen on simulated dives of the seeds 200 to 203.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -55,7 +56,12 @@ MOST_LINES = 24
 MOST_CABLES = 8
 
 MOST_FAINT = 4
-"""Number of cables between faint lines that are proposed, from brightness and from texture each."""
+"""Number of cables between faint lines that are proposed, from brightness, from texture and from
+the map each."""
+
+
+SHOWN = 0.2
+"""Probability that some cell of a map has at least: below it there are no lines to look for."""
 
 
 class LinePairProposer:
@@ -65,10 +71,13 @@ class LinePairProposer:
     ----------
     limits : PairLimits
         Widths and skews of the cables that are proposed.
+    looks_at_map : bool
+        Whether lines are looked for in the map of the frame, too.
     """
 
-    def __init__(self, limits: PairLimits = DEFAULT_LIMITS) -> None:
+    def __init__(self, limits: PairLimits = DEFAULT_LIMITS, *, looks_at_map: bool = True) -> None:
         self._limits = limits
+        self._looks_at_map = looks_at_map
 
     def propose(self, image: WorkingImage, *, is_searching: bool) -> FloatArray:
         """Return d, alpha, w, beta of cables in the frame [px, rad], best first, shape (K, 4).
@@ -81,11 +90,18 @@ class LinePairProposer:
         if is_searching:
             found += [
                 self._faint_pairs(picture, image)[:MOST_FAINT]
-                for picture in (coarse_brightness(image), coarse_texture(image))
+                for picture in self._coarse_pictures(image)
                 if min(picture.shape) >= FEWEST_CELLS
             ]
         scale = 1.0 / image.reduction
         return np.asarray(np.concatenate(found) * np.array([scale, 1.0, scale, 1.0]))
+
+    def _coarse_pictures(self, image: WorkingImage) -> Iterator[Image]:
+        """Yield the pictures in which faint lines are looked for."""
+        yield coarse_brightness(image)
+        yield coarse_texture(image)
+        if self._looks_at_map and image.cable_map.probabilities.max() >= SHOWN:
+            yield image.cable_map.probabilities
 
     def _faint_pairs(self, picture: Image, image: WorkingImage) -> FloatArray:
         """Return the cables between coherent lines of a coarse picture, best first."""

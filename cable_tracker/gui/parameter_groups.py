@@ -45,7 +45,8 @@ CABLE_GROUPS: Groups = (
     (
         "Search and refinement",
         (
-            "detector", "detector_share", "search_share", "refinement_rounds", "refinement_share",
+            "detector", "looks", "detector_share", "search_share", "refinement_rounds",
+            "refinement_share",
         ),
     ),
     (

@@ -119,7 +119,7 @@ def test_whatever_the_picture_proposals_are_plausible_cables(rng, size, kind, is
     }
     proposals = propose(pictures[kind].astype(np.uint8), is_searching=is_searching)
     assert proposals.shape[1:] == (4,)
-    assert len(proposals) <= MOST_CABLES + 2 * MOST_FAINT
+    assert len(proposals) <= MOST_CABLES + 3 * MOST_FAINT
     assert np.isfinite(proposals).all()
     assert (proposals[:, 2] > 0.0).all()
     assert (np.abs(proposals[:, 3]) <= DEFAULT_LIMITS.most_skew).all()

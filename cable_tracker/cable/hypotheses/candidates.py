@@ -16,6 +16,7 @@ from cable_tracker.cable.hypotheses.clusters import find_groups, heaviest_member
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.measure.appearance import appearances_of
 from cable_tracker.cable.measure.border_points import FrameScan
+from cable_tracker.cable.measure.cable_map import CableMap
 from cable_tracker.cable.measure.likelihood_ratio import RatioModel
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.compilation import compiled_part
@@ -36,6 +37,7 @@ def likeliest_strips(
     log_likelihoods: FloatArray,
     scan: FrameScan,
     model: RatioModel,
+    where: CableMap,
     config: ProposalConfig,
 ) -> FloatArray:
     """Return the particles that look most like cables, best first, shape (C, 8).
@@ -49,11 +51,13 @@ def likeliest_strips(
         ones.
     scan, model : FrameScan, RatioModel
         The frame, and the tables of its log-likelihood ratios.
+    where : CableMap
+        The map of the frame, or `NO_MAP`.
     config : ProposalConfig
         Radii of the clusters.
     """
     nowhere = np.empty((0, STATE_SIZE))
     groups = find_groups(states, log_likelihoods, config.cluster_radii, nowhere, MOST_LOOKED_AT)
     strips = states[heaviest_members(log_likelihoods, groups)]
-    order = np.argsort(-appearances_of(strips, scan, model))
+    order = np.argsort(-appearances_of(strips, scan, model, where))
     return strips[order[:MOST_CANDIDATES]]

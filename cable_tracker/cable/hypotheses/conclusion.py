@@ -263,7 +263,7 @@ def _background_and_appearances(
     """Return what groups of particles are held against, and how much they look like cables."""
     centres = group_centres(states, log_weights, groups)
     background = background_of(centres, inputs, config)
-    return background, appearances_of(centres, inputs.scan, inputs.model)
+    return background, appearances_of(centres, inputs.scan, inputs.model, inputs.where)
 
 
 @compiled_part

@@ -48,6 +48,7 @@ from cable_tracker.cable.hypotheses.rounds import refined_counts
 from cable_tracker.cable.hypotheses.sample import empty_sample
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts, sample_counts
 from cable_tracker.cable.measure.border_points import frame_scan
+from cable_tracker.cable.measure.cable_map import NO_MAP, CableMap
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.polarity_prior import polarity_prior
 from cable_tracker.cable.measure.working_image import WorkingImage
@@ -152,8 +153,10 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             len(detections),
             self._refined,
         )
-        inputs = self._inputs(belief, prediction, counts, image, detections)
         is_known = belief.is_known(self._parameters.known_after)
+        looks_at_map = self._parameters.looks == "network" and not is_known
+        where = image.cable_map if looks_at_map else NO_MAP
+        inputs = self._inputs(belief, prediction, counts, image, detections, where)
         config = self._known_config if is_known else self._config
         found = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
         if not len(found.hypotheses.clusters.masses):
@@ -169,6 +172,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         counts: SampleCounts,
         image: WorkingImage,
         detections: FloatArray,
+        where: CableMap,
     ) -> ProposalInputs:
         """Return the inputs of the proposals of a frame, with its random numbers."""
         noise = draw_frame_noise(
@@ -182,6 +186,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             noise=noise,
             scan=frame_scan(image),
             model=self._observation.model_for(image),
+            where=where,
             polarity=polarity_prior(belief.p_bright),
             reference_angle=belief.reference_angle,
             ancestors=self._draw_surviving(len(prediction.density.rates), counts.survivors),

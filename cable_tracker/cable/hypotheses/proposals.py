@@ -46,6 +46,7 @@ from cable_tracker.cable.hypotheses.sample import (
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
 from cable_tracker.cable.hypotheses.shadows import fill_shadow_losses, find_shadows
 from cable_tracker.cable.measure.border_points import FrameScan
+from cable_tracker.cable.measure.cable_map import CableMap
 from cable_tracker.cable.measure.likelihood_ratio import RatioModel, fill_log_ratios
 from cable_tracker.cable.measure.polarity_prior import PolarityPrior
 from cable_tracker.cable.model.geometry import unwrap_pose, unwrap_state
@@ -65,6 +66,8 @@ class ProposalInputs(NamedTuple):
         Random numbers of the frame.
     scan, model : FrameScan, RatioModel
         The scanned frame, and the tables of its log-likelihood ratios.
+    where : CableMap
+        The map of the frame; `NO_MAP` beside a known cable, or if none is wanted.
     polarity : PolarityPrior
         Probability that a cable is brighter than the bottom.
     reference_angle : float
@@ -81,6 +84,7 @@ class ProposalInputs(NamedTuple):
     noise: FrameNoise
     scan: FrameScan
     model: RatioModel
+    where: CableMap
     polarity: PolarityPrior
     reference_angle: float
     ancestors: IndexArray
@@ -115,7 +119,12 @@ def draw_sample(
         states, stop = sample.states[:filled], filled + count
         if config.evidence_limits.appearance_share > 0.0:
             candidates = likeliest_strips(
-                states, sample.log_likelihoods[:filled], inputs.scan, inputs.model, config
+                states,
+                sample.log_likelihoods[:filled],
+                inputs.scan,
+                inputs.model,
+                inputs.where,
+                config,
             )
         share = int(CANDIDATE_SHARE * count) if len(candidates) else 0
         widening, narrowing = config.widenings[number], CANDIDATE_NARROWING ** (number + 1)

@@ -43,6 +43,9 @@ class ScoreModel(NamedTuple):
     clearness, clearness_slope : float
         Above `clearness` [nats per point in view] `clearness_slope` (c - `clearness`), times
         `shown_share`, is added to the log-likelihood ratio, c the clearness of the borders.
+    clearness_range : float
+        With a clearness so far above `clearness`, times `shown_share`, looks say nothing against a
+        cable: no bottom has such borders.
     least_shown, enough_shown : float
         Length in view, as a share of the picture's height, up to which the clearness does not
         count, and from which it counts fully; linear between. Short edges of the bottom are clear,
@@ -67,6 +70,7 @@ class ScoreModel(NamedTuple):
     clear_slope: float = 0.35
     clearness: float = 1.1
     clearness_slope: float = 16.0
+    clearness_range: float = 0.3
     least_shown: float = 0.3
     enough_shown: float = 0.5
     appearance_slope: float = 1.2
@@ -129,7 +133,10 @@ def frame_log_likelihood_ratio(scores: FrameScores, model: ScoreModel) -> float:
     clearer = max(scores.clearness - model.clearness, 0.0)
     ratio += model.clearness_slope * shown_share(scores.shown) * clearer
     ratio = min(max(ratio, least_log_ratio(model)), model.largest_log_ratio)
-    ratio += model.appearance_slope * (scores.appearance + model.appearance_given)
+    looks = scores.appearance + model.appearance_given
+    if looks < 0.0:
+        looks *= 1.0 - shown_share(scores.shown) * min(clearer / model.clearness_range, 1.0)
+    ratio += model.appearance_slope * looks
     return min(max(ratio, least_log_ratio(model)), model.largest_log_ratio)
 
 

@@ -9,8 +9,10 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.cable.measure.cable_map import CableMap
 from cable_tracker.cable.measure.dead_margins import without_dead_margins
 from cable_tracker.cable.measure.illumination import evenly_lit
+from cable_tracker.cable.measure.map_network import make_cable_map
 from cable_tracker.cable.measure.scan_filters import scan_kernels
 from cable_tracker.cable.measure.scanned_gradients import ScannedFrame, scan_frame
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH, TrackerParameters
@@ -101,6 +103,11 @@ class WorkingImage:
     def line_spacing(self) -> int:
         """Distance between scan lines in the picture [px]."""
         return max(1, round(self.sample_spacing * self.scale))
+
+    @cached_property
+    def cable_map(self) -> CableMap:
+        """Where a cable may be, worked out when it is first asked for."""
+        return make_cable_map(self._reduced(self.frame), self.frame_size[0])
 
     @cached_property
     def scanned(self) -> ScannedFrame:

@@ -50,6 +50,7 @@ PRESETS: Mapping[str, TrackerParameters] = MappingProxyType(
             sample_spacing=20.0,
             light_correction=0.0,
             detector="none",
+            looks="borders",
             evidence_to_track=1.6,
             evidence_to_lose=1.0,
             confirmation_time=0.12,

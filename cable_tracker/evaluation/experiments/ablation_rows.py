@@ -39,6 +39,7 @@ EVIDENCE_IN_FULL: Mapping[str, ParameterValue] = MappingProxyType(
 )
 ANY_WIDTH: Mapping[str, ParameterValue] = MappingProxyType({"width_spread": 100.0})
 NO_DETECTOR: Mapping[str, ParameterValue] = MappingProxyType({"detector": "none"})
+NO_NETWORK: Mapping[str, ParameterValue] = MappingProxyType({"looks": "borders"})
 NO_REFINEMENT: Mapping[str, ParameterValue] = MappingProxyType({"refinement_rounds": 0})
 
 
@@ -112,6 +113,7 @@ TAKEN_AWAY = AblationTable(
     (
         AblationRow(DEFAULT, "the preset", DEFAULT, MappingProxyType({}), ""),
         _without("no_detector", "no detector proposes cables", NO_DETECTOR),
+        _without("no_network", "no network says where a cable may be", NO_NETWORK),
         _without("no_refinement", "no particles drawn anew in the same frame", NO_REFINEMENT),
         _without("gaussian", "Gaussian diffusion", {"diffusion_degrees_of_freedom": 0.0}),
         _without(
@@ -175,7 +177,9 @@ _STEPS = (
         "multi_hypothesis",
         "the filter of several hypotheses with births everywhere, but none of what follows",
         ("filter", "width_maximum", "skew_limit", *RANDOM_START),
-        MappingProxyType({**NO_DETECTOR, **NO_REFINEMENT, **ANY_WIDTH, **EVIDENCE_IN_FULL}),
+        MappingProxyType(
+            {**NO_DETECTOR, **NO_NETWORK, **NO_REFINEMENT, **ANY_WIDTH, **EVIDENCE_IN_FULL}
+        ),
     ),
     _Step("refinement", "particles drawn anew in the same frame", tuple(NO_REFINEMENT)),
     _Step(
@@ -183,6 +187,7 @@ _STEPS = (
         "usual width, and evidence that does not count in full every frame",
         (*ANY_WIDTH, *EVIDENCE_IN_FULL),
     ),
+    _Step("detector", "a detector proposes cables", tuple(NO_DETECTOR)),
 )
 
 
@@ -192,8 +197,9 @@ def _built_up(steps: Sequence[_Step]) -> tuple[AblationRow, ...]:
         before = rows[-1]
         changes = {**before.changes, **_values(DEFAULT, step.taken), **step.switched_off}
         rows.append(AblationRow(step.name, step.description, THESIS, changes, before.name))
-    detector = {**rows[-1].changes, **_values(DEFAULT, tuple(NO_DETECTOR))}
-    rows.append(AblationRow(DEFAULT, "a detector proposes cables", THESIS, detector, rows[-1].name))
+    last = {**rows[-1].changes, **_values(DEFAULT, tuple(NO_NETWORK))}
+    description = "a network says where a cable may be"
+    rows.append(AblationRow(DEFAULT, description, THESIS, last, rows[-1].name))
     return tuple(rows)
 
 

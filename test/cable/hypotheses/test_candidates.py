@@ -5,6 +5,7 @@ import numpy as np
 from cable_tracker.cable.hypotheses.candidates import MOST_CANDIDATES, likeliest_strips
 from cable_tracker.cable.hypotheses.proposal_config import proposal_config
 from cable_tracker.cable.measure.border_points import frame_scan
+from cable_tracker.cable.measure.cable_map import NO_MAP
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.parameters.parameters import TrackerParameters
@@ -18,7 +19,7 @@ def candidates(picture, poses, log_likelihoods) -> np.ndarray:
     image = make_working_image(picture.astype(np.float32), 320)
     states = np.hstack((np.array(poses), np.zeros((len(poses), 4))))
     found = likeliest_strips(
-        states, np.array(log_likelihoods), frame_scan(image), MODEL.model_for(image), CONFIG
+        states, np.array(log_likelihoods), frame_scan(image), MODEL.model_for(image), NO_MAP, CONFIG
     )
     return found[:, :4]
 

@@ -80,3 +80,11 @@ def test_a_known_cable_need_not_be_the_best_of_the_frame():
 def test_a_known_cable_that_is_gone_is_given_up_sooner_than_one_among_many():
     bottom = FrameScores(margin=-2.0, score=1.0, clearness=-0.1, shown=1.0, appearance=-3.0)
     assert ratio_of(bottom, KNOWN_MODEL) < ratio_of(bottom) < 0.0
+
+
+def test_looks_say_nothing_against_borders_that_no_bottom_has():
+    odd = FAINT._replace(appearance=-6.0)
+    clearest = odd._replace(clearness=MODEL.clearness + MODEL.clearness_range)
+    assert ratio_of(odd._replace(clearness=MODEL.clearness)) < 0.0
+    assert ratio_of(clearest) == ratio_of(clearest._replace(appearance=0.0)) > 3.0
+    assert ratio_of(clearest._replace(shown=0.0)) < 0.0

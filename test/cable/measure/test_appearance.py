@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -21,6 +22,7 @@ from cable_tracker.cable.measure.appearance import (
     appearances_of,
 )
 from cable_tracker.cable.measure.border_points import frame_scan
+from cable_tracker.cable.measure.cable_map import NO_MAP, CableMap, strip_shares
 from cable_tracker.cable.measure.gradient_shape import directional_gain
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import make_working_image
@@ -32,11 +34,10 @@ MODEL = BorderLikelihoodRatio(TrackerParameters(texture_limit=0.0))
 STRIP = CableState(20.0, 0.3, 60.0, 0.05)
 
 
-def appearance(picture, state=STRIP) -> float:
+def appearance(picture, state=STRIP, where=NO_MAP) -> float:
     image = make_working_image(picture.astype(np.float32), SIZE[0])
-    return float(
-        appearances_of(state.to_array()[None], frame_scan(image), MODEL.model_for(image))[0]
-    )
+    strips, scan, model = state.to_array()[None], frame_scan(image), MODEL.model_for(image)
+    return float(appearances_of(strips, scan, model, where)[0])
 
 
 @pytest.fixture
@@ -138,3 +139,28 @@ def test_larger_pictures_look_the_same(factor, bottom, inside):
 def test_a_picture_without_anything_is_finite():
     assert math.isfinite(appearance(np.full((240, 320), 90.0)))
     assert math.isfinite(appearance(np.full((3, 5), 90.0), CableState(0.0, 0.0, 2.0)))
+
+
+def map_of(state, probability) -> CableMap:
+    """A map that shows a strip, and nothing else."""
+    empty = CableMap(np.zeros((60, 80), np.float32), 0.0, -158.0, 118.0, 4.0)
+    shown = np.float32(probability) * strip_shares(state.to_array(), empty)
+    return empty._replace(probabilities=shown, mass=float(shown.sum()))
+
+
+def test_what_the_map_shows_looks_like_a_cable_and_what_it_does_not_like_none(rng):
+    picture = rng.normal(100.0, 10.0, (240, 320))
+    elsewhere = CableState(-90.0, -0.3, 40.0)
+    shown = appearance(picture, where=map_of(STRIP, 0.9))
+    assert shown > appearance(picture) + 2.0
+    assert appearance(picture, where=map_of(elsewhere, 0.9)) < appearance(picture) - 2.0
+    assert appearance(picture, where=map_of(STRIP, 0.3)) < shown
+
+
+def test_half_of_what_the_map_shows_looks_less_like_a_cable(rng):
+    picture, half = rng.normal(100.0, 10.0, (240, 320)), replace(STRIP, width=30.0)
+    where = map_of(STRIP, 0.9)
+    gained = [
+        appearance(picture, state, where) - appearance(picture, state) for state in (STRIP, half)
+    ]
+    assert gained[1] < gained[0]

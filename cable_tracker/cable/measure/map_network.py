@@ -1,0 +1,136 @@
+"""The network that works out the map of a picture.
+
+The likelihood ratio adds up how strong the borders of a strip are, and the bottom has stronger
+edges than a faint or overgrown cable. What a person goes by is the whole of it: a skin unlike the
+ground, two borders that belong together, nothing of the kind beside. A small network of
+convolutions, trained on the simulated worlds to tune on (`tune_*`), says of each cell of 4x4 px how
+likely it is part of a cable. It looks at one frame and has no memory; it is consulted while no
+cable is known, and says which strips look like one (`appearance`). The filter decides.
+
+`docs/train_cable_map.py` trains it; OpenCV runs it.
+
+References
+----------
+O. Ronneberger, P. Fischer and T. Brox (2015), "U-Net: convolutional networks for biomedical image
+segmentation": the shape of the network.
+"""
+
+from __future__ import annotations
+
+import threading
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+import cv2
+import numpy as np
+
+from cable_tracker.arrays import Image
+from cable_tracker.cable.measure.cable_map import CableMap
+from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
+
+NETWORK = "cable_map.onnx"
+"""The network, as a file beside this module."""
+
+CELL = 4
+"""Side of a cell [px at the reference width]."""
+
+STRIDE = 32
+"""Sides of the picture that the network takes are multiples of it [px]."""
+
+LIGHT_CELL = 16
+"""Grey levels are taken relative to their means over squares of this side, interpolated [px at the
+reference width]: uneven light goes."""
+
+FLATTEST = 1.0
+"""Added to the standard deviation of the picture [grey levels]: noise of a flat one stays noise."""
+
+LARGEST = 4.0
+"""Largest level handed over, of either sign [standard deviations of the picture]."""
+
+
+def make_cable_map(picture: Image, frame_width: int) -> CableMap:
+    """Return the map of a picture.
+
+    Parameters
+    ----------
+    picture : Image
+        Grey levels, uint8 or float32, shape (h, w).
+    frame_width : int
+        Width of the frame that the picture shows [px].
+    """
+    levels = _at_reference_width(picture)
+    height, width = levels.shape
+    relative = normalised(levels)
+    whole, (margin_left, margin_top) = padded(relative)
+    log_odds = _log_odds(whole)
+    columns, rows = cells_within(margin_left, width), cells_within(margin_top, height)
+    inside = np.ascontiguousarray(log_odds[rows.start : rows.stop, columns.start : columns.stop])
+    probabilities = (1.0 / (1.0 + np.exp(-inside))).astype(np.float32)
+    if not relative.any():
+        # The network never saw a picture of one grey level.
+        probabilities[:] = 0.0
+    scale = frame_width / REFERENCE_WIDTH
+    return CableMap(
+        probabilities,
+        float(probabilities.sum(dtype=np.float64)),
+        (CELL * (columns.start + 0.5) - margin_left - 0.5 * width) * scale,
+        (0.5 * height - CELL * (rows.start + 0.5) + margin_top) * scale,
+        CELL * scale,
+    )
+
+
+def normalised(levels: Image) -> Image:
+    """Return float32 grey levels (h, w) relative to the light, in standard deviations."""
+    height, width = levels.shape
+    coarse = (max(width // LIGHT_CELL, 1), max(height // LIGHT_CELL, 1))
+    light = cv2.resize(levels, coarse, interpolation=cv2.INTER_AREA)
+    relative = levels - cv2.resize(light, (width, height), interpolation=cv2.INTER_LINEAR)
+    deviation = np.sqrt(np.mean(np.square(relative, dtype=np.float64))) + FLATTEST
+    return np.asarray(np.clip(relative / np.float32(deviation), -LARGEST, LARGEST))
+
+
+def _at_reference_width(picture: Image) -> Image:
+    height, width = picture.shape
+    size = (int(REFERENCE_WIDTH), max(round(height * REFERENCE_WIDTH / width), 1))
+    if size != (width, height):
+        picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+    return np.asarray(picture, np.float32)
+
+
+def padded(levels: Image) -> tuple[Image, tuple[int, int]]:
+    """Return levels with their outermost ones repeated, and how many were added left and above."""
+    height, width = levels.shape
+    right, below = -width % STRIDE, -height % STRIDE
+    left, above = right // 2, below // 2
+    margins = (above, below - above, left, right - left)
+    return cv2.copyMakeBorder(levels, *margins, cv2.BORDER_REPLICATE), (left, above)
+
+
+def cells_within(margin: int, length: int) -> range:
+    """Return the cells of a side whose centres lie behind a margin, within a length [px]."""
+    first = -((CELL // 2 - margin) // CELL)
+    return range(first, (margin + length - CELL // 2 - 1) // CELL + 1)
+
+
+def _log_odds(levels: Image) -> Image:
+    """Return the log-odds of the cells of padded levels."""
+    network = _network()
+    network.setInput(levels[None, None])
+    return np.asarray(network.forward()[0, 0])
+
+
+_OF_THREAD = threading.local()
+
+
+def _network() -> Any:  # noqa: ANN401
+    """Return the network of this thread: one of OpenCV's must not be used by two at once."""
+    if not hasattr(_OF_THREAD, "network"):
+        _OF_THREAD.network = cv2.dnn.readNetFromONNX(_description())
+    return _OF_THREAD.network
+
+
+@cache
+def _description() -> np.ndarray[Any, np.dtype[np.uint8]]:
+    path = files("cable_tracker.cable.measure").joinpath(NETWORK)
+    return np.frombuffer(path.read_bytes(), np.uint8)
