@@ -1,10 +1,11 @@
 """Train the network that says where in a picture a cable may be (`cable/measure/map_network.py`).
 
-    python docs/train_cable_map.py cable_map.onnx [--frames FOLDER] [--steps 5000] [--seed 0]
+    python docs/train_cable_map.py cable_map.onnx [--frames FOLDER] [--steps 4000] [--seed 0]
 
 Frames of the simulated worlds to tune on are rendered into FOLDER once, and used again. The worlds
 to report on, and the scenarios S1 to S6, are never seen. Needs PyTorch and onnx (the extra `train`)
-and real ground, as the worlds do. Some 3 minutes of two processors to render, 15 to train.
+and real ground, as the worlds do. Some 3 minutes of two processors to render, half an hour of
+one to train.
 """
 
 from __future__ import annotations
@@ -269,7 +270,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("output", type=Path)
     parser.add_argument("--frames", type=Path, default=Path("frames_to_train_on"))
-    parser.add_argument("--steps", type=int, default=5000)
+    parser.add_argument("--steps", type=int, default=4000)
     parser.add_argument("--seed", type=int, default=0)
     chosen = parser.parse_args()
     export(train(labelled_frames(chosen.frames), chosen.steps, chosen.seed), chosen.output)
