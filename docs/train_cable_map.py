@@ -25,7 +25,7 @@ from torch.nn import functional
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.measure.cable_map import CableMap, strip_shares
 from cable_tracker.cable.measure.dead_margins import without_dead_margins
-from cable_tracker.cable.measure.map_network import CELL, normalised, padded
+from cable_tracker.cable.measure.map_network import CELL, STRIDE, normalised, padded
 from cable_tracker.evaluation.evaluation_sequences import simulated_sequences
 from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE
 
@@ -251,11 +251,10 @@ def train(frames: LabelledFrames, steps: int, seed: int) -> MapNetwork:
 
 def export(network: MapNetwork, path: Path) -> None:
     """Write the network as OpenCV reads it, for pictures of any size."""
-    width, height = WORLD_SIZE
     sides = {2: "height", 3: "width"}
     torch.onnx.export(
         network,
-        (torch.zeros(1, 1, -(-height // 32) * 32, width),),
+        (torch.zeros(1, 1, STRIDE, STRIDE),),
         str(path),
         input_names=["picture"],
         output_names=["log_odds"],

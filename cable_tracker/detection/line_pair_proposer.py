@@ -59,7 +59,6 @@ MOST_FAINT = 4
 """Number of cables between faint lines that are proposed, from brightness, from texture and from
 the map each."""
 
-
 SHOWN = 0.2
 """Probability that some cell of a map has at least: below it there are no lines to look for."""
 

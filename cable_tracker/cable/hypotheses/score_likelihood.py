@@ -131,11 +131,12 @@ def frame_log_likelihood_ratio(scores: FrameScores, model: ScoreModel) -> float:
         ratio = min(ratio, model.ordinary_slope * (margin - model.ordinary_margin))
     # A short strip, in a corner, never stands as high as one through the whole picture.
     clearer = max(scores.clearness - model.clearness, 0.0)
-    ratio += model.clearness_slope * shown_share(scores.shown) * clearer
+    shown = shown_share(scores.shown)
+    ratio += model.clearness_slope * shown * clearer
     ratio = min(max(ratio, least_log_ratio(model)), model.largest_log_ratio)
     looks = scores.appearance + model.appearance_given
     if looks < 0.0:
-        looks *= 1.0 - shown_share(scores.shown) * min(clearer / model.clearness_range, 1.0)
+        looks *= 1.0 - shown * min(clearer / model.clearness_range, 1.0)
     ratio += model.appearance_slope * looks
     return min(max(ratio, least_log_ratio(model)), model.largest_log_ratio)
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.cable.model.geometry import border_offset
 from cable_tracker.cable.model.state import ANGLE, DISTANCE, SKEW, WIDTH
 from cable_tracker.compilation import compiled, compiled_fast_loop, compiled_inside
 
@@ -112,11 +113,11 @@ class _Borders(NamedTuple):
 @compiled_fast_loop
 def _borders(state: FloatArray, where: CableMap) -> _Borders:
     """Return the borders of a strip as they cross the cells of a map."""
-    angle, skew, half = state[ANGLE], state[SKEW], 0.5 * state[WIDTH]
+    angle, width, skew = state[ANGLE], state[WIDTH], state[SKEW]
     left_x, left_y = math.cos(angle - skew), math.sin(angle - skew)
     right_x, right_y = math.cos(angle + skew), math.sin(angle + skew)
-    left_offset = (state[DISTANCE] - half) * math.cos(skew)
-    right_offset = (state[DISTANCE] + half) * math.cos(skew)
+    left_offset = border_offset(state[DISTANCE], width, skew, -1.0)
+    right_offset = border_offset(state[DISTANCE], width, skew, 1.0)
     return _Borders(
         (where.left * left_x + where.top * left_y - left_offset) / where.cell,
         -left_y,

@@ -107,7 +107,7 @@ class WorkingImage:
     @cached_property
     def cable_map(self) -> CableMap:
         """Where a cable may be, worked out when it is first asked for."""
-        return make_cable_map(self._reduced(self.frame), self.frame_size[0])
+        return make_cable_map(self.pixels, self.frame_size[0])
 
     @cached_property
     def scanned(self) -> ScannedFrame:
