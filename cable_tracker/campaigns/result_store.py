@@ -55,12 +55,23 @@ def keep_result(task: object, result: object, store: Path) -> None:
     """
     try:
         store.mkdir(parents=True, exist_ok=True)
-        with atomic_file(store / fingerprint_of(task), by_many=True) as part:
-            part.write_bytes(pickle.dumps(result))
+        with (
+            atomic_file(store / fingerprint_of(task), by_many=True) as part,
+            part.open("wb") as file,
+        ):
+            _Keeper(file).dump(result)
     except OSError as error:
         with suppress(OSError):  # Results of other tasks stay, for a campaign that goes on.
             store.rmdir()
         raise write_failure(store, error) from error
+
+
+class _Keeper(pickle.Pickler):
+    """Writes results in a form that `_Kept` reads."""
+
+    def reducer_override(self, value: object) -> Any:  # noqa: ANN401
+        # Python 3.11.2 by itself writes them by `getattr`, which is refused.
+        return (type(value), (value.value,)) if isinstance(value, Enum) else NotImplemented
 
 
 class _Kept(pickle.Unpickler):

@@ -108,7 +108,8 @@ def with_optional_hints(function: Callable[..., None]) -> Callable[..., None]:
 def _optional(hint: Any) -> Any:  # noqa: ANN401
     """Return a type hint with `Union` where it has `|`."""
     if get_origin(hint) is Annotated:
-        return Annotated[(_optional(hint.__origin__), *hint.__metadata__)]
+        # Python 3.11.2 takes an `Annotated[...]` of one form for that of the other.
+        return hint.copy_with((_optional(hint.__origin__),))
     if get_origin(hint) is UnionType:
         return Union[get_args(hint)]  # noqa: UP007
     return hint

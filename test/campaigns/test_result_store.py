@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from cable_tracker.cable.model.estimate import TrackingStatus
 from cable_tracker.campaigns.result_store import (
     STORE,
     fingerprint_of,
@@ -86,6 +87,14 @@ def test_a_kept_result_reaches_nothing_that_a_module_imports(tmp_path):
 
 def pickle_text(text):
     return pickle.BINUNICODE + len(text).to_bytes(4, "little") + text.encode()
+
+
+def test_names_are_kept_however_python_writes_them(tmp_path, monkeypatch):
+    by_name = lambda self, _protocol: (getattr, (type(self), self.name))  # noqa: E731
+    monkeypatch.setattr(TrackingStatus, "__reduce_ex__", by_name)
+    task = Counting(1, tmp_path / "notes")
+    keep_result(task, {"status": [TrackingStatus.LOST]}, tmp_path / "store")
+    assert kept_result(task, tmp_path / "store") == ({"status": [TrackingStatus.LOST]},)
 
 
 def test_a_result_is_kept_for_its_own_task_only(tmp_path):
