@@ -10,7 +10,7 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.worlds.motion import MotionKind
 from cable_tracker.simulation.worlds.split import Split
-from cable_tracker.simulation.worlds.world import Cover, Disturbance, Optics, World
+from cable_tracker.simulation.worlds.world import Coat, Cover, Disturbance, Optics, World
 from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE, WorldDive
 
 _FAINT = (0.7, 3.2)
@@ -72,6 +72,23 @@ _KINDS = (
         description="sand over one border for a long way",
         contrast=(1.5, 4.0),
         cover=Cover(drift=(0.4, 0.8), drift_lengths=(8.0, 40.0)),
+        disturbance=Disturbance(lines=0.3),
+    ),
+    replace(
+        _BASE,
+        name="round",
+        description="a lit middle and dark limbs, armour, rough and ragged cables, thin ones too",
+        widths=(5.0, 110.0),
+        angles=(-90.0, 90.0),
+        contrast=(1.5, 4.5),
+        coat=Coat(
+            roughness=(0.3, 1.5),
+            limbs=(0.0, 4.0),
+            lamp=(-0.8, 0.8),
+            armour=(0.0, 1.5),
+            raggedness=(0.0, 0.1),
+        ),
+        cover=Cover(growth=(0.0, 0.2)),
         disturbance=Disturbance(lines=0.3),
     ),
     replace(

@@ -66,6 +66,7 @@ class MotionKind(str, Enum):
 def random_motion(
     kind: MotionKind,
     widths: tuple[float, float] | None,
+    angles: tuple[float, float],
     frame_count: int,
     rng: np.random.Generator,
 ) -> FloatArray:
@@ -75,7 +76,9 @@ def random_motion(
     ----------
     widths : (float, float) or None
         Narrowest and widest mean width, drawn uniformly in its logarithm [px at 320 px]; None: as
-        pipes show in real inspections.
+        pipes show in real inspections, whatever the angles.
+    angles : (float, float)
+        Smallest and largest mean angle [deg].
     frame_count : int
         At `WORLD_RATE`.
 
@@ -85,7 +88,7 @@ def random_motion(
         d, alpha, w, beta and their rates in each frame, shape (N, 8) [px at 320 px, rad, per
         second].
     """
-    means = _random_means(widths, rng)
+    means = _random_means(widths, angles, rng)
     if kind is MotionKind.INSPECTION:
         places = _inspect(means, frame_count, rng)
     else:
@@ -101,7 +104,9 @@ def random_motion(
     return states
 
 
-def _random_means(widths: tuple[float, float] | None, rng: np.random.Generator) -> FloatArray:
+def _random_means(
+    widths: tuple[float, float] | None, angles: tuple[float, float], rng: np.random.Generator
+) -> FloatArray:
     """Return d, alpha, w, beta that the vehicle keeps to, shape (4,) [px, rad]."""
     if widths is None:
         width = float(np.clip(rng.normal(*PIPE_WIDTH), *PIPE_WIDTHS))
@@ -112,7 +117,7 @@ def _random_means(widths: tuple[float, float] | None, rng: np.random.Generator) 
     return np.array(
         (
             rng.uniform(-60.0, 60.0),
-            np.deg2rad(rng.uniform(-35.0, 35.0)),
+            np.deg2rad(rng.uniform(*angles)),
             width,
             np.deg2rad(rng.uniform(-1.0, 6.0)),
         )

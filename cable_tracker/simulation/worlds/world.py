@@ -1,4 +1,4 @@
-"""Description of a world: cover, disturbances and optics."""
+"""Description of a world: the cable's coat and cover, disturbances and optics."""
 
 from __future__ import annotations
 
@@ -34,6 +34,36 @@ class Cover:
     drift: Range = NONE
     drift_lengths: Range = (4.0, 14.0)
     silt: Range = NONE
+
+
+@dataclass(frozen=True, slots=True)
+class Coat:
+    """Surface of a cable where nothing covers it.
+
+    Attributes
+    ----------
+    roughness : Range
+        Standard deviation of its own look over that of the bottom.
+    roundness : Range
+        How much more contrast the middle has than the borders, as a share of the step.
+    limbs : Range
+        How much darker than the line that faces the lamp it gets where it bends away [standard
+        deviations of the bottom].
+    lamp : Range
+        Where that line lies [radii from the axis].
+    armour : Range
+        Contrast of wires around it (to tune on) or of collars on it (to report on) [standard
+        deviations of the bottom].
+    raggedness : Range
+        Standard deviation of its borders from straight lines [radii].
+    """
+
+    roughness: Range = (0.15, 0.6)
+    roundness: Range = (0.0, 0.4)
+    limbs: Range = NONE
+    lamp: Range = NONE
+    armour: Range = NONE
+    raggedness: Range = NONE
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,11 +145,15 @@ class World:
         One of them is drawn.
     widths : Range or None
         See `random_motion`.
+    angles : Range
+        Mean angle, if `widths` are given [deg].
     contrast : Range
         Step at the borders over the standard deviation of the bottom, drawn uniformly in its
         logarithm; half of the cables are dark.
     turning : float
         Probability that the cable is bright in places and dark in others.
+    coat : Coat
+        Of the cable.
     cover : Cover
         On the cable.
     disturbance : Disturbance
@@ -138,8 +172,10 @@ class World:
     photographed: bool = False
     motions: tuple[MotionKind, ...] = (MotionKind.INSPECTION, MotionKind.LIVELY)
     widths: Range | None = (10.0, 110.0)
+    angles: Range = (-35.0, 35.0)
     contrast: Range = (1.8, 5.0)
     turning: float = 0.0
+    coat: Coat = Coat()
     cover: Cover = Cover()
     disturbance: Disturbance = Disturbance()
     optics: Optics = Optics()

@@ -13,6 +13,7 @@ from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
 from cable_tracker.simulation.texture import smooth_step
+from cable_tracker.simulation.worlds.cable_coat import random_coat
 from cable_tracker.simulation.worlds.cable_look import (
     GROWTH_REACH,
     SAND_REACH,
@@ -67,9 +68,6 @@ WHITE = 235.0
 BOTTOM_CONTRAST = (0.07, 0.22)
 """Standard deviation of a bottom over its mean."""
 
-CABLE_TEXTURE = (0.15, 0.6)
-"""Standard deviation of the cable's own look over that of the bottom."""
-
 TRAVEL_SPEED = (10.0, 60.0)
 """Way over the bottom [px/s at 320 px]."""
 
@@ -111,7 +109,7 @@ class WorldDive:
     def _draw_route(self, rng: np.random.Generator) -> None:
         world = self.world
         kind = world.motions[int(rng.integers(len(world.motions)))]
-        self.states = random_motion(kind, world.widths, world.frame_count, rng)
+        self.states = random_motion(kind, world.widths, world.angles, world.frame_count, rng)
         lengths = [
             StateColumn.DISTANCE,
             StateColumn.WIDTH,
@@ -139,8 +137,7 @@ class WorldDive:
             self._cable = random_cable(world.contrast, world.turning, world.cover, radii, rng)
         disturbance = world.disturbance
         self._things = strew(world.split, way, disturbance.lines, disturbance.pairs, rng)
-        self._roughness = float(rng.uniform(*CABLE_TEXTURE))
-        self._roundness = float(rng.uniform(0.0, 0.4))
+        self._coat = random_coat(world.coat, world.split, rng)
         self._shadow: tuple[int, float, float] | None = None
         if rng.random() < disturbance.shadow:
             self._shadow = (
@@ -157,8 +154,10 @@ class WorldDive:
         self._light = random_light(optics, self._size, rng)
         brightest = WHITE / float(np.quantile(self._light, 0.95))
         self._grey = min(grey, 0.7 * brightest)
-        room = 0.85 * self._grey if step < 0 else brightest - self._grey
-        self._spread = min(spread, room / max(abs(step), 1.0))
+        darkest = max(self._coat.limbs - step, 1.0)
+        self._spread = min(
+            spread, 0.85 * self._grey / darkest, (brightest - self._grey) / max(step, 1.0)
+        )
         self._swing = (float(rng.uniform(0.0, 0.12)), float(rng.uniform(0.2, 2.0)))
         self._haze = float(rng.uniform(*optics.haze))
         self._blur = float(rng.uniform(*optics.blur)) * self._scale
@@ -231,7 +230,8 @@ class WorldDive:
         """Return how far from its axis the cable changes the picture [radii]."""
         if cable.drifts:
             return max(SAND_REACH, self._shadow_reach())
-        return max(GROWTH_REACH if cable.growth > 0.0 else 1.2, self._shadow_reach())
+        reach = max(self._coat.reach, self._shadow_reach())
+        return max(reach, GROWTH_REACH) if cable.growth > 0.0 else reach
 
     def _shadow_reach(self) -> float:
         return 0.0 if self._shadow is None else self._shadow[1] + 1.0
@@ -244,12 +244,9 @@ class WorldDive:
             reach = side * u
             shade = (1 - smooth_step(reach, length + 0.7, length + 1.0)) * (reach > 0)
             look = look - np.float32(depth) * shade
-        surface = self._roughness * look_up(
-            self._skin, u * unit + self._places[1][0], along * unit + self._places[1][1]
-        )
-        step = cable.contrast(along)
-        surface += step * (1 + np.float32(self._roundness) * (0.7 - np.minimum(u * u, 1.0)))
-        cover = np.clip((1 - np.abs(u)) / soft + 0.5, 0.0, 1.0)
+        skin = look_up(self._skin, u * unit + self._places[1][0], along * unit + self._places[1][1])
+        surface = self._coat.look(u, along, cable.contrast(along), skin)
+        cover = np.clip((self._coat.edge(u, along) - np.abs(u)) / soft + 0.5, 0.0, 1.0)
         look = look + cover * (surface - look)
         grown, sand = cable.grown(u, along), cable.sand(u, along, 2 * soft)
         if grown is None and not sand:
@@ -278,7 +275,7 @@ class WorldDive:
         along = view.v + np.float32(self._travel[index] / self._unit)
         columns, rows = (np.rint(each).astype(np.intp) for each in to_pixel(x, y, self._size))
         clear = 1 - self._fog(view.radius)
-        step = np.abs(self._cable.contrast(along)) * clear
+        step = np.abs(self._cable.contrast(along) - self._coat.darkening(view.u)) * clear
         seen = step >= LEAST_STEP
         lit = self._spread * self._light_at(index)[rows, columns]
         seen &= step * lit >= STEP_OVER_NOISE * self._noise

@@ -13,7 +13,7 @@ UNITS = np.array((1.0, DEGREE, 1.0, DEGREE))
 def inspections(count: int = 120) -> list[np.ndarray]:
     """Return motions of pipes as inspections see them."""
     return [
-        random_motion(MotionKind.INSPECTION, None, 250, np.random.default_rng(seed))
+        random_motion(MotionKind.INSPECTION, None, (-35.0, 35.0), 250, np.random.default_rng(seed))
         for seed in range(count)
     ]
 
@@ -37,7 +37,7 @@ def test_pipes_of_inspections_are_wide_and_skewed():
 
 @pytest.mark.parametrize("kind", MotionKind)
 def test_rates_are_the_slope_of_the_motion(kind):
-    states = random_motion(kind, (20.0, 60.0), 60, np.random.default_rng(2))
+    states = random_motion(kind, (20.0, 60.0), (-35.0, 35.0), 60, np.random.default_rng(2))
     central = (states[2:, :4] - states[:-2, :4]) * 12.5
     np.testing.assert_allclose(states[1:-1, 4:], central, atol=1e-9)
 
@@ -47,7 +47,11 @@ def test_lively_cables_move_more_than_inspected_ones():
         np.mean(
             [
                 np.abs(
-                    np.diff(random_motion(kind, (30.0, 40.0), 250, np.random.default_rng(s))[:, 0])
+                    np.diff(
+                        random_motion(
+                            kind, (30.0, 40.0), (0.0, 0.0), 250, np.random.default_rng(s)
+                        )[:, 0]
+                    )
                 )
                 for s in range(20)
             ]
