@@ -150,6 +150,7 @@ class RosbagsStorage:
         if self._shared is None:
             shared = Reader2(self._path)
             shared.open()
+            self._check_files(shared)
             self._leave_messages_packed(shared)
             self._shared, self._close_shared = shared, finalize(self, shared.close)
         yield self._shared
@@ -175,6 +176,15 @@ class RosbagsStorage:
             return
         for storage in getattr(reader.storage, "storages", [reader.storage]):
             check_overlap(getattr(storage, "chunks", ()))
+
+    @staticmethod
+    def _check_files(reader: Reader2) -> None:
+        """Refuse metadata whose list of files is none: rosbags reads it, but cannot close it."""
+        storage = reader.storage
+        if not isinstance(getattr(storage, "files", []), list):
+            vars(storage)["files"] = []
+            reader.close()
+            raise RecordingError("metadata.yaml has files that are no list")
 
     @staticmethod
     def _leave_messages_packed(reader: Reader2) -> None:
