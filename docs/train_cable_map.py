@@ -1,19 +1,19 @@
 """Train the network that says where in a picture a cable may be (`cable/measure/map_network.py`).
 
-    python docs/train_cable_map.py cable_map.onnx [--frames FOLDER] [--steps 4000] [--seed 0]
+    python docs/train_cable_map.py cable_map.onnx [--frames FOLDER] [--steps 5000] [--seed 0]
 
-Frames of the simulated worlds to tune on are rendered into FOLDER once, and used again. The worlds
-to report on, and the scenarios S1 to S6, are never seen. Needs PyTorch and onnx (the extra `train`)
-and real ground, as the worlds do. Some 3 minutes of two processors to render, half an hour of
-one to train.
+Frames of the simulated worlds to tune on, and crisp strips, are rendered into FOLDER once, and used
+again; every second one of a world shows a cable of a kind that no world has. The worlds to report
+on, and the scenarios S1 to S6, are never seen. Needs PyTorch and onnx (the extra `train`) and real
+ground, as the worlds do. Some 4 minutes of two processors to render, 40 to train.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -22,24 +22,39 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from cable_tracker.arrays import FloatArray, Image
+from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.measure.cable_map import CableMap, strip_shares
 from cable_tracker.cable.measure.dead_margins import without_dead_margins
-from cable_tracker.cable.measure.map_network import CELL, STRIDE, normalised, padded
-from cable_tracker.evaluation.evaluation_sequences import simulated_sequences
+from cable_tracker.cable.measure.map_network import (
+    CELL,
+    LIGHT_CELLS,
+    STRIDE,
+    normalised,
+    padded,
+)
+from cable_tracker.sequences.encodings import decode_grey
+from cable_tracker.simulation.dive import SimulatedFrame
+from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
+from cable_tracker.simulation.worlds.crisp import simulate_strip
+from cable_tracker.simulation.worlds.world import Coat, World
 from cable_tracker.simulation.worlds.world_dive import WORLD_SIZE
+
+STRIPS = "strips"
+"""Crisp strips on a plain ground."""
 
 DIVES = {
     "tune_clear": 600,
-    "tune_faint": 3000,
-    "tune_inspection": 800,
-    "tune_inspection_hard": 3000,
-    "tune_shadows": 1500,
+    "tune_faint": 5000,
+    "tune_inspection": 1200,
+    "tune_inspection_hard": 5000,
+    "tune_shadows": 2000,
     "tune_sand": 1000,
-    "tune_bars": 1000,
+    "tune_round": 2500,
+    "tune_bars": 1200,
     "tune_compressed": 800,
     "tune_empty": 1000,
     "tune_decoys": 2000,
+    STRIPS: 2500,
 }
 """Number of dives through each world; of each the second frame is used."""
 
@@ -48,10 +63,23 @@ FIRST_SEED = 10_000
 
 DIVES_AT_ONCE = 100
 
+ANY_COAT = Coat(
+    roughness=(0.1, 2.0),
+    roundness=(0.0, 0.4),
+    limbs=(-1.0, 4.0),
+    lamp=(-1.0, 1.0),
+    armour=(-0.5, 2.0),
+    raggedness=(-0.05, 0.12),
+)
+"""Coats of every second cable; below 0 is none."""
+
+ANY_WIDTH, ANY_ANGLE = (4.0, 160.0), (-90.0, 90.0)
+"""Widths [px] and angles [deg] of every second cable."""
+
 LEAST_VISIBLE = 0.1
 """Share of the borders below which a frame is left out: it shows nothing of its cable."""
 
-CHANNELS = (8, 16, 24, 32, 48)
+CHANNELS = (8, 16, 32, 48, 64)
 """Number of channels at a half, a quarter, ... of the picture's size."""
 
 BATCH = 32
@@ -61,8 +89,9 @@ HIGHEST_RATE, WARM_UP = 4e-3, 0.15
 OVERLAP_WEIGHT = 0.3
 """Weight of the overlap in the loss: without it, thin cables count next to nothing."""
 
-INVERTED, BLURRED, RIPPLED = 0.4, 0.3, 0.35
-"""Shares of the pictures that are inverted, blurred, and crossed by ripples."""
+INVERTED, BLURRED, RIPPLED, COVERED, SNOWED, BENT = 0.4, 0.3, 0.3, 0.5, 0.3, 0.5
+"""Shares of the pictures that are inverted, blurred, crossed by ripples, have other ground added,
+particles before them, and are bent."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,14 +106,32 @@ def render(job: tuple[str, int, int]) -> LabelledFrames:
     """Render dives of a world: name, first seed, seed after the last."""
     name, first, stop = job
     images, poses = [], []
-    (sequence,) = simulated_sequences([name], 2)
     for seed in range(first, stop):
-        *_, frame = sequence.frames(seed)
-        if frame.truth is not None and frame.visibility < LEAST_VISIBLE:
+        seen = _strip(seed) if name == STRIPS else _frame_of_world(WORLDS[name], seed)
+        truth = seen.frame.truth
+        # What is NaN is hardly visible, too.
+        if truth is not None and not seen.visibility >= LEAST_VISIBLE:
             continue
-        images.append(without_dead_margins(frame.image))
-        poses.append(np.full(4, np.nan) if frame.truth is None else frame.truth.to_array()[:4])
+        image = without_dead_margins(eight_bits(decode_grey(seen.frame.image)))
+        pose = np.full(4, np.nan) if truth is None else truth.to_array()[:4]
+        pose[[0, 2]] *= WORLD_SIZE[0] / image.shape[1]
+        images.append(cv2.resize(image, WORLD_SIZE, interpolation=cv2.INTER_AREA))
+        poses.append(pose)
     return LabelledFrames(np.stack(images), np.stack(poses))
+
+
+def _frame_of_world(world: World, seed: int) -> SimulatedFrame:
+    """Return the second frame of a dive; of every second dive one with a cable of any kind."""
+    if world.has_cable and seed % 2:
+        world = replace(world, coat=ANY_COAT, widths=ANY_WIDTH, angles=ANY_ANGLE)
+    _, seen, *_ = simulate_world(replace(world, frame_count=2), seed)
+    return seen
+
+
+def _strip(seed: int) -> SimulatedFrame:
+    """Return a crisp strip."""
+    (seen,) = simulate_strip(seed, 1)
+    return seen
 
 
 def labelled_frames(folder: Path) -> LabelledFrames:
@@ -133,7 +180,7 @@ class MapNetwork(nn.Module):
     def __init__(self) -> None:
         super().__init__()
         first, *deeper = CHANNELS
-        self.halved = nn.ModuleList([_convolution(1, first, 2, 5)])
+        self.halved = nn.ModuleList([_convolution(len(LIGHT_CELLS), first, 2, 5)])
         for before, after in zip(CHANNELS, deeper, strict=False):
             self.halved.append(
                 nn.Sequential(_convolution(before, after, 2), _convolution(after, after))
@@ -147,7 +194,7 @@ class MapNetwork(nn.Module):
         self.log_odds = nn.Conv2d(CHANNELS[1], 1, 1)
 
     def forward(self, levels: Tensor) -> Tensor:
-        """Return log-odds (B, 1, H / 4, W / 4) of levels (B, 1, H, W), sides multiples of 32."""
+        """Return log-odds (B, 1, H / 4, W / 4) of levels (B, 2, H, W), sides multiples of 32."""
         scales = []
         for step in self.halved:
             levels = step(levels)
@@ -164,6 +211,12 @@ def augmented(image: Image, cells: Image, rng: np.random.Generator) -> tuple[Ima
     levels = image.astype(np.float32)
     if rng.random() < RIPPLED:
         levels = _rippled(levels, cells, rng)
+    if rng.random() < COVERED:
+        levels = _covered(levels, cells, rng)
+    if rng.random() < SNOWED:
+        levels = _snowed(levels, rng)
+    if rng.random() < BENT:
+        levels, cells = _bent(levels, cells, rng)
     for axis in range(2):
         if rng.random() < 0.5:
             levels, cells = np.flip(levels, axis), np.flip(cells, axis)
@@ -198,6 +251,127 @@ def _rippled(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
     return levels + np.float32(30.0 * rng.random() ** 2) * wave.astype(np.float32) * share
 
 
+def _covered(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
+    """Return a picture with other ground added, of one kind or two."""
+    height, width = levels.shape
+    cable = cv2.resize(cells, (width, height), interpolation=cv2.INTER_LINEAR)
+    for kind in rng.choice(len(GROUNDS), rng.integers(1, 3), replace=False):
+        ground = _seen_aslant(GROUNDS[kind](rng), levels.shape, rng)
+        ground *= np.float32(30.0 * rng.random() ** 2 / max(float(ground.std()), 0.3))
+        levels = levels + ground * (1.0 - cable)
+    return levels
+
+
+def _snowed(levels: Image, rng: np.random.Generator) -> Image:
+    """Return a picture with particles in the water before it, bright and out of focus."""
+    height, width = levels.shape
+    snow = np.zeros_like(levels)
+    largest = rng.uniform(1.0, 4.0)
+    for _ in range(round(5.0 * 20.0 ** rng.random())):
+        middle = (int(rng.integers(width)), int(rng.integers(height)))
+        cv2.circle(snow, middle, round(largest * rng.random()), rng.random(), cv2.FILLED)
+    return levels + np.float32(100.0 * rng.random()) * cv2.GaussianBlur(
+        snow, (0, 0), rng.uniform(0.5, 1.5)
+    )
+
+
+def _seen_aslant(ground: Image, shape: tuple[int, ...], rng: np.random.Generator) -> Image:
+    """Return ground (H, W) as a camera sees it that is turned, and tilted more or less."""
+    height, width = shape
+    side, angle, far = len(ground), 2.0 * math.pi * rng.random(), rng.uniform(0.3, 1.0)
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [far, 1.0], [-far, 1.0]]) * rng.uniform(0.4, 0.7)
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    source = (0.5 + 0.5 * corners @ turn) * side
+    target = np.array([[0, height], [width, height], [width, 0], [0, 0]], np.float32)
+    view = cv2.getPerspectiveTransform(source.astype(np.float32), target)
+    return cv2.warpPerspective(ground, view, (width, height), borderMode=cv2.BORDER_REFLECT)
+
+
+GROUND_SIDE = 400
+"""Side of the ground that is made [px]."""
+
+
+def _waves(rng: np.random.Generator) -> Image:
+    """Return noise of some wavelengths, longer one way."""
+    ground = np.zeros((GROUND_SIDE, GROUND_SIDE), np.float32)
+    stretch = math.exp(0.7 * rng.normal())
+    for length in (2.0, 5.0, 12.0, 30.0):
+        coarse = (
+            max(round(GROUND_SIDE / (stretch * length)), 4),
+            max(round(GROUND_SIDE * stretch / length), 4),
+        )
+        noise = rng.standard_normal(coarse, np.float32)
+        ground += np.float32(rng.random()) * cv2.resize(noise, ground.shape)
+    return ground
+
+
+def _cobbles(rng: np.random.Generator) -> Image:
+    """Return stones side by side, each of one grey level and lit from one side, dark between."""
+    count = round(40.0 * 100.0 ** rng.random())
+    apart = np.ones((GROUND_SIDE, GROUND_SIDE), np.uint8)
+    middles = rng.integers(0, GROUND_SIDE, (count, 2))
+    apart[middles[:, 1], middles[:, 0]] = 0
+    off, stone = cv2.distanceTransformWithLabels(
+        apart, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    levels = rng.standard_normal(int(stone.max()) + 1, np.float32)
+    size = np.float32(GROUND_SIDE / math.sqrt(count))
+    lit = np.gradient(off)[int(rng.integers(2))] * off / size
+    seams = np.minimum(off / (np.float32(rng.uniform(0.3, 1.0)) * size), 1.0) ** 2
+    return np.asarray(
+        rng.random() * levels[stone] + rng.normal() * lit - 2.0 * rng.random() * seams, np.float32
+    )
+
+
+def _stones(rng: np.random.Generator) -> Image:
+    """Return single stones, weed and shells: spots, longer or shorter, of any grey level."""
+    ground = np.zeros((GROUND_SIDE, GROUND_SIDE), np.float32)
+    longest = rng.uniform(3.0, 30.0)
+    for _ in range(round(20.0 * 15.0 ** rng.random())):
+        middle = tuple(int(each) for each in rng.integers(0, GROUND_SIDE, 2))
+        length = longest * rng.random()
+        axes = (round(length), round(length * rng.uniform(0.1, 1.0)))
+        level = float(rng.normal())
+        cv2.ellipse(ground, middle, axes, 360.0 * rng.random(), 0.0, 360.0, level, cv2.FILLED)
+    return cv2.GaussianBlur(ground, (0, 0), rng.uniform(0.5, 2.0))
+
+
+def _tracks(rng: np.random.Generator) -> Image:
+    """Return crooked lines of any width, each with a side that is darker than the other."""
+    ground = np.zeros((GROUND_SIDE, GROUND_SIDE), np.float32)
+    for _ in range(rng.integers(2, 30)):
+        steps = np.cumsum(rng.normal(0.0, 0.5, 12)) + 2.0 * math.pi * rng.random()
+        path = np.cumsum(np.column_stack([np.cos(steps), np.sin(steps)]), axis=0)
+        path = GROUND_SIDE * rng.random(2) + rng.uniform(4.0, 25.0) * path
+        width, level = int(rng.integers(1, 8)), float(rng.normal())
+        for shift, sign in ((0.0, 1.0), (float(width), -rng.random())):
+            points = np.round(path + shift).astype(np.int32)[:, None]
+            cv2.polylines(ground, [points], False, sign * level, width, cv2.LINE_AA)
+    return cv2.GaussianBlur(ground, (0, 0), rng.uniform(0.5, 2.0))
+
+
+GROUNDS = (_waves, _cobbles, _stones, _tracks)
+
+
+def _bent(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
+    """Return a picture, and its map, turned, enlarged or made smaller, and bent."""
+    height, width = levels.shape
+    angle, zoom = 0.25 * rng.normal(), math.exp(rng.uniform(-0.15, 0.5))
+    cos, sin = math.cos(angle) / zoom, math.sin(angle) / zoom
+    x = np.arange(width, dtype=np.float32) - 0.5 * (width - 1)
+    y = np.arange(height, dtype=np.float32)[:, None] - 0.5 * (height - 1)
+    bends = 8.0 * rng.random() * rng.standard_normal((2, 3, 4), np.float32)
+    across, down = (
+        cv2.resize(each, (width, height), interpolation=cv2.INTER_CUBIC) for each in bends
+    )
+    across = across + np.float32(cos) * x - np.float32(sin) * y + np.float32(0.5 * (width - 1))
+    down = down + np.float32(sin) * x + np.float32(cos) * y + np.float32(0.5 * (height - 1))
+    moved = cv2.remap(levels, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+    shares = cv2.resize(cells, (width, height), interpolation=cv2.INTER_LINEAR)
+    shares = cv2.remap(shares, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+    return moved, cv2.resize(shares, cells.shape[::-1], interpolation=cv2.INTER_AREA)
+
+
 def batch(frames: LabelledFrames, rng: np.random.Generator) -> tuple[Tensor, Tensor]:
     """Return pictures as the network takes them, and their true maps, padded alike."""
     pictures, maps = [], []
@@ -205,8 +379,8 @@ def batch(frames: LabelledFrames, rng: np.random.Generator) -> tuple[Tensor, Ten
         image, cells = augmented(frames.images[index], true_map(frames.poses[index]), rng)
         picture, (left, above) = padded(normalised(image))
         pictures.append(picture)
-        maps.append(_padded_map(cells, picture.shape, (left, above)))
-    return torch.from_numpy(np.stack(pictures)[:, None]), torch.from_numpy(np.stack(maps))
+        maps.append(_padded_map(cells, picture.shape[1:], (left, above)))
+    return torch.from_numpy(np.stack(pictures)), torch.from_numpy(np.stack(maps))
 
 
 def _padded_map(cells: Image, shape: tuple[int, ...], before: tuple[int, int]) -> Image:
@@ -236,16 +410,20 @@ def train(frames: LabelledFrames, steps: int, seed: int) -> MapNetwork:
         optimiser, HIGHEST_RATE, total_steps=steps, pct_start=WARM_UP
     )
     mean = math.nan
-    for step in range(steps):
-        pictures, shares = batch(frames, rng)
-        loss = loss_of(network(pictures.to(memory_format=torch.channels_last))[:, 0], shares)
-        optimiser.zero_grad()
-        loss.backward()
-        optimiser.step()
-        rates.step()
-        mean = loss.item() if step == 0 else 0.98 * mean + 0.02 * loss.item()
-        if step % 100 == 0:
-            print(f"step {step}: loss {mean:.4f}", flush=True)
+    with ThreadPoolExecutor(1) as aside:
+        following = aside.submit(batch, frames, rng)
+        for step in range(steps):
+            pictures, shares = following.result()
+            if step + 1 < steps:
+                following = aside.submit(batch, frames, rng)
+            loss = loss_of(network(pictures.to(memory_format=torch.channels_last))[:, 0], shares)
+            optimiser.zero_grad()
+            loss.backward()
+            optimiser.step()
+            rates.step()
+            mean = loss.item() if step == 0 else 0.98 * mean + 0.02 * loss.item()
+            if step % 100 == 0:
+                print(f"step {step}: loss {mean:.4f}", flush=True)
     return network.eval()
 
 
@@ -254,7 +432,7 @@ def export(network: MapNetwork, path: Path) -> None:
     sides = {2: "height", 3: "width"}
     torch.onnx.export(
         network,
-        (torch.zeros(1, 1, STRIDE, STRIDE),),
+        (torch.zeros(1, len(LIGHT_CELLS), STRIDE, STRIDE),),
         str(path),
         input_names=["picture"],
         output_names=["log_odds"],
@@ -269,7 +447,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("output", type=Path)
     parser.add_argument("--frames", type=Path, default=Path("frames_to_train_on"))
-    parser.add_argument("--steps", type=int, default=4000)
+    parser.add_argument("--steps", type=int, default=5000)
     parser.add_argument("--seed", type=int, default=0)
     chosen = parser.parse_args()
     export(train(labelled_frames(chosen.frames), chosen.steps, chosen.seed), chosen.output)

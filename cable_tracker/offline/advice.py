@@ -75,7 +75,7 @@ def _evidence_for_a_claim(parameters: TrackerParameters, width: float | None) ->
     `width` is that of the cable [px at the reference width]; None: not known.
     """
     tracked, found = parameters.evidence_to_track, parameters.evidence_to_find
-    if width is not None:
+    if width is not None and parameters.looks == "borders":
         found = needed_clearness(width, parameters, REFERENCE_WIDTH)
     if parameters.filter == "multi_hypothesis" and found > tracked:
         return "evidence_to_find", found

@@ -4,6 +4,7 @@ from cable_tracker.offline.advice import advice
 from cable_tracker.sequences.estimates import EstimateRow
 
 PARAMETERS = TrackerParameters()
+BY_BORDERS = PARAMETERS.replaced({"looks": "borders"})
 
 
 def rows(presence=0.3, evidence=-2.0, status="INITIALISING") -> list[EstimateRow]:
@@ -34,14 +35,18 @@ def test_what_was_too_low_is_said_with_what_is_asked_for():
 
 
 def test_a_thin_cable_is_asked_for_more_evidence():
-    assert "evidence_to_find asks for 1.35" in words(rows(), [(32.0, 1280)] * 3, PARAMETERS)
-    assert "evidence_to_find asks for 0.3" in words(rows(), [(100.0, 320)] * 3, PARAMETERS)
+    assert "evidence_to_find asks for 1.35" in words(rows(), [(32.0, 1280)] * 3, BY_BORDERS)
+    assert "evidence_to_find asks for 0.3" in words(rows(), [(100.0, 320)] * 3, BY_BORDERS)
+
+
+def test_a_thin_cable_is_asked_for_no_more_where_the_network_looks():
+    assert "evidence_to_find asks for 0.45" in words(rows(), [(32.0, 1280)] * 3, PARAMETERS)
 
 
 def test_for_a_thin_cable_thin_width_is_named():
-    thin = words(rows(), [(18.0, 1280)] * 3, PARAMETERS)
+    thin = words(rows(), [(18.0, 1280)] * 3, BY_BORDERS)
     assert "3 times 0.45, for 4.5 px at 320 px is thin: lower thin_width" in thin
-    assert "thin_width" not in words(rows(), [(60.0, 320)] * 3, PARAMETERS)
+    assert "thin_width" not in words(rows(), [(60.0, 320)] * 3, BY_BORDERS)
 
 
 def test_high_values_that_did_not_last_are_told_apart():

@@ -84,7 +84,7 @@ def initial_belief(states: FloatArray, presence: float) -> Belief:
     labels = np.zeros(particles.count, np.int64)
     clusters = Clusters(labels, np.ones(1), mean[None, :], np.zeros(1, np.int64), 0.0)
     hypotheses = Hypotheses(
-        clusters, covariance, float(len(states)), 0.0, 0.0, np.zeros(2), 0.0, 0.0
+        clusters, covariance, float(len(states)), 0.0, 0.0, np.zeros(2), 0.0, 0.0, False
     )
     return Belief(particles, hypotheses, presence, log_odds=np.full(1, log_odds_of(presence)))
 

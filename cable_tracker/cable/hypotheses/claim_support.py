@@ -10,7 +10,11 @@ from cable_tracker.cable.hypotheses.border_displacement import displaced_covaria
 from cable_tracker.cable.hypotheses.clusters import Clusters
 from cable_tracker.cable.hypotheses.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
-from cable_tracker.cable.hypotheses.thin_strips import needed_clearness, trusted_share
+from cable_tracker.cable.hypotheses.thin_strips import (
+    needed_clearness,
+    trusted_appearance,
+    trusted_share,
+)
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.measure.border_points import MINIMUM_POINTS
 from cable_tracker.cable.model.estimate import Hypothesis
@@ -23,10 +27,15 @@ FAMILIAR = 2.0
 """Largest difference from the remembered cable, in scales of its place and spreads of its width."""
 
 APPEARANCE_SHARE = 0.5
-"""Clearness that one nat of appearance is worth [nats per point]."""
+"""Clearness that one nat of appearance by the borders is worth [nats per point]."""
 
 LEAST_APPEARANCE, MOST_APPEARANCE = -0.6, 3.0
-"""Limits of what counts above `ORDINARY_APPEARANCE` [nats]; chosen on the worlds to tune on."""
+"""Limits of what counts of it above `ORDINARY_APPEARANCE` [nats]; chosen on the worlds to tune
+on."""
+
+MAPPED_SHARE, MOST_MAPPED = 0.6, 5.0
+"""The same with a map: clearness that one nat is worth, and the upper limit. In a logistic model of
+right and wrong leaders, on the worlds to tune on, the share is 0.6, and the width has no weight."""
 
 SMALLEST_HYPOTHESIS = 0.01
 """Minimum mass of a cluster that is reported; the leading one always is."""
@@ -73,14 +82,34 @@ def is_new_clear(
     What is much narrower or wider than the cable that was tracked has to be clearer.
     """
     width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
+    unusual = 1.0
+    if width_prior is not None:
+        unusual += width_prior.deviation(width, parameters) ** 2
     needed = needed_clearness(width, parameters, image_width)
-    if width_prior is not None and needed > 0.0:
-        needed *= 1.0 + width_prior.deviation(width, parameters) ** 2
+    if clearness_by_borders(hypotheses, parameters, image_width) >= max(needed, needed * unusual):
+        return True
+    # The map tells thin cables from thin lines: they need be no clearer than wide ones.
+    needed = parameters.evidence_to_find
+    return hypotheses.is_mapped and clearness_by_map(hypotheses) >= max(needed, needed * unusual)
+
+
+def clearness_by_borders(
+    hypotheses: Hypotheses, parameters: TrackerParameters, image_width: int
+) -> float:
+    """Return the leader's clearness and what its looks are worth, if borders are looked at."""
+    width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
     thin_width = parameters.thin_width * image_width / REFERENCE_WIDTH
     # What is thin has no looks that speak for it, see `trusted_appearance`.
     ordinary = ORDINARY_APPEARANCE * trusted_share(width, thin_width)
-    above = min(max(hypotheses.appearance - ordinary, LEAST_APPEARANCE), MOST_APPEARANCE)
-    return hypotheses.scaled_clearness + APPEARANCE_SHARE * above >= needed
+    above = trusted_appearance(hypotheses.appearance, width, thin_width) - ordinary
+    worth = APPEARANCE_SHARE * min(max(above, LEAST_APPEARANCE), MOST_APPEARANCE)
+    return hypotheses.scaled_clearness + worth
+
+
+def clearness_by_map(hypotheses: Hypotheses) -> float:
+    """Return the leader's clearness and what its looks are worth, if a map says how it looks."""
+    above = hypotheses.appearance - ORDINARY_APPEARANCE
+    return hypotheses.scaled_clearness + MAPPED_SHARE * min(above, MOST_MAPPED)
 
 
 def is_familiar(belief: Belief, parameters: TrackerParameters, image_width: int) -> bool:

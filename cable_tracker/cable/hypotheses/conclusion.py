@@ -87,7 +87,9 @@ class Hypotheses(NamedTuple):
         Clearness of the weaker border of the leading mean (`BorderClearness.clearness`, nats per
         visible point) times `shown_share`; 0 for borders shorter than 0.3 image heights.
     appearance : float
-        How much the leading group looks like a cable, see `trusted_appearance` [nats].
+        How much the leading group looks like a cable, see `appearances_of` [nats].
+    is_mapped : bool
+        Whether the map of the frame has a say in that.
     """
 
     clusters: Clusters
@@ -98,6 +100,7 @@ class Hypotheses(NamedTuple):
     border_means: FloatArray
     scaled_clearness: float
     appearance: float
+    is_mapped: bool
 
 
 class Conclusion(NamedTuple):
@@ -150,7 +153,9 @@ class CorrectedClusters(NamedTuple):
     background : Background
         Background of the groups that `clusters.group_of` names.
     appearances : FloatArray
-        How much the clusters look like cables, see `trusted_appearance`, shape (K,) [nats].
+        How much the clusters look like cables, shape (K,) [nats].
+    is_mapped : bool
+        Whether the map of the frame has a say in that.
     """
 
     log_weights: FloatArray
@@ -158,6 +163,7 @@ class CorrectedClusters(NamedTuple):
     clusters: Clusters
     background: Background
     appearances: FloatArray
+    is_mapped: bool
 
 
 @compiled_part
@@ -242,14 +248,9 @@ def corrected_clusters(
             states, corrected, groups, inputs, config
         )
         clusters = clusters_of(states, weights, groups)
-    trusted = np.empty(len(clusters.masses))
-    for index in range(len(trusted)):
-        trusted[index] = trusted_appearance(
-            appearances[clusters.group_of[index]],
-            clusters.means[index, WIDTH],
-            config.evidence_limits.thin_width,
-        )
-    return CorrectedClusters(corrected, weights, clusters, background, trusted)
+    is_mapped = len(inputs.where.probabilities) > 0
+    looks = appearances[clusters.group_of]
+    return CorrectedClusters(corrected, weights, clusters, background, looks, is_mapped)
 
 
 @compiled_part
@@ -269,9 +270,9 @@ def _background_and_appearances(
 @compiled_part
 def _reordered_clusters(found: CorrectedClusters, order: IndexArray) -> CorrectedClusters:
     """Return corrected clusters with the clusters in another order, shape (K,)."""
-    clusters = reordered(found.clusters, order)
+    clusters, looks = reordered(found.clusters, order), found.appearances[order]
     return CorrectedClusters(
-        found.log_weights, found.weights, clusters, found.background, found.appearances[order]
+        found.log_weights, found.weights, clusters, found.background, looks, found.is_mapped
     )
 
 
@@ -295,6 +296,7 @@ def leader_measures(
         _leading_border_means(clusters.means, inputs),
         clear.clearness[0] * shown_share(clear.shown[0]),
         found.appearances[0],
+        found.is_mapped,
     )
     return hypotheses, p_bright
 
@@ -324,7 +326,7 @@ def impossible_posterior(states: FloatArray, log_posterior: FloatArray) -> Concl
     none = np.empty(0)
     clusters = Clusters(labels, none, np.empty((0, STATE_SIZE)), labels[:0], 1.0)
     covariance = np.zeros((STATE_SIZE, STATE_SIZE))
-    hypotheses = Hypotheses(clusters, covariance, 0.0, 0.0, 0.0, np.zeros(2), 0.0, 0.0)
+    hypotheses = Hypotheses(clusters, covariance, 0.0, 0.0, 0.0, np.zeros(2), 0.0, 0.0, False)
     return Conclusion(states, log_posterior, hypotheses, none, 0.0, False)
 
 
@@ -389,17 +391,20 @@ def _log_odds(
     prior: PriorPresence,
 ) -> FloatArray:
     """Return the log-odds (K,) that clusters are cables."""
-    means = found.clusters.means
+    means, thin_width = found.clusters.means, config.evidence_limits.thin_width
     log_odds = np.empty(len(means))
     for index in range(len(means)):
+        width, looks = means[index, WIDTH], found.appearances[index]
+        if not found.is_mapped:
+            looks = trusted_appearance(looks, width, thin_width)
         # Any bottom has thin lines: what speaks for them counts less.
-        factor = thin_factor(means[index, WIDTH], config.evidence_limits.thin_width)
+        factor = thin_factor(width, thin_width)
         frame_scores = FrameScores(
             factor * margins[index],
             factor * scores[index],
             clear.clearness[index],
             clear.shown[index],
-            found.appearances[index],
+            looks,
         )
         inherited = inherited_log_odds(prior, means[index], config.same_hypothesis_radii)
         is_known = continues_known(prior, means[index], config.same_hypothesis_radii)

@@ -93,7 +93,7 @@ beams on the real ground all."""
 UNDECIDED = -12.3
 """Added to the sum of the weighted numbers, so that 0 is a strip that may be a cable or not."""
 
-MAP_UNDECIDED, MAP_OVERLAP, MAP_INSIDE, MAP_REST = 1.15, 1.05, 0.46, 0.49
+MAP_UNDECIDED, MAP_OVERLAP, MAP_INSIDE, MAP_REST = 0.3, 0.82, 1.51, 0.37
 """With a map: what is added, and the weights of both numbers of `MapMatch` and of what the above
 make [nats per nat]. Fitted as they were."""
 

@@ -38,15 +38,16 @@ CELL = 4
 STRIDE = 32
 """Sides of the picture that the network takes are multiples of it [px]."""
 
-LIGHT_CELL = 16
-"""Grey levels are taken relative to their means over squares of this side, interpolated [px at the
-reference width]: uneven light goes."""
+LIGHT_CELLS = (16, 80)
+"""Grey levels are taken relative to their means over squares of either side, interpolated [px at
+the reference width]: uneven light goes, and with the larger ones the inside of a wide cable
+stays."""
 
 FLATTEST = 1.0
-"""Added to the standard deviation of the picture [grey levels]: noise of a flat one stays noise."""
+"""Added to the mean deviation of the picture [grey levels]: noise of a flat one stays noise."""
 
-LARGEST = 4.0
-"""Largest level handed over, of either sign [standard deviations of the picture]."""
+LARGEST = 5.0
+"""Largest level handed over, of either sign [mean deviations of the picture]."""
 
 
 def make_cable_map(picture: Image, frame_width: int) -> CableMap:
@@ -81,13 +82,20 @@ def make_cable_map(picture: Image, frame_width: int) -> CableMap:
 
 
 def normalised(levels: Image) -> Image:
-    """Return float32 grey levels (h, w) relative to the light, in standard deviations."""
+    """Return float32 grey levels (2, h, w) relative to the light, as `LIGHT_CELLS` says.
+
+    They are in mean absolute deviations, which a few glaring stones do not change.
+    """
     height, width = levels.shape
-    coarse = (max(width // LIGHT_CELL, 1), max(height // LIGHT_CELL, 1))
-    light = cv2.resize(levels, coarse, interpolation=cv2.INTER_AREA)
-    relative = levels - cv2.resize(light, (width, height), interpolation=cv2.INTER_LINEAR)
-    deviation = np.sqrt(np.mean(np.square(relative, dtype=np.float64))) + FLATTEST
-    return np.asarray(np.clip(relative / np.float32(deviation), -LARGEST, LARGEST))
+    levels = levels - np.float32(levels.mean(dtype=np.float64))
+    found = np.empty((len(LIGHT_CELLS), height, width), np.float32)
+    for relative, side in zip(found, LIGHT_CELLS, strict=True):
+        coarse = (max(width // side, 1), max(height // side, 1))
+        light = cv2.resize(levels, coarse, interpolation=cv2.INTER_AREA)
+        np.subtract(levels, cv2.resize(light, (width, height)), out=relative)
+        deviation = cv2.norm(relative, cv2.NORM_L1) / relative.size + FLATTEST
+        np.clip(relative / np.float32(deviation), -LARGEST, LARGEST, out=relative)
+    return found
 
 
 def _at_reference_width(picture: Image) -> Image:
@@ -99,12 +107,16 @@ def _at_reference_width(picture: Image) -> Image:
 
 
 def padded(levels: Image) -> tuple[Image, tuple[int, int]]:
-    """Return levels with their outermost ones repeated, and how many were added left and above."""
-    height, width = levels.shape
+    """Return levels with their outermost ones repeated, and how many were added left and above.
+
+    Their shape is (..., h, w).
+    """
+    height, width = levels.shape[-2:]
     right, below = -width % STRIDE, -height % STRIDE
     left, above = right // 2, below // 2
-    margins = (above, below - above, left, right - left)
-    return cv2.copyMakeBorder(levels, *margins, cv2.BORDER_REPLICATE), (left, above)
+    beside = [(0, 0)] * (levels.ndim - 2)
+    margins = (*beside, (above, below - above), (left, right - left))
+    return np.pad(levels, margins, "edge"), (left, above)
 
 
 def cells_within(margin: int, length: int) -> range:
@@ -114,9 +126,9 @@ def cells_within(margin: int, length: int) -> range:
 
 
 def _log_odds(levels: Image) -> Image:
-    """Return the log-odds of the cells of padded levels."""
+    """Return the log-odds of the cells of padded levels (2, h, w)."""
     network = _network()
-    network.setInput(levels[None, None])
+    network.setInput(levels[None])
     return np.asarray(network.forward()[0, 0])
 
 

@@ -361,11 +361,11 @@ class TrackerParameters(ParameterSet):
         "",
         -10.0,
         100.0,
-        "Evidence, in view, above which a cable twice `thin_width` wide is claimed that nothing was"
-        " known of: at the start of a search, after `memory_time` without a claim, and elsewhere"
-        " than the one that was tracked; narrower ones need up to three times as much, wider ones"
-        " two thirds, and more than that if the one that was tracked had another width"
-        " (multi_hypothesis filter).",
+        "Evidence, in view, above which a cable is claimed that nothing was known of, if it looks"
+        " as cables do: at the start of a search, after `memory_time` without a claim, and"
+        " elsewhere than the one that was tracked; more if that one had another width. By"
+        " `borders` alone this is for a cable twice `thin_width` wide: narrower ones need up to"
+        " three times as much, wider ones two thirds (multi_hypothesis filter).",
     )
     evidence_to_lose: float = number(
         -0.05, "", -10.0, 100.0, "Evidence below which a cable is given up."

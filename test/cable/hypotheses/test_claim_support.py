@@ -12,13 +12,17 @@ from cable_tracker.cable.hypotheses.belief import initial_belief
 from cable_tracker.cable.hypotheses.claim_support import (
     APPEARANCE_SHARE,
     LEAST_APPEARANCE,
+    MAPPED_SHARE,
     MOST_APPEARANCE,
+    MOST_MAPPED,
     belief_summary,
+    clearness_by_borders,
+    clearness_by_map,
     is_new_clear,
 )
 from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.remembered_cable import remember
-from cable_tracker.cable.hypotheses.thin_strips import needed_clearness, trusted_share
+from cable_tracker.cable.hypotheses.thin_strips import needed_clearness
 from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.measure.border_points import MINIMUM_POINTS
 from cable_tracker.cable.model.state import CableState
@@ -94,8 +98,9 @@ def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, se
     needed = needed_clearness(width, PARAMETERS, 320)
 
     def is_clear(factor, prior):
-        ordinary = ORDINARY_APPEARANCE * trusted_share(width, PARAMETERS.thin_width)
-        clear = hypotheses._replace(scaled_clearness=factor * needed, appearance=ordinary)
+        clear = hypotheses._replace(
+            scaled_clearness=factor * needed, appearance=ORDINARY_APPEARANCE
+        )
         return is_new_clear(clear, prior, PARAMETERS, 320)
 
     prior = WIDTH.aged(seconds)
@@ -105,18 +110,39 @@ def test_a_first_claim_of_another_width_needs_more_the_sooner_the_more(width, se
     assert is_clear(1.001 * factor, prior.aged(10.0))
 
 
-@pytest.mark.parametrize(
-    ("more", "worth"),
-    [(1.0, 1.0), (100.0, MOST_APPEARANCE), (-100.0, LEAST_APPEARANCE)],
-)
-def test_the_looks_of_a_strip_are_worth_clearness_up_to_a_limit(more, worth):
-    hypotheses = initial_belief(LEADER[None], 0.9).hypotheses
-    needed = needed_clearness(LEADER[2], PARAMETERS, 320) - APPEARANCE_SHARE * worth
+@given(st.sampled_from([8.0, 30.0, 150.0]), st.floats(-20.0, 20.0), st.booleans())
+def test_a_strip_is_claimed_that_is_clear_by_its_borders_or_by_the_map(width, looks, is_mapped):
+    leader = CableState(10.0, 0.2, width).to_array()
+    hypotheses = initial_belief(leader[None], 0.9).hypotheses
+    hypotheses = hypotheses._replace(appearance=looks, is_mapped=is_mapped)
+    by_borders = needed_clearness(width, PARAMETERS, 320)
+    by_borders -= clearness_by_borders(hypotheses, PARAMETERS, 320)
+    by_map = PARAMETERS.evidence_to_find - clearness_by_map(hypotheses)
+    needed = min(by_borders, by_map) if is_mapped else by_borders
+    for clearness in (needed - 1e-6, needed + 1e-6):
+        looked_at = hypotheses._replace(scaled_clearness=clearness)
+        assert is_new_clear(looked_at, None, PARAMETERS, 320) == (clearness > needed)
 
-    def is_clear(clearness):
-        looked_at = hypotheses._replace(
-            scaled_clearness=clearness, appearance=ORDINARY_APPEARANCE + more
-        )
-        return is_new_clear(looked_at, None, PARAMETERS, 320)
 
-    assert is_clear(needed + 1e-6) and not is_clear(needed - 1e-6)
+@given(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0), st.floats(4.0, 200.0))
+def test_better_looks_are_never_worth_less_and_within_limits(appearance, other, width):
+    leader = CableState(10.0, 0.2, width).to_array()
+    hypotheses = initial_belief(leader[None], 0.9).hypotheses
+
+    def worth(of):
+        looked_at = hypotheses._replace(appearance=of)
+        return clearness_by_borders(looked_at, PARAMETERS, 320), clearness_by_map(looked_at)
+
+    (low, low_mapped), (high, high_mapped) = (worth(each) for each in sorted((appearance, other)))
+    assert APPEARANCE_SHARE * LEAST_APPEARANCE - 1e-9 <= low <= high
+    assert high <= APPEARANCE_SHARE * MOST_APPEARANCE + 1e-9
+    assert low_mapped <= high_mapped <= MAPPED_SHARE * MOST_MAPPED + 1e-9
+
+
+def test_a_thin_strip_that_looks_like_a_cable_needs_less_with_a_map():
+    leader = CableState(10.0, 0.2, 8.0).to_array()
+    looks = initial_belief(leader[None], 0.9).hypotheses._replace(
+        appearance=ORDINARY_APPEARANCE, scaled_clearness=PARAMETERS.evidence_to_find
+    )
+    assert is_new_clear(looks._replace(is_mapped=True), None, PARAMETERS, 320)
+    assert not is_new_clear(looks, None, PARAMETERS, 320)
