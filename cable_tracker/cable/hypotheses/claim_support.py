@@ -82,15 +82,19 @@ def is_new_clear(
     What is much narrower or wider than the cable that was tracked has to be clearer.
     """
     width = float(hypotheses.clusters.means[0, StateColumn.WIDTH])
-    unusual = 1.0
+    factor = 1.0
     if width_prior is not None:
-        unusual += width_prior.deviation(width, parameters) ** 2
-    needed = needed_clearness(width, parameters, image_width)
-    if clearness_by_borders(hypotheses, parameters, image_width) >= max(needed, needed * unusual):
+        factor += width_prior.deviation(width, parameters) ** 2
+
+    def is_enough(clearness: float, needed: float) -> bool:
+        return clearness >= max(needed, needed * factor)
+
+    by_borders = clearness_by_borders(hypotheses, parameters, image_width)
+    if is_enough(by_borders, needed_clearness(width, parameters, image_width)):
         return True
     # The map tells thin cables from thin lines: they need be no clearer than wide ones.
-    needed = parameters.evidence_to_find
-    return hypotheses.is_mapped and clearness_by_map(hypotheses) >= max(needed, needed * unusual)
+    by_map = clearness_by_map(hypotheses)
+    return hypotheses.is_mapped and is_enough(by_map, parameters.evidence_to_find)
 
 
 def clearness_by_borders(

@@ -108,7 +108,7 @@ class FrameScores(NamedTuple):
     clearness, shown : float
         Clearness of its borders and length in view, see `BorderClearness`.
     appearance : float
-        How much it looks like a cable, see `trusted_appearance` [nats].
+        How much it looks like a cable; without a map see `trusted_appearance` [nats].
     """
 
     margin: float

@@ -2,7 +2,8 @@
 
 Any bottom has thin lines, and few wide ones: what is claimed where there is no cable is thin more
 often than cables are. So evidence for thin strips counts less, and a thin hypothesis of which
-nothing was known has to be clearer than a wide one to be claimed.
+nothing was known has to be clearer than a wide one to be claimed, unless a map of the frame says
+that it looks like a cable.
 """
 
 from __future__ import annotations

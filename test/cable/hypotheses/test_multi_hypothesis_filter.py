@@ -480,3 +480,14 @@ def test_any_resampling_scheme_follows_the_cable(strip, scheme):
     belief = run(cable_filter, cable_filter.given_belief(cloud(STRIP)), [strip] * 5, FOUND)[-1]
     assert_sound(belief)
     np.testing.assert_allclose(mean_of(belief)[[0, 2]], [12.0, 24.0], atol=1.5)
+
+
+@pytest.mark.parametrize(
+    ("looks", "known_time", "is_mapped"),
+    [("network", 0.0, True), ("network", np.inf, False), ("borders", 0.0, False)],
+    ids=["no cable known", "known", "by borders"],
+)
+def test_the_map_has_a_say_while_no_cable_is_known(strip, looks, known_time, is_mapped):
+    belief = replace(initial_belief(cloud(STRIP), GIVEN_PRESENCE), known_time=known_time)
+    after = make_filter(looks=looks).step(belief, strip, FRAME, NO_DETECTIONS)
+    assert after.hypotheses.is_mapped == is_mapped

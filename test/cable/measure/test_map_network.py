@@ -89,8 +89,7 @@ def test_levels_lose_the_light_and_their_scale(picture):
     bright = normalised(3.0 * levels + 200.0)
     assert bright.shape == (len(LIGHT_CELLS), 240, 320)
     assert np.abs(bright).max() <= LARGEST
-    # What is added to the deviation is worth a tenth of a level here.
-    assert np.quantile(np.abs(bright - normalised(levels)), 0.99) < 0.3
+    assert np.quantile(np.abs(bright - normalised(levels)), 0.99) < 0.05 * LARGEST
 
 
 def test_a_few_glaring_stones_do_not_change_the_scale(picture):
