@@ -37,6 +37,40 @@ POSE_OF_BORDERS = np.array(
 """Jacobian (4, 4) of d, alpha, w, beta with respect to left offset, right offset, left angle, right
 angle."""
 
+BLUR = 1.5
+"""Sigma of what blurs borders besides the filter: water, lens, and the likelihood, which cannot
+tell places a pixel apart [px at the reference width]. Chosen on crisp strips of seeds of their
+own."""
+
+LEAST_WIDTH_SHARE = 0.6
+"""Least width before smoothing as a share of the width between the steepest places: of what is
+thinner, they say hardly anything."""
+
+WIDTH_ITERATIONS = 30
+
+
+def width_before_smoothing(width: float, parameters: TrackerParameters, image_width: int) -> float:
+    """Return the width of a cable whose smoothed borders are steepest a width apart [px].
+
+    Smoothed by a Gaussian of sigma s, a strip of width w is steepest at W / 2 to either side of its
+    middle, where artanh(w / W) / (w / W) = (W / 2 s)^2: each border pushes the other one outwards.
+
+    Parameters
+    ----------
+    width : float
+        Width W between the borders that the likelihood sees [px].
+    parameters : TrackerParameters
+        `filter_sigma`.
+    image_width : int
+        Width of the frames [px].
+    """
+    sigma = math.hypot(parameters.filter_sigma, BLUR) * image_width / REFERENCE_WIDTH
+    square = (0.5 * width / sigma) ** 2
+    share = 1.0
+    for _ in range(WIDTH_ITERATIONS):
+        share = math.tanh(square * share)
+    return width * max(share, LEAST_WIDTH_SHARE)
+
 
 def displaced_covariance(
     covariance: FloatArray,

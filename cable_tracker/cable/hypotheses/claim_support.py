@@ -6,7 +6,10 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.filter_interface import BeliefSummary
 from cable_tracker.cable.hypotheses.association import is_same_hypothesis
 from cable_tracker.cable.hypotheses.belief import Belief
-from cable_tracker.cable.hypotheses.border_displacement import displaced_covariance
+from cable_tracker.cable.hypotheses.border_displacement import (
+    displaced_covariance,
+    width_before_smoothing,
+)
 from cable_tracker.cable.hypotheses.clusters import Clusters
 from cable_tracker.cable.hypotheses.conclusion import Hypotheses
 from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
@@ -137,13 +140,16 @@ def leading_estimate(
     hypotheses: Hypotheses, parameters: TrackerParameters, image_width: int
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters."""
-    leader = hypotheses.clusters.means[0]
+    leader = hypotheses.clusters.means[0].copy()
     displaced = displaced_covariance(
         hypotheses.covariance,
         hypotheses.border_means,
         float(leader[StateColumn.WIDTH]),
         parameters,
         image_width,
+    )
+    leader[StateColumn.WIDTH] = width_before_smoothing(
+        float(leader[StateColumn.WIDTH]), parameters, image_width
     )
     return wrapped_estimate(leader, displaced)
 

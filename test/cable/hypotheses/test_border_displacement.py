@@ -2,11 +2,16 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cable_tracker.cable.hypotheses.border_displacement import (
+    BLUR,
     BORDER_TURN,
+    LEAST_WIDTH_SHARE,
     displaced_covariance,
     displacement_factors,
+    width_before_smoothing,
 )
 from cable_tracker.cable.parameters.presets import preset
 
@@ -64,3 +69,19 @@ def test_particles_count_as_wide_as_without_tempering_and_rates_as_they_are():
 def test_a_lost_border_leaves_a_covariance():
     values = np.linalg.eigvalsh(displaced(-3.0, 2.2, np.eye(8) * 1e-4))
     assert values.min() > 0.0
+
+
+@given(width=st.floats(4.0, 40.0))
+def test_the_width_is_that_of_the_strip_whose_smoothed_borders_are_steepest_there(width):
+    parameters = preset("default")
+    sigma = np.hypot(parameters.filter_sigma, BLUR)
+    x = np.linspace(0.0, width, 20001)
+    left, right = (np.exp(-0.5 * ((x + side * width / 2) / sigma) ** 2) for side in (1.0, -1.0))
+    steepest = 2.0 * x[np.argmax(right - left)]
+    assert width_before_smoothing(steepest, parameters, 320) == pytest.approx(width, rel=0.02)
+
+
+@given(width=st.floats(0.0, 500.0))
+def test_of_what_is_thinner_than_the_smoothing_most_of_the_width_is_left(width):
+    left = width_before_smoothing(width, preset("default"), 320)
+    assert LEAST_WIDTH_SHARE * width <= left <= width
