@@ -1,6 +1,6 @@
 """Train the network that says where in a picture a cable may be (`cable/measure/map_network.py`).
 
-    python docs/train_cable_map.py cable_map.onnx [--frames FOLDER] [--steps 5000] [--seed 0]
+    python docs/train_cable_map.py cable_map.onnx [--frames FOLDER] [--steps 6500] [--seed 0]
 
 Frames of the simulated worlds to tune on, and crisp strips, are rendered into FOLDER once, and used
 again; every second one of a world shows a cable of a kind that no world has. The worlds to report
@@ -23,7 +23,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from cable_tracker.arrays import FloatArray, Image, eight_bits
-from cable_tracker.cable.measure.cable_map import CableMap, strip_shares
+from cable_tracker.cable.measure.cable_map import cable_map_of, strip_shares
 from cable_tracker.cable.measure.dead_margins import without_dead_margins
 from cable_tracker.cable.measure.map_network import (
     CELL,
@@ -32,6 +32,7 @@ from cable_tracker.cable.measure.map_network import (
     normalised,
     padded,
 )
+from cable_tracker.cable.model.geometry import border_offset
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
@@ -88,6 +89,9 @@ HIGHEST_RATE, WARM_UP = 4e-3, 0.15
 
 OVERLAP_WEIGHT = 0.3
 """Weight of the overlap in the loss: without it, thin cables count next to nothing."""
+
+PAINTED = 0.4
+"""Share of the cables that are painted over with a skin that no world has."""
 
 INVERTED, BLURRED, RIPPLED, COVERED, SNOWED, BENT = 0.4, 0.3, 0.3, 0.5, 0.3, 0.5
 """Shares of the pictures that are inverted, blurred, crossed by ripples, have other ground added,
@@ -161,7 +165,7 @@ def true_map(pose: FloatArray) -> Image:
     nothing = np.zeros((height // CELL, width // CELL), np.float32)
     if np.isnan(pose).any():
         return nothing
-    where = CableMap(nothing, 0.0, -0.5 * (width - CELL), 0.5 * (height - CELL), float(CELL))
+    where = cable_map_of(nothing, -0.5 * (width - CELL), 0.5 * (height - CELL), float(CELL))
     return strip_shares(np.concatenate([pose, np.zeros(4)]), where)
 
 
@@ -206,9 +210,11 @@ class MapNetwork(nn.Module):
         return self.log_odds(found)
 
 
-def augmented(image: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
+def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple[Image, Image]:
     """Return levels float32 (H, W) and the true map, changed as other dives would be."""
-    levels = image.astype(np.float32)
+    levels, cells = image.astype(np.float32), true_map(pose)
+    if not np.isnan(pose).any() and rng.random() < PAINTED:
+        levels = _painted(levels, pose, rng)
     if rng.random() < RIPPLED:
         levels = _rippled(levels, cells, rng)
     if rng.random() < COVERED:
@@ -228,6 +234,87 @@ def augmented(image: Image, cells: Image, rng: np.random.Generator) -> tuple[Ima
     noise = np.float32(12.0) * rng.random() ** 3
     levels = levels + noise * rng.standard_normal(levels.shape, np.float32)
     return levels.astype(np.float32), np.ascontiguousarray(cells)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Surface:
+    """Where pixels lie on a cable, each float32 (H, W).
+
+    Attributes
+    ----------
+    across : Image
+        From -1 at the left border to 1 at the right one.
+    along : Image
+        Along the centre line [px].
+    outside : Image
+        Distance outwards of the nearer border, below 0 inside [px].
+    """
+
+    across: Image
+    along: Image
+    outside: Image
+
+
+def _surface(pose: FloatArray, shape: tuple[int, ...]) -> _Surface:
+    distance, angle, width, skew = pose
+    height, columns = shape
+    x = np.arange(columns, dtype=np.float32) - np.float32(0.5 * (columns - 1))
+    y = np.float32(0.5 * (height - 1)) - np.arange(height, dtype=np.float32)[:, None]
+    inwards = []
+    for side in (-1.0, 1.0):
+        normal = angle + side * skew
+        offset = border_offset(distance, width, skew, side)
+        inwards.append(side * (offset - x * math.cos(normal) - y * math.sin(normal)))
+    left, right = inwards
+    across = (left - right) / np.maximum(np.abs(left) + np.abs(right), 1.0)
+    along = y * math.cos(angle) - x * math.sin(angle)
+    return _Surface(across.astype(np.float32), along.astype(np.float32), -np.minimum(left, right))
+
+
+def _painted(levels: Image, pose: FloatArray, rng: np.random.Generator) -> Image:
+    """Return a picture whose cable has a skin of any kind: shaded, striped, wound, patched.
+
+    Half of the cables cast a shadow to one side; of one in three the ground covers a part.
+    """
+    at, deviation, width = _surface(pose, levels.shape), float(levels.std()) + 3.0, float(pose[2])
+    skin = _bands(at, width, rng) + _shading(at, rng)
+    grain = _seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
+    skin += np.float32(0.6 * rng.random() ** 2 / max(float(grain.std()), 0.3)) * grain
+    contrast = np.float32(math.exp(rng.uniform(-1.0, 1.2)) * rng.choice((-1.0, 1.0)))
+    share = 1.0 / (1.0 + np.exp(np.clip(at.outside / np.float32(rng.uniform(0.3, 1.5)), -20, 20)))
+    if rng.random() < 1.0 / 3.0:
+        cover = _seen_aslant(_waves(rng), levels.shape, rng)
+        shown = (cover < np.quantile(cover, rng.uniform(0.5, 1.0))).astype(np.float32)
+        share *= cv2.GaussianBlur(shown, (0, 0), rng.uniform(0.3, 3.0))
+    if rng.random() < 0.5:
+        reach, side = np.float32(width * rng.uniform(0.1, 0.8)), rng.choice((-1.0, 1.0))
+        shadow = np.exp(-np.maximum(at.outside, 0.0) / reach) * (side * at.across > 0.0)
+        levels = levels - np.float32(1.5 * rng.random() * deviation) * shadow
+    beside = levels[(at.outside > 0.0) & (at.outside < max(width, 10.0))]
+    around = float(beside.mean()) if len(beside) else float(levels.mean())
+    painted = around + np.float32(deviation) * (contrast + np.float32(rng.uniform(0.3, 1.5)) * skin)
+    mixed: Image = levels + share.astype(np.float32) * (painted - levels)
+    return mixed
+
+
+def _shading(at: _Surface, rng: np.random.Generator) -> Image:
+    """Return the shading of a round body under some light, of any kind but smooth across it."""
+    slope, bulge, rim = rng.normal(0.0, 0.5, 3)
+    depth = np.sqrt(np.maximum(1.0 - at.across**2, 0.0))
+    shading = slope * at.across + bulge * depth + rim * (np.abs(at.across) > rng.uniform(0.5, 1.0))
+    return np.asarray(shading, np.float32)
+
+
+def _bands(at: _Surface, width: float, rng: np.random.Generator) -> Image:
+    """Return bands around a cable, straight or wound, none to two kinds of them."""
+    found = np.zeros_like(at.across)
+    turn = np.arcsin(np.clip(at.across, -1.0, 1.0)) / math.pi
+    for _ in range(rng.integers(0, 3)):
+        period = max(width * 0.1 * 80.0 ** rng.random(), 4.0)
+        wound = rng.uniform(-2.0, 2.0) if rng.random() < 0.5 else 0.0
+        phase = (at.along / np.float32(period) + np.float32(wound) * turn + rng.random()) % 1.0
+        found += np.float32(rng.normal()) * (phase < rng.uniform(0.1, 0.9))
+    return cv2.GaussianBlur(found, (0, 0), rng.uniform(0.5, 1.5))
 
 
 def _rippled(levels: Image, cells: Image, rng: np.random.Generator) -> Image:
@@ -350,7 +437,40 @@ def _tracks(rng: np.random.Generator) -> Image:
     return cv2.GaussianBlur(ground, (0, 0), rng.uniform(0.5, 2.0))
 
 
-GROUNDS = (_waves, _cobbles, _stones, _tracks)
+def _boulders(rng: np.random.Generator) -> Image:
+    """Return round stones, lit from one side, with shadows."""
+    ground = np.zeros((GROUND_SIDE, GROUND_SIDE), np.float32)
+    largest, light = rng.uniform(8.0, 60.0), rng.normal(0.0, 0.5, 2)
+    for _ in range(rng.integers(3, 40)):
+        middle, radius, level = GROUND_SIDE * rng.random(2), largest * rng.random(), rng.normal()
+        axes = np.array([1.0, rng.uniform(0.5, 1.0)]) * radius
+        turn, shadow = 360.0 * rng.random(), float(rng.uniform(-2.0, 0.0))
+        for shift, size, lit in ((-0.5, 1.0, shadow), (0.0, 1.0, level), (0.3, 0.6, level + 0.5)):
+            centre = tuple(int(each) for each in middle + shift * radius * light)
+            lengths = tuple(round(size * each) for each in axes)
+            cv2.ellipse(ground, centre, lengths, turn, 0.0, 360.0, float(lit), cv2.FILLED)
+    return cv2.GaussianBlur(ground, (0, 0), rng.uniform(0.5, 3.0))
+
+
+def _beds(rng: np.random.Generator) -> Image:
+    """Return beds of mussels, weed or gravel: patches of one ground in nothing."""
+    kinds = (_waves, _cobbles, _stones)
+    ground = kinds[rng.integers(len(kinds))](rng)
+    coarse = rng.standard_normal((int(rng.integers(4, 16)),) * 2, np.float32)
+    patches = cv2.resize(coarse, ground.shape, interpolation=cv2.INTER_CUBIC)
+    within = patches > np.quantile(patches, rng.uniform(0.3, 0.9))
+    scale = np.float32(rng.uniform(0.3, 1.5) / max(float(ground.std()), 0.3))
+    return np.asarray(within * (scale * ground + np.float32(rng.normal())), np.float32)
+
+
+def _step(rng: np.random.Generator) -> Image:
+    """Return ground that is darker beyond one straight border: a shadow, a plate, a step."""
+    across = np.arange(GROUND_SIDE, dtype=np.float32) / GROUND_SIDE - rng.uniform(0.2, 0.8)
+    level = 1.0 / (1.0 + np.exp(np.clip(-across * math.exp(rng.uniform(3.0, 6.5)), -20, 20)))
+    return np.tile(level.astype(np.float32), (GROUND_SIDE, 1))
+
+
+GROUNDS = (_waves, _cobbles, _stones, _tracks, _boulders, _beds, _step)
 
 
 def _bent(levels: Image, cells: Image, rng: np.random.Generator) -> tuple[Image, Image]:
@@ -376,7 +496,7 @@ def batch(frames: LabelledFrames, rng: np.random.Generator) -> tuple[Tensor, Ten
     """Return pictures as the network takes them, and their true maps, padded alike."""
     pictures, maps = [], []
     for index in rng.choice(len(frames.images), BATCH, replace=False):
-        image, cells = augmented(frames.images[index], true_map(frames.poses[index]), rng)
+        image, cells = augmented(frames.images[index], frames.poses[index], rng)
         picture, (left, above) = padded(normalised(image))
         pictures.append(picture)
         maps.append(_padded_map(cells, picture.shape[1:], (left, above)))
@@ -447,7 +567,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("output", type=Path)
     parser.add_argument("--frames", type=Path, default=Path("frames_to_train_on"))
-    parser.add_argument("--steps", type=int, default=5000)
+    parser.add_argument("--steps", type=int, default=6500)
     parser.add_argument("--seed", type=int, default=0)
     chosen = parser.parse_args()
     export(train(labelled_frames(chosen.frames), chosen.steps, chosen.seed), chosen.output)

@@ -26,8 +26,11 @@ class CableMap(NamedTuple):
     ----------
     probabilities : Image
         float32, shape (rows, columns), from the top left; (0, 0) if they were not worked out.
+    sums_along_rows, sums_along_columns : FloatArray
+        Sums of the probabilities of the cells before each edge between two, shapes (rows,
+        columns + 1) and (columns, rows + 1): the difference of two is the sum over those between.
     mass : float
-        Their sum.
+        Sum of all probabilities.
     left, top : float
         Coordinates of the centre of the first cell in the image frame, y up [px].
     cell : float
@@ -35,13 +38,32 @@ class CableMap(NamedTuple):
     """
 
     probabilities: Image
+    sums_along_rows: FloatArray
+    sums_along_columns: FloatArray
     mass: float
     left: float
     top: float
     cell: float
 
 
-NO_MAP = CableMap(np.empty((0, 0), np.float32), 0.0, 0.0, 0.0, 1.0)
+@compiled
+def cable_map_of(probabilities: Image, left: float, top: float, cell: float) -> CableMap:
+    """Return the map of some probabilities; see `CableMap`."""
+    rows, columns = probabilities.shape
+    along_rows, along_columns = np.zeros((rows, columns + 1)), np.zeros((columns, rows + 1))
+    for row in range(rows):
+        for column in range(columns):
+            found = probabilities[row, column]
+            along_rows[row, column + 1] = along_rows[row, column] + found
+            along_columns[column, row + 1] = along_columns[column, row] + found
+    return CableMap(
+        probabilities, along_rows, along_columns, along_rows[:, -1].sum(), left, top, cell
+    )
+
+
+NO_MAP = CableMap(
+    np.empty((0, 0), np.float32), np.empty((0, 1)), np.empty((0, 1)), 0.0, 0.0, 0.0, 1.0
+)
 """The map of a frame of which none was worked out."""
 
 
@@ -86,14 +108,49 @@ def strip_shares(state: FloatArray, where: CableMap) -> Image:
 @compiled_fast_loop
 def _covered(state: FloatArray, where: CableMap) -> tuple[float, float]:
     """Return the number of cells that a strip covers, and the sum of their probabilities."""
-    probabilities, borders = where.probabilities, _borders(state, where)
+    borders = _borders(state, where)
+    if abs(math.cos(state[ANGLE])) >= abs(math.sin(state[ANGLE])):
+        return _covered_along(
+            where.sums_along_rows,
+            (borders.left, borders.left_row, borders.left_column),
+            (borders.right, borders.right_row, borders.right_column),
+        )
+    return _covered_along(
+        where.sums_along_columns,
+        (borders.left, borders.left_column, borders.left_row),
+        (borders.right, borders.right_column, borders.right_row),
+    )
+
+
+@compiled_inside
+def _covered_along(
+    sums: FloatArray, left: tuple[float, float, float], right: tuple[float, float, float]
+) -> tuple[float, float]:
+    """Return the cells between two borders on all lines, and the sum of their probabilities.
+
+    The borders, see `_Borders`: how far inwards the first cell lies, and what one line, and one
+    cell along a line, change.
+    """
+    lines, last = sums.shape[0], sums.shape[1] - 1.0
     area, mass = 0.0, 0.0
-    for row in range(probabilities.shape[0]):
-        for column in range(probabilities.shape[1]):
-            share = _share(row, column, borders)
-            area += share
-            mass += share * probabilities[row, column]
+    for line in range(lines):
+        # In edges between cells: the first one lies half a cell before the centre of the first.
+        first = 0.5 - (left[0] + left[1] * line) / left[2]
+        second = 0.5 - (right[0] + right[1] * line) / right[2]
+        begin, end = (first, second) if left[2] > 0.0 else (second, first)
+        begin, end = min(max(begin, 0.0), last), min(max(end, 0.0), last)
+        if end > begin:
+            area += end - begin
+            mass += _sum_before(sums[line], end) - _sum_before(sums[line], begin)
     return area, mass
+
+
+@compiled_inside
+def _sum_before(sums: FloatArray, edge: float) -> float:
+    """Return the sum before a place between edges, 0 to the number of cells."""
+    before = min(int(edge), len(sums) - 2)
+    sum_before: float = sums[before] + (edge - before) * (sums[before + 1] - sums[before])
+    return sum_before
 
 
 class _Borders(NamedTuple):

@@ -5,7 +5,8 @@ edges than a faint or overgrown cable. What a person goes by is the whole of it:
 ground, two borders that belong together, nothing of the kind beside. A small network of
 convolutions, trained on the simulated worlds to tune on (`tune_*`), says of each cell of 4x4 px how
 likely it is part of a cable. It looks at one frame and has no memory; it is consulted while no
-cable is known, and says which strips look like one (`appearance`). The filter decides.
+cable is known, or a border of the known one is faint, and says which strips look like one
+(`appearance`, `map_strips`). The filter decides.
 
 `docs/train_cable_map.py` trains it; OpenCV runs it.
 
@@ -26,7 +27,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
-from cable_tracker.cable.measure.cable_map import CableMap
+from cable_tracker.cable.measure.cable_map import CableMap, cable_map_of
 from cable_tracker.cable.parameters.parameters import REFERENCE_WIDTH
 
 NETWORK = "cable_map.onnx"
@@ -72,9 +73,8 @@ def make_cable_map(picture: Image, frame_width: int) -> CableMap:
         # The network never saw a picture of one grey level.
         probabilities[:] = 0.0
     scale = frame_width / REFERENCE_WIDTH
-    return CableMap(
+    return cable_map_of(
         probabilities,
-        float(probabilities.sum(dtype=np.float64)),
         (CELL * (columns.start + 0.5) - margin_left - 0.5 * width) * scale,
         (0.5 * height - CELL * (rows.start + 0.5) + margin_top) * scale,
         CELL * scale,

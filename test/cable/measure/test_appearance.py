@@ -22,7 +22,7 @@ from cable_tracker.cable.measure.appearance import (
     appearances_of,
 )
 from cable_tracker.cable.measure.border_points import frame_scan
-from cable_tracker.cable.measure.cable_map import NO_MAP, CableMap, strip_shares
+from cable_tracker.cable.measure.cable_map import NO_MAP, CableMap, cable_map_of, strip_shares
 from cable_tracker.cable.measure.gradient_shape import directional_gain
 from cable_tracker.cable.measure.likelihood_ratio import BorderLikelihoodRatio
 from cable_tracker.cable.measure.working_image import make_working_image
@@ -143,9 +143,9 @@ def test_a_picture_without_anything_is_finite():
 
 def map_of(state, probability) -> CableMap:
     """A map that shows a strip, and nothing else."""
-    empty = CableMap(np.zeros((60, 80), np.float32), 0.0, -158.0, 118.0, 4.0)
+    empty = cable_map_of(np.zeros((60, 80), np.float32), -158.0, 118.0, 4.0)
     shown = np.float32(probability) * strip_shares(state.to_array(), empty)
-    return empty._replace(probabilities=shown, mass=float(shown.sum()))
+    return cable_map_of(shown, empty.left, empty.top, empty.cell)
 
 
 def test_what_the_map_shows_looks_like_a_cable_and_what_it_does_not_like_none(rng):

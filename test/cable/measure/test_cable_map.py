@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.cable.measure.cable_map import CableMap, map_match, strip_shares
+from cable_tracker.cable.measure.cable_map import CableMap, cable_map_of, map_match, strip_shares
 from cable_tracker.cable.model.geometry import project_borders
 from cable_tracker.cable.model.state import CableState
 
@@ -17,9 +17,8 @@ ROWS, COLUMNS, CELL = 30, 40, 4.0
 def map_of(probabilities) -> CableMap:
     probabilities = np.asarray(probabilities, np.float32)
     rows, columns = probabilities.shape
-    return CableMap(
+    return cable_map_of(
         probabilities,
-        float(probabilities.sum()),
         -0.5 * CELL * (columns - 1),
         0.5 * CELL * (rows - 1),
         CELL,
