@@ -3,8 +3,8 @@
 A particle weighs what its place was believed and how strong its borders are: a faint cable that a
 detector sees for the first time weighs next to nothing beside a furrow that has been followed for a
 while, is drawn about in no round, and is never found. So a part of each round goes to the strips
-that look most like cables. They are proposals: what is drawn about them weighs what it weighs
-anyway.
+that look most like cables, those that a map shows among them. They are proposals: what is drawn
+about them weighs what it weighs anyway.
 """
 
 from __future__ import annotations
@@ -27,28 +27,32 @@ CANDIDATE_SHARE = 0.5
 CANDIDATE_NARROWING = 0.5
 """Factor on the kernel scales of detections, for each round once more."""
 
-MOST_LOOKED_AT, MOST_CANDIDATES = 12, 3
-"""Number of strips that are looked at in a round, and of candidates among them."""
+MOST_LOOKED_AT, MOST_OF_MAP, MOST_CANDIDATES = 12, 2, 3
+"""Numbers of particles and of strips of the map that are looked at in a round, and of candidates
+among them."""
 
 
 @compiled_part
 def likeliest_strips(
     states: FloatArray,
     log_likelihoods: FloatArray,
+    shown: FloatArray,
     scan: FrameScan,
     model: RatioModel,
     where: CableMap,
     config: ProposalConfig,
 ) -> FloatArray:
-    """Return the particles that look most like cables, best first, shape (C, 8).
+    """Return the particles, and strips of the map, that look most like cables, shape (C, 8).
 
-    Of particles that lie together only the likeliest is looked at.
+    The best one comes first. Of particles that lie together only the likeliest is looked at.
 
     Parameters
     ----------
     states, log_likelihoods : FloatArray
         Particles, shape (N, 8), and their log-likelihood ratios, shape (N,); -inf for impossible
         ones.
+    shown : FloatArray
+        Strips that the map shows, shape (S, 8).
     scan, model : FrameScan, RatioModel
         The frame, and the tables of its log-likelihood ratios.
     where : CableMap
@@ -59,5 +63,6 @@ def likeliest_strips(
     nowhere = np.empty((0, STATE_SIZE))
     groups = find_groups(states, log_likelihoods, config.cluster_radii, nowhere, MOST_LOOKED_AT)
     strips = states[heaviest_members(log_likelihoods, groups)]
+    strips = np.concatenate((strips, shown))
     order = np.argsort(-appearances_of(strips, scan, model, where))
     return strips[order[:MOST_CANDIDATES]]

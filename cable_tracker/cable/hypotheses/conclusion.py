@@ -232,6 +232,7 @@ def corrected_clusters(
             log_prior,
             states,
             sample.densities,
+            sample.map_log_ratios,
             groups,
             background.alike,
             appearances,
@@ -373,7 +374,8 @@ def margins_and_scores(found: CorrectedClusters, sample: Sample) -> tuple[FloatA
         label = clusters.labels[row]
         if label >= 0 and weights[row] > 0.0:
             share, group = weights[row] / clusters.masses[label], clusters.group_of[label]
-            ratio = sample.log_likelihoods[row] - sample.densities.width_penalties[row]
+            added = sample.densities.width_penalties[row] + sample.map_log_ratios[row]
+            ratio = sample.log_likelihoods[row] - added
             mean, deviation = background.means[group], background.deviations[group]
             best = max(background.alike[group], mean + BEST_OF_ANY * deviation)
             margins[label] += share * (ratio - best)

@@ -94,6 +94,7 @@ def corrected_log_weights(
     log_prior: FloatArray,
     states: FloatArray,
     densities: DensityValues,
+    map_log_ratios: FloatArray,
     groups: Groups,
     backgrounds: FloatArray,
     appearances: FloatArray,
@@ -107,6 +108,9 @@ def corrected_log_weights(
         Log-weights of the particles after the frame and before it, shape (N,).
     states, densities : FloatArray, DensityValues
         The particles, shape (N, 8), and their densities before the frame.
+    map_log_ratios : FloatArray
+        What the map of the frame added to their log-likelihoods, shape (N,) [nats]: of groups the
+        appearance says it.
     groups : Groups
         Groups of the particles.
     backgrounds : FloatArray
@@ -121,6 +125,7 @@ def corrected_log_weights(
         log_prior,
         states,
         densities,
+        map_log_ratios,
         groups,
         backgrounds,
         appearances,
@@ -145,6 +150,7 @@ def group_evidence(
     log_prior: FloatArray,
     states: FloatArray,
     densities: DensityValues,
+    map_log_ratios: FloatArray,
     groups: Groups,
     backgrounds: FloatArray,
     appearances: FloatArray,
@@ -164,19 +170,20 @@ def group_evidence(
         if posterior_mass == -math.inf:
             continue
         prior_mass = masked_log_sum_exp(log_prior, labels, label)
-        width, penalty, survived = 0.0, 0.0, 0.0
+        width, penalty, survived, mapped = 0.0, 0.0, 0.0, 0.0
         for row in range(len(labels)):
             if labels[row] != label:
                 continue
             share = math.exp(log_posterior[row] - posterior_mass)
             penalty += share * densities.width_penalties[row]
+            mapped += share * map_log_ratios[row]
             width += share * states[row, WIDTH]
             if densities.prior[row] > 0.0:
                 kept = densities.prior_survival[row] / densities.prior[row]
                 survived += math.exp(log_prior[row] - prior_mass) * kept
         background = backgrounds[label] if label != NO_CLUSTER else 0.0
-        ratio = posterior_mass - prior_mass
-        found.log_ratio[label] = ratio
+        ratio = posterior_mass - prior_mass - mapped
+        found.log_ratio[label] = posterior_mass - prior_mass
         above = thin_factor(width, limits.thin_width) * (ratio - background)
         appearance = appearances[label] - ORDINARY_APPEARANCE if label != NO_CLUSTER else 0.0
         found.counted[label] = (

@@ -154,8 +154,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             self._refined,
         )
         is_known = belief.is_known(self._parameters.known_after)
-        looks_at_map = self._parameters.looks == "network" and not is_known
-        where = image.cable_map if looks_at_map else NO_MAP
+        where = image.cable_map if self._looks_at_map(belief) else NO_MAP
         inputs = self._inputs(belief, prediction, counts, image, detections, where)
         config = self._known_config if is_known else self._config
         found = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
@@ -164,6 +163,14 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             states = draw_births(prediction.births, self._parameters.particle_count, self._rng)
             return _new_search(initial_belief(states, LEAST_PRESENCE), belief)
         return self._update.updated_belief(belief, found, dt)
+
+    def _looks_at_map(self, belief: Belief) -> bool:
+        """Tell whether a map is worth its time: no cable is known, or a border of it is faint."""
+        parameters = self._parameters
+        is_clear = belief.hypotheses.weaker_border_mean >= parameters.evidence_to_find
+        return parameters.looks == "network" and not (
+            belief.is_known(parameters.known_after) and is_clear
+        )
 
     def _inputs(
         self,

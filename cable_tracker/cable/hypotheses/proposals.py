@@ -18,6 +18,7 @@ from cable_tracker.cable.hypotheses.candidates import (
     CANDIDATE_NARROWING,
     CANDIDATE_SHARE,
     MOST_CANDIDATES,
+    MOST_OF_MAP,
     likeliest_strips,
 )
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
@@ -41,6 +42,7 @@ from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.sample import (
     Sample,
     fill_log_likelihoods,
+    fill_map_log_ratios,
     importance_log_weights,
 )
 from cable_tracker.cable.hypotheses.sample_counts import SampleCounts
@@ -48,6 +50,7 @@ from cable_tracker.cable.hypotheses.shadows import fill_shadow_losses, find_shad
 from cable_tracker.cable.measure.border_points import FrameScan
 from cable_tracker.cable.measure.cable_map import CableMap
 from cable_tracker.cable.measure.likelihood_ratio import RatioModel, fill_log_ratios
+from cable_tracker.cable.measure.map_strips import strips_of_map
 from cable_tracker.cable.measure.polarity_prior import PolarityPrior
 from cable_tracker.cable.model.geometry import unwrap_pose, unwrap_state
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
@@ -67,7 +70,7 @@ class ProposalInputs(NamedTuple):
     scan, model : FrameScan, RatioModel
         The scanned frame, and the tables of its log-likelihood ratios.
     where : CableMap
-        The map of the frame; `NO_MAP` beside a known cable, or if none is wanted.
+        The map of the frame; `NO_MAP` beside a clear known cable, or if none is wanted.
     polarity : PolarityPrior
         Probability that a cable is brighter than the bottom.
     reference_angle : float
@@ -104,7 +107,7 @@ def draw_sample(
     centres = np.empty((len(inputs.detected), POSE_SIZE))
     _unwrap_poses(inputs.detected, inputs.reference_angle, centres)
     peaks = empty_peaks(len(counts.refined) * (config.most_refined + MOST_CANDIDATES))
-    candidates = np.empty((0, STATE_SIZE))
+    candidates, shown = np.empty((0, STATE_SIZE)), strips_of_map(inputs.where, MOST_OF_MAP)
     filled = _draw_first(sample, inputs, counts, config, centres)
     _apply_shadow_losses(sample, filled, inputs, config)
     _fill_proposal_density(sample, counts, config, 0, filled, centres, peaks, 0)
@@ -121,6 +124,7 @@ def draw_sample(
             candidates = likeliest_strips(
                 states,
                 sample.log_likelihoods[:filled],
+                shown,
                 inputs.scan,
                 inputs.model,
                 inputs.where,
@@ -205,6 +209,7 @@ def _measure(
     sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
 ) -> None:
     fill_log_ratios(sample.states, start, stop, inputs.scan, inputs.model, sample.measured)
+    fill_map_log_ratios(sample, start, stop, inputs.where)
     for row in range(start, stop):
         sample.shadow_losses[row] = 0.0
     fill_log_likelihoods(sample, start, stop, inputs.polarity, config.limits, config.image_size)

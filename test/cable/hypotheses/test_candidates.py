@@ -12,14 +12,21 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 
 MODEL = BorderLikelihoodRatio(TrackerParameters())
 CONFIG = proposal_config(TrackerParameters(), 4.0, (320, 240))
+NOTHING = np.empty((0, 4))
 CABLE, ELSEWHERE = [40.0, 0.0, 40.0, 0.0], [-80.0, 0.3, 30.0, 0.0]
 
 
-def candidates(picture, poses, log_likelihoods) -> np.ndarray:
+def candidates(picture, poses, log_likelihoods, shown=NOTHING) -> np.ndarray:
     image = make_working_image(picture.astype(np.float32), 320)
     states = np.hstack((np.array(poses), np.zeros((len(poses), 4))))
     found = likeliest_strips(
-        states, np.array(log_likelihoods), frame_scan(image), MODEL.model_for(image), NO_MAP, CONFIG
+        states,
+        np.array(log_likelihoods),
+        np.hstack((shown, np.zeros((len(shown), 4)))),
+        frame_scan(image),
+        MODEL.model_for(image),
+        NO_MAP,
+        CONFIG,
     )
     return found[:, :4]
 
@@ -47,6 +54,11 @@ def test_impossible_ones_are_no_candidates(rng):
     np.testing.assert_array_equal(
         candidates(picture, [CABLE, ELSEWHERE], [-np.inf, 0.0]), [ELSEWHERE]
     )
+
+
+def test_what_a_map_shows_is_looked_at_though_no_particle_is_there(rng):
+    found = candidates(picture_of_a_cable(rng), [ELSEWHERE], [30.0], np.array([CABLE]))
+    np.testing.assert_array_equal(found, [CABLE, ELSEWHERE])
 
 
 def test_they_are_few(rng):

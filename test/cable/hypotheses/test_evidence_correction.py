@@ -37,6 +37,7 @@ def corrected(
     background=0.0,
     appearance=ORDINARY_APPEARANCE,
     limits=LIMITS,
+    mapped=0.0,
 ):
     """Log-weights of particles of one width, of each of which a share has survived."""
     count = len(labels)
@@ -51,7 +52,15 @@ def corrected(
     backgrounds = np.full(groups.number, background)
     appearances = np.full(groups.number, appearance)
     return corrected_log_weights(
-        log_posterior, log_prior, states, densities, groups, backgrounds, appearances, limits
+        log_posterior,
+        log_prior,
+        states,
+        densities,
+        np.full(count, mapped),
+        groups,
+        backgrounds,
+        appearances,
+        limits,
     )
 
 
@@ -62,6 +71,10 @@ def evidence_after(evidence, survived=0.0, **others) -> float:
     changes = after - log_prior
     assert changes[0] == pytest.approx(changes[1])
     return changes[0]
+
+
+def test_what_a_map_adds_to_particles_is_not_counted_again_for_their_group():
+    assert evidence_after(3.0, mapped=2.0) == pytest.approx(evidence_after(1.0))
 
 
 def test_of_a_new_group_a_share_counts_that_it_explains():

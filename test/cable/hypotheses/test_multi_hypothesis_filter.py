@@ -483,11 +483,20 @@ def test_any_resampling_scheme_follows_the_cable(strip, scheme):
 
 
 @pytest.mark.parametrize(
-    ("looks", "known_time", "is_mapped"),
-    [("network", 0.0, True), ("network", np.inf, False), ("borders", 0.0, False)],
-    ids=["no cable known", "known", "by borders"],
+    ("looks", "known_time", "evidence", "is_mapped"),
+    [
+        ("network", 0.0, 2.0, True),
+        ("network", np.inf, 2.0, False),
+        ("network", np.inf, 0.1, True),
+        ("borders", 0.0, 2.0, False),
+    ],
+    ids=["no cable known", "known", "known but faint", "by borders"],
 )
-def test_the_map_has_a_say_while_no_cable_is_known(strip, looks, known_time, is_mapped):
-    belief = replace(initial_belief(cloud(STRIP), GIVEN_PRESENCE), known_time=known_time)
+def test_the_map_has_a_say_unless_a_clear_cable_is_known(
+    strip, looks, known_time, evidence, is_mapped
+):
+    belief = initial_belief(cloud(STRIP), GIVEN_PRESENCE)
+    hypotheses = belief.hypotheses._replace(weaker_border_mean=evidence)
+    belief = replace(belief, known_time=known_time, hypotheses=hypotheses)
     after = make_filter(looks=looks).step(belief, strip, FRAME, NO_DETECTIONS)
     assert after.hypotheses.is_mapped == is_mapped

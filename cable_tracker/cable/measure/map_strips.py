@@ -1,0 +1,129 @@
+"""The strips that a map of the frame shows best: where to look for a cable whose borders are faint.
+
+For each direction of a fan, the cells are added up along it, and of all intervals across it the
+one that overlaps most with what the map takes for cable is a strip without skew. The best of all
+directions is then moved, turned, widened and skewed while its overlap grows. What it covers is
+taken away, and the next one is looked for.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.measure.cable_map import (
+    SMALLEST_AREA,
+    CableMap,
+    cable_map_of,
+    map_match,
+    strip_shares,
+)
+from cable_tracker.cable.model.state import ANGLE, DISTANCE, POSE_SIZE, SKEW, STATE_SIZE, WIDTH
+from cable_tracker.compilation import compiled_fast_loop, compiled_part
+
+DIRECTIONS = 36
+"""Number of directions of the fan."""
+
+FIRST_STEPS = np.array([2.0, math.radians(3.0), 2.0, math.radians(3.0)])
+"""First steps by which d, alpha, w and beta are changed [cells, rad]."""
+
+HALVINGS, TRIES = 3, 4
+"""How often the steps are halved, and how often each is tried at one size."""
+
+MOST_SKEW = math.radians(25.0)
+
+
+@compiled_part
+def strips_of_map(where: CableMap, most: int) -> FloatArray:
+    """Return at most so many strips that a map shows, best first, shape (C, 8), rates 0.
+
+    Strips whose overlap grows no further; none for a map without cells.
+    """
+    left = where.probabilities.copy()
+    strips, count = np.zeros((most, STATE_SIZE)), 0
+    if not len(left):
+        return strips[:0]
+    for _ in range(most):
+        rest = cable_map_of(left, where.left, where.top, where.cell)
+        if rest.mass < SMALLEST_AREA:
+            break
+        strip = strips[count]
+        _fill_straight_strip(rest, strip)
+        _refine(rest, strip)
+        count += 1
+        left = left * (np.float32(1.0) - strip_shares(strip, where))
+    return strips[:count]
+
+
+@compiled_part
+def _fill_straight_strip(where: CableMap, strip: FloatArray) -> None:
+    """Fill in the strip without skew of the largest overlap over all directions."""
+    rows, columns = where.probabilities.shape
+    bins = math.ceil(math.hypot(rows, columns)) + 1
+    masses, areas = np.empty(bins + 1), np.empty(bins + 1)
+    best = -1.0
+    for direction in range(DIRECTIONS):
+        angle = (direction + 0.5) / DIRECTIONS * math.pi - 0.5 * math.pi
+        first = _add_up_across(where, angle, masses, areas)
+        for begin in range(bins):
+            for end in range(begin + 1, bins + 1):
+                area, mass = areas[end] - areas[begin], masses[end] - masses[begin]
+                overlap = mass / (where.mass + max(area, SMALLEST_AREA))
+                if overlap > best:
+                    best = overlap
+                    strip[DISTANCE] = first + 0.5 * (begin + end) * where.cell
+                    strip[ANGLE], strip[WIDTH] = angle, (end - begin) * where.cell
+
+
+@compiled_fast_loop
+def _add_up_across(where: CableMap, angle: float, masses: FloatArray, areas: FloatArray) -> float:
+    """Fill in what lies before each step across a direction, shape (B + 1,): mass and cells.
+
+    Steps are one cell wide; where the first one begins is returned [px].
+    """
+    rows, columns = where.probabilities.shape
+    across, down = math.cos(angle), -math.sin(angle)
+    lowest = min(0.0, across * (columns - 1)) + min(0.0, down * (rows - 1)) - 0.5
+    masses[:], areas[:] = 0.0, 0.0
+    for row in range(rows):
+        for column in range(columns):
+            step = int(across * column + down * row - lowest) + 1
+            masses[step] += where.probabilities[row, column]
+            areas[step] += 1.0
+    for step in range(1, len(masses)):
+        masses[step] += masses[step - 1]
+        areas[step] += areas[step - 1]
+    first: float = where.left * across - where.top * down + lowest * where.cell
+    return first
+
+
+@compiled_part
+def _refine(where: CableMap, strip: FloatArray) -> None:
+    """Change a strip (8,), one number at a time, while its overlap with the map grows."""
+    steps = FIRST_STEPS.copy()
+    steps[DISTANCE] *= where.cell
+    steps[WIDTH] *= where.cell
+    best = map_match(strip, where).overlap
+    for _ in range(HALVINGS + 1):
+        for _ in range(TRIES):
+            before = best
+            for column in range(POSE_SIZE):
+                for sign in (-1.0, 1.0):
+                    best = _try_step(where, strip, column, sign * steps[column], best)
+            if best == before:
+                break
+        steps *= 0.5
+
+
+@compiled_part
+def _try_step(where: CableMap, strip: FloatArray, column: int, step: float, best: float) -> float:
+    """Change one number of a strip if its overlap grows, and return the overlap."""
+    kept = strip[column]
+    strip[column] += step
+    overlap = map_match(strip, where).overlap
+    if overlap > best and abs(strip[SKEW]) <= MOST_SKEW and strip[WIDTH] >= 0.5 * where.cell:
+        return overlap
+    strip[column] = kept
+    return best
