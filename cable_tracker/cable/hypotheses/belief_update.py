@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.belief import Belief
-from cable_tracker.cable.hypotheses.claim_support import is_new_clear
+from cable_tracker.cable.hypotheses.claim_support import is_new_clear, leading_evidence
 from cable_tracker.cable.hypotheses.conclusion import Conclusion, Hypotheses
 from cable_tracker.cable.hypotheses.polarity import updated_p_bright
 from cable_tracker.cable.hypotheses.remembered_cable import RememberedCable, remember
@@ -101,7 +101,7 @@ class BeliefUpdate:
         """Tell whether a cable is present that is too faint to claim, or, if known, to keep."""
         parameters = self._parameters
         if is_known:
-            is_faint = hypotheses.weaker_border_mean < parameters.evidence_to_lose
+            is_faint = leading_evidence(hypotheses, parameters) < parameters.evidence_to_lose
         else:
             is_faint = not is_clear
         return presence >= parameters.presence_to_track and is_faint

@@ -50,7 +50,7 @@ def belief_summary(
     """Return what a belief says about the frame that it came from, `image_width` pixels wide."""
     hypotheses = belief.hypotheses
     mean, covariance = leading_estimate(hypotheses, parameters, image_width)
-    evidence = hypotheses.weaker_border_mean
+    evidence = leading_evidence(hypotheses, parameters)
     visible = hypotheses.visible_length >= MINIMUM_POINTS
     is_clear = is_new_clear(hypotheses, belief.width_prior, parameters, image_width)
     is_acceptable = visible and (is_clear or is_familiar(belief, parameters, image_width))
@@ -98,6 +98,18 @@ def is_new_clear(
     # The map tells thin cables from thin lines: they need be no clearer than wide ones.
     by_map = clearness_by_map(hypotheses)
     return hypotheses.is_mapped and is_enough(by_map, parameters.evidence_to_find)
+
+
+def leading_evidence(hypotheses: Hypotheses, parameters: TrackerParameters) -> float:
+    """Return the evidence for the leader [nats per point]: that of its weaker border.
+
+    One of which growth or sand hides a border, but which the map shows, counts as if that border
+    was just clear enough for a first claim.
+    """
+    by_border = hypotheses.weaker_border_mean
+    if not hypotheses.is_mapped:
+        return by_border
+    return max(by_border, min(clearness_by_map(hypotheses), parameters.evidence_to_find))
 
 
 def clearness_by_borders(

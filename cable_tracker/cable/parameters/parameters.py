@@ -234,8 +234,8 @@ class TrackerParameters(ParameterSet):
     looks: str = word(
         "network",
         ("borders", "network"),
-        "What tells how much a strip looks like a cable while none is known: its borders and its"
-        " texture alone, or also a network that has seen many cables.",
+        "What tells how much a strip looks like a cable while none is known, or a border of it is"
+        " faint: its borders and its texture alone, or also a network that has seen many cables.",
     )
     detector_share: float = number(
         0.2, "share of N", 0.0, 0.9, "Particles drawn about what the detector proposes."

@@ -19,6 +19,7 @@ from cable_tracker.cable.hypotheses.claim_support import (
     clearness_by_borders,
     clearness_by_map,
     is_new_clear,
+    leading_evidence,
 )
 from cable_tracker.cable.hypotheses.evidence_correction import ORDINARY_APPEARANCE
 from cable_tracker.cable.hypotheses.remembered_cable import remember
@@ -137,6 +138,20 @@ def test_better_looks_are_never_worth_less_and_within_limits(appearance, other, 
     assert APPEARANCE_SHARE * LEAST_APPEARANCE - 1e-9 <= low <= high
     assert high <= APPEARANCE_SHARE * MOST_APPEARANCE + 1e-9
     assert low_mapped <= high_mapped <= MAPPED_SHARE * MOST_MAPPED + 1e-9
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-20.0, 20.0))
+def test_a_hidden_border_counts_as_just_clear_enough_if_the_map_shows_the_cable(
+    border_mean, clearness, looks
+):
+    hypotheses = initial_belief(LEADER[None], 0.9).hypotheses._replace(
+        weaker_border_mean=border_mean, scaled_clearness=clearness, appearance=looks
+    )
+    assert leading_evidence(hypotheses, PARAMETERS) == border_mean
+    mapped = leading_evidence(hypotheses._replace(is_mapped=True), PARAMETERS)
+    assert border_mean <= mapped <= max(border_mean, PARAMETERS.evidence_to_find)
+    if clearness_by_map(hypotheses) >= PARAMETERS.evidence_to_find:
+        assert mapped >= PARAMETERS.evidence_to_find
 
 
 def test_a_thin_strip_that_looks_like_a_cable_needs_less_with_a_map():
