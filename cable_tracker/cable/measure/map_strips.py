@@ -33,13 +33,15 @@ HALVINGS, TRIES = 3, 4
 """How often the steps are halved, and how often each is tried at one size."""
 
 MOST_SKEW = math.radians(25.0)
+"""Largest skew of a strip that is proposed [rad]; particles about it may have more."""
 
 
 @compiled_part
 def strips_of_map(where: CableMap, most: int) -> FloatArray:
-    """Return at most so many strips that a map shows, best first, shape (C, 8), rates 0.
+    """Return at most `most` strips that a map shows, best first, shape (C, 8), rates 0.
 
-    Strips whose overlap grows no further; none for a map without cells.
+    Each is one whose overlap with the map grows no further by a small change. A map without cells,
+    or with next to nothing in them, has none.
     """
     left = where.probabilities.copy()
     strips, count = np.zeros((most, STATE_SIZE)), 0
