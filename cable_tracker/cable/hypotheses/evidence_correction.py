@@ -71,8 +71,9 @@ class GroupEvidence(NamedTuple):
     log_ratio : FloatArray
         log(posterior mass / prior mass) [nats]; -inf for a group without posterior mass.
     counted : FloatArray
-        Share of `log_ratio` less that of the bottom at the place of the group, times `thin_factor`,
-        plus the share of the appearance above `ORDINARY_APPEARANCE` [nats].
+        Share of `log_ratio` less what the map adds and that of the bottom at the place of the
+        group, times `thin_factor`, plus the share of the appearance above `ORDINARY_APPEARANCE`
+        [nats].
     survived_share : FloatArray
         Share of the prior mass that survived from the frame before, 0 to 1.
     width_penalty : FloatArray

@@ -107,7 +107,9 @@ def draw_sample(
     centres = np.empty((len(inputs.detected), POSE_SIZE))
     _unwrap_poses(inputs.detected, inputs.reference_angle, centres)
     peaks = empty_peaks(len(counts.refined) * (config.most_refined + MOST_CANDIDATES))
-    candidates, shown = np.empty((0, STATE_SIZE)), strips_of_map(inputs.where, MOST_OF_MAP)
+    looks_count = config.evidence_limits.appearance_share > 0.0
+    shown = strips_of_map(inputs.where, MOST_OF_MAP if looks_count else 0)
+    candidates = np.empty((0, STATE_SIZE))
     filled = _draw_first(sample, inputs, counts, config, centres)
     _apply_shadow_losses(sample, filled, inputs, config)
     _fill_proposal_density(sample, counts, config, 0, filled, centres, peaks, 0)
@@ -120,7 +122,7 @@ def draw_sample(
         if weights.degenerate or count == 0:
             continue
         states, stop = sample.states[:filled], filled + count
-        if config.evidence_limits.appearance_share > 0.0:
+        if looks_count:
             candidates = likeliest_strips(
                 states,
                 sample.log_likelihoods[:filled],

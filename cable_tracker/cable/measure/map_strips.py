@@ -43,20 +43,16 @@ def strips_of_map(where: CableMap, most: int) -> FloatArray:
     Each is one whose overlap with the map grows no further by a small change. A map without cells,
     or with next to nothing in them, has none.
     """
-    left = where.probabilities.copy()
-    strips, count = np.zeros((most, STATE_SIZE)), 0
-    if not len(left):
-        return strips[:0]
-    for _ in range(most):
-        rest = cable_map_of(left, where.left, where.top, where.cell)
+    strips, rest = np.zeros((most, STATE_SIZE)), where
+    for count in range(most):
         if rest.mass < SMALLEST_AREA:
-            break
+            return strips[:count]
         strip = strips[count]
         _fill_straight_strip(rest, strip)
         _refine(rest, strip)
-        count += 1
-        left = left * (np.float32(1.0) - strip_shares(strip, where))
-    return strips[:count]
+        left = rest.probabilities * (np.float32(1.0) - strip_shares(strip, where))
+        rest = cable_map_of(left, where.left, where.top, where.cell)
+    return strips
 
 
 @compiled_part
