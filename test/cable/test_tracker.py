@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -546,6 +548,13 @@ def test_a_cable_is_tracked_on_within_a_second_after_three_without_a_frame(draw_
     assert np.isfinite(late[0].covariance).all()
     assert late[-1].status is TRACKING
     assert late[-1].state.distance == pytest.approx(STRIP.distance, abs=1.0)
+
+
+def test_hypotheses_of_thin_cables_are_as_wide_as_the_estimate(draw_strip):
+    thin = replace(STRIP, width=6.0)
+    tracker = told(thin)
+    seen = run(tracker, repeated(draw_strip(thin, (160, 120)), 5))[-1]
+    assert seen.hypotheses[0].state == seen.state
 
 
 def test_presence_and_hypotheses_are_reported(draw_strip, noise_picture):

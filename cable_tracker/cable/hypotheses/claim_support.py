@@ -70,7 +70,7 @@ def belief_summary(
         and belief.presence >= parameters.presence_to_lose
         and evidence >= parameters.evidence_to_lose,
         presence=belief.presence,
-        hypotheses=_reported(hypotheses.clusters),
+        hypotheses=_reported(hypotheses.clusters, parameters, image_width),
     )
 
 
@@ -152,7 +152,7 @@ def leading_estimate(
     hypotheses: Hypotheses, parameters: TrackerParameters, image_width: int
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean (8,) and covariance (8, 8) of the leading cluster, never across clusters."""
-    leader = hypotheses.clusters.means[0].copy()
+    leader = hypotheses.clusters.means[0]
     displaced = displaced_covariance(
         hypotheses.covariance,
         hypotheses.border_means,
@@ -160,17 +160,27 @@ def leading_estimate(
         parameters,
         image_width,
     )
-    leader[StateColumn.WIDTH] = width_before_smoothing(
-        float(leader[StateColumn.WIDTH]), parameters, image_width
-    )
-    return wrapped_estimate(leader, displaced)
+    return wrapped_estimate(_unsmoothed(leader, parameters, image_width), displaced)
 
 
-def _reported(clusters: Clusters) -> tuple[Hypothesis, ...]:
+def _unsmoothed(mean: FloatArray, parameters: TrackerParameters, image_width: int) -> FloatArray:
+    """Return a cluster's mean (8,) with the width that the cable has, not its smoothed borders."""
+    state = mean.copy()
+    width = float(state[StateColumn.WIDTH])
+    state[StateColumn.WIDTH] = width_before_smoothing(width, parameters, image_width)
+    return state
+
+
+def _reported(
+    clusters: Clusters, parameters: TrackerParameters, image_width: int
+) -> tuple[Hypothesis, ...]:
     """Return the clusters that are worth mention, and the first whatever its mass."""
-    masses, means = clusters.masses.tolist(), clusters.means
     return tuple(
-        Hypothesis(mass, CableState.from_array(wrap_state(mean)))
-        for index, (mass, mean) in enumerate(zip(masses, means, strict=True))
+        Hypothesis(
+            mass, CableState.from_array(wrap_state(_unsmoothed(mean, parameters, image_width)))
+        )
+        for index, (mass, mean) in enumerate(
+            zip(clusters.masses.tolist(), clusters.means, strict=True)
+        )
         if index == 0 or mass >= SMALLEST_HYPOTHESIS
     )
