@@ -1,16 +1,17 @@
 """Train the network that says where in a picture a cable may be (`cable/measure/map_network.py`).
 
-    python docs/train_cable_map.py cable_map.onnx [--frames FOLDER] [--steps 6500] [--seed 0]
+    python docs/train_cable_map.py cable_map.onnx [--frames FOLDER] [--steps 12000] [--seed 0]
 
 Frames of the simulated worlds to tune on, and crisp strips, are rendered into FOLDER once, and used
 again; every second one of a world shows a cable of a kind that no world has. The worlds to report
 on, and the scenarios S1 to S6, are never seen. Needs PyTorch and onnx (the extra `train`) and real
-ground, as the worlds do. Some 4 minutes of two processors to render, 40 to train.
+ground, as the worlds do. Some 4 minutes of two processors to render, an hour to train.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -80,8 +81,12 @@ ANY_WIDTH, ANY_ANGLE = (4.0, 160.0), (-90.0, 90.0)
 LEAST_VISIBLE = 0.1
 """Share of the borders below which a frame is left out: it shows nothing of its cable."""
 
-CHANNELS = (8, 16, 32, 48, 64)
+CHANNELS = (8, 24, 48, 96, 128)
 """Number of channels at a half, a quarter, ... of the picture's size."""
+
+DILATIONS = ((), (), (1, 2), (1, 2, 1))
+"""Of the blocks at a quarter, an eighth, ...: most of the work is done where all of a cable is
+seen at once."""
 
 BATCH = 32
 HIGHEST_RATE, WARM_UP = 4e-3, 0.15
@@ -93,9 +98,12 @@ OVERLAP_WEIGHT = 0.3
 PAINTED = 0.4
 """Share of the cables that are painted over with a skin that no world has."""
 
-INVERTED, BLURRED, RIPPLED, COVERED, SNOWED, BENT = 0.4, 0.3, 0.3, 0.5, 0.3, 0.5
+ADDED = 0.3
+"""Share of the pictures without a cable that are given one: the same ground with and without."""
+
+INVERTED, BLURRED, RIPPLED, COVERED, SNOWED, BENT, LIT = 0.4, 0.4, 0.3, 0.5, 0.3, 0.5, 0.3
 """Shares of the pictures that are inverted, blurred, crossed by ripples, have other ground added,
-particles before them, and are bent."""
+particles before them, are bent, and lit by other lamps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,52 +177,69 @@ def true_map(pose: FloatArray) -> Image:
     return strip_shares(np.concatenate([pose, np.zeros(4)]), where)
 
 
-def _convolution(before: int, after: int, stride: int = 1, size: int = 3) -> nn.Sequential:
+def _convolution(
+    before: int, after: int, stride: int = 1, size: int = 3, dilation: int = 1
+) -> nn.Sequential:
     """Return a convolution with what goes with it."""
+    margin = dilation * (size // 2)
     return nn.Sequential(
-        nn.Conv2d(before, after, size, stride, size // 2, bias=False),
+        nn.Conv2d(before, after, size, stride, margin, dilation, bias=False),
         nn.BatchNorm2d(after),
         nn.ReLU(),
     )
 
 
+class _Block(nn.Module):
+    """Two convolutions beside a shortcut (K. He et al., 2016)."""
+
+    def __init__(self, channels: int, dilation: int) -> None:
+        super().__init__()
+        self.change = nn.Sequential(
+            _convolution(channels, channels, dilation=dilation),
+            nn.Conv2d(channels, channels, 3, padding=1, bias=False),
+            nn.BatchNorm2d(channels),
+        )
+
+    def forward(self, levels: Tensor) -> Tensor:
+        """Return levels of the same shape."""
+        return functional.relu(levels + self.change(levels))
+
+
 class MapNetwork(nn.Module):
-    """Log-odds of cells of 4x4 px: halved five times, then enlarged and joined three times."""
+    """Log-odds of cells of 4x4 px: halved five times, then enlarged and added three times."""
 
     def __init__(self) -> None:
         super().__init__()
-        first, *deeper = CHANNELS
-        self.halved = nn.ModuleList([_convolution(len(LIGHT_CELLS), first, 2, 5)])
-        for before, after in zip(CHANNELS, deeper, strict=False):
-            self.halved.append(
-                nn.Sequential(_convolution(before, after, 2), _convolution(after, after))
-            )
-        deepest = CHANNELS[-1]
-        self.halved[-1].append(_convolution(deepest, deepest))
-        self.joined = nn.ModuleList(
-            _convolution(below + beside, beside)
-            for below, beside in zip(CHANNELS[:1:-1], CHANNELS[-2:0:-1], strict=True)
-        )
+        self.halved = nn.ModuleList([_convolution(len(LIGHT_CELLS), CHANNELS[0], 2, 5)])
+        for before, after, dilations in zip(CHANNELS, CHANNELS[1:], DILATIONS, strict=False):
+            blocks = [_Block(after, dilation) for dilation in dilations]
+            self.halved.append(nn.Sequential(_convolution(before, after, 2), *blocks))
+        pairs = list(itertools.pairwise(CHANNELS[1:]))[::-1]
+        self.narrowed = nn.ModuleList(_convolution(below, beside, 1, 1) for beside, below in pairs)
+        self.joined = nn.ModuleList(_convolution(beside, beside) for beside, _ in pairs)
         self.log_odds = nn.Conv2d(CHANNELS[1], 1, 1)
 
     def forward(self, levels: Tensor) -> Tensor:
-        """Return log-odds (B, 1, H / 4, W / 4) of levels (B, 2, H, W), sides multiples of 32."""
+        """Return log-odds (B, 1, H / 4, W / 4) of levels (B, 3, H, W), sides multiples of 32."""
         scales = []
         for step in self.halved:
             levels = step(levels)
             scales.append(levels)
         found = scales.pop()
-        for step, beside in zip(self.joined, scales[:0:-1], strict=True):
-            enlarged = functional.interpolate(found, scale_factor=2.0, mode="nearest")
-            found = step(torch.cat([enlarged, beside], 1))
+        for narrow, join, beside in zip(self.narrowed, self.joined, scales[:0:-1], strict=True):
+            enlarged = functional.interpolate(narrow(found), scale_factor=2.0, mode="nearest")
+            found = join(enlarged + beside)
         return self.log_odds(found)
 
 
 def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple[Image, Image]:
     """Return levels float32 (H, W) and the true map, changed as other dives would be."""
-    levels, cells = image.astype(np.float32), true_map(pose)
-    if not np.isnan(pose).any() and rng.random() < PAINTED:
+    levels = image.astype(np.float32)
+    has_cable = not np.isnan(pose).any()
+    if rng.random() < (PAINTED if has_cable else ADDED):
+        pose = pose if has_cable else _any_pose(rng)
         levels = _painted(levels, pose, rng)
+    cells = true_map(pose)
     if rng.random() < RIPPLED:
         levels = _rippled(levels, cells, rng)
     if rng.random() < COVERED:
@@ -223,6 +248,8 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
         levels = _snowed(levels, rng)
     if rng.random() < BENT:
         levels, cells = _bent(levels, cells, rng)
+    if rng.random() < LIT:
+        levels = _lit(levels, rng)
     for axis in range(2):
         if rng.random() < 0.5:
             levels, cells = np.flip(levels, axis), np.flip(cells, axis)
@@ -230,10 +257,27 @@ def augmented(image: Image, pose: FloatArray, rng: np.random.Generator) -> tuple
         levels = 255.0 - levels
     levels = 255.0 * np.clip(levels / 255.0, 0.0, 1.0) ** np.float32(math.exp(0.3 * rng.normal()))
     if rng.random() < BLURRED:
-        levels = cv2.blur(levels, (3, 3))
+        levels = cv2.GaussianBlur(levels, (0, 0), 0.5 * 6.0 ** rng.random())
     noise = np.float32(12.0) * rng.random() ** 3
     levels = levels + noise * rng.standard_normal(levels.shape, np.float32)
     return levels.astype(np.float32), np.ascontiguousarray(cells)
+
+
+def _any_pose(rng: np.random.Generator) -> FloatArray:
+    """Return where a cable may lie, as (d [px], alpha [rad], w [px], beta [rad])."""
+    distance = rng.uniform(-0.35, 0.35) * WORLD_SIZE[0]
+    width = math.exp(rng.uniform(*np.log(ANY_WIDTH)))
+    # The wider a cable is, the nearer the camera, and the more it converges.
+    skew = math.radians(0.07 * width * rng.normal())
+    return np.array([distance, math.radians(rng.uniform(*ANY_ANGLE)), width, skew])
+
+
+def _lit(levels: Image, rng: np.random.Generator) -> Image:
+    """Return a picture that is lit unevenly, by lamps here and there."""
+    strength = rng.random() * rng.standard_normal((3, 4), np.float32)
+    light = cv2.resize(strength, levels.shape[::-1], interpolation=cv2.INTER_CUBIC)
+    lit: Image = levels * np.exp(0.5 * light)
+    return lit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -281,7 +325,9 @@ def _painted(levels: Image, pose: FloatArray, rng: np.random.Generator) -> Image
     grain = _seen_aslant(GROUNDS[rng.integers(len(GROUNDS))](rng), levels.shape, rng)
     skin += np.float32(0.6 * rng.random() ** 2 / max(float(grain.std()), 0.3)) * grain
     contrast = np.float32(math.exp(rng.uniform(-1.0, 1.2)) * rng.choice((-1.0, 1.0)))
-    share = 1.0 / (1.0 + np.exp(np.clip(at.outside / np.float32(rng.uniform(0.3, 1.5)), -20, 20)))
+    rough = cv2.resize(rng.standard_normal((40, 53), np.float32), levels.shape[::-1])
+    outside = at.outside + np.float32(0.15 * width * rng.random() ** 2) * rough
+    share = 1.0 / (1.0 + np.exp(np.clip(outside / np.float32(rng.uniform(0.3, 1.5)), -20, 20)))
     if rng.random() < 1.0 / 3.0:
         cover = _seen_aslant(_waves(rng), levels.shape, rng)
         shown = (cover < np.quantile(cover, rng.uniform(0.5, 1.0))).astype(np.float32)
@@ -536,7 +582,10 @@ def train(frames: LabelledFrames, steps: int, seed: int) -> MapNetwork:
             pictures, shares = following.result()
             if step + 1 < steps:
                 following = aside.submit(batch, frames, rng)
-            loss = loss_of(network(pictures.to(memory_format=torch.channels_last))[:, 0], shares)
+            # Twice as fast where the processor has this type, and as good.
+            with torch.autocast("cpu", torch.bfloat16):
+                log_odds = network(pictures.to(memory_format=torch.channels_last))[:, 0]
+            loss = loss_of(log_odds.float(), shares)
             optimiser.zero_grad()
             loss.backward()
             optimiser.step()
@@ -567,7 +616,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("output", type=Path)
     parser.add_argument("--frames", type=Path, default=Path("frames_to_train_on"))
-    parser.add_argument("--steps", type=int, default=6500)
+    parser.add_argument("--steps", type=int, default=12000)
     parser.add_argument("--seed", type=int, default=0)
     chosen = parser.parse_args()
     export(train(labelled_frames(chosen.frames), chosen.steps, chosen.seed), chosen.output)

@@ -28,7 +28,7 @@ from cable_tracker.cable.model.limits import StateLimits
 from cable_tracker.cable.model.state import POSE_SIZE, STATE_SIZE
 from cable_tracker.compilation import compiled_loop, compiled_part
 
-MAP_WEIGHT = 2.0
+MAP_WEIGHT = 4.0
 """Weight of the overlap of a strip with the map in the likelihood [nats per nat]: of strips that
 share a border the map tells the right one, where growth and sand have stronger borders than the
 cable. Chosen on the worlds to tune on."""

@@ -39,10 +39,10 @@ CELL = 4
 STRIDE = 32
 """Sides of the picture that the network takes are multiples of it [px]."""
 
-LIGHT_CELLS = (16, 80)
-"""Grey levels are taken relative to their means over squares of either side, interpolated [px at
-the reference width]: uneven light goes, and with the larger ones the inside of a wide cable
-stays."""
+LIGHT_CELLS = (16, 80, 320)
+"""Grey levels are taken relative to their means over squares of each of these sides, interpolated
+[px at the reference width]: uneven light goes, and with the larger ones the inside of a wide cable
+stays; with the largest, which are the whole picture, the light, too."""
 
 FLATTEST = 1.0
 """Added to the mean deviation of the picture [grey levels]: noise of a flat one stays noise."""
@@ -82,7 +82,7 @@ def make_cable_map(picture: Image, frame_width: int) -> CableMap:
 
 
 def normalised(levels: Image) -> Image:
-    """Return float32 grey levels (2, h, w) relative to the light, as `LIGHT_CELLS` says.
+    """Return float32 grey levels (3, h, w) relative to the light, as `LIGHT_CELLS` says.
 
     They are in mean absolute deviations, which a few glaring stones do not change.
     """
@@ -126,7 +126,7 @@ def cells_within(margin: int, length: int) -> range:
 
 
 def _log_odds(levels: Image) -> Image:
-    """Return the log-odds of the cells of padded levels (2, h, w)."""
+    """Return the log-odds of the cells of padded levels (3, h, w)."""
     network = _network()
     network.setInput(levels[None])
     return np.asarray(network.forward()[0, 0])
