@@ -85,8 +85,8 @@ CHANNELS = (8, 24, 48, 96, 128)
 """Number of channels at a half, a quarter, ... of the picture's size."""
 
 DILATIONS = ((), (), (1, 2), (1, 2, 1))
-"""Of the blocks at a quarter, an eighth, ...: most of the work is done where all of a cable is
-seen at once."""
+"""Dilations of the blocks at a quarter, an eighth, ... of the picture's size: most lie where all of
+a cable is seen at once."""
 
 BATCH = 32
 HIGHEST_RATE, WARM_UP = 4e-3, 0.15
@@ -211,12 +211,15 @@ class MapNetwork(nn.Module):
     def __init__(self) -> None:
         super().__init__()
         self.halved = nn.ModuleList([_convolution(len(LIGHT_CELLS), CHANNELS[0], 2, 5)])
-        for before, after, dilations in zip(CHANNELS, CHANNELS[1:], DILATIONS, strict=False):
+        pairs = itertools.pairwise(CHANNELS)
+        for (before, after), dilations in zip(pairs, DILATIONS, strict=True):
             blocks = [_Block(after, dilation) for dilation in dilations]
             self.halved.append(nn.Sequential(_convolution(before, after, 2), *blocks))
-        pairs = list(itertools.pairwise(CHANNELS[1:]))[::-1]
-        self.narrowed = nn.ModuleList(_convolution(below, beside, 1, 1) for beside, below in pairs)
-        self.joined = nn.ModuleList(_convolution(beside, beside) for beside, _ in pairs)
+        upwards = list(itertools.pairwise(CHANNELS[:0:-1]))
+        self.narrowed = nn.ModuleList(
+            _convolution(below, beside, 1, 1) for below, beside in upwards
+        )
+        self.joined = nn.ModuleList(_convolution(beside, beside) for _, beside in upwards)
         self.log_odds = nn.Conv2d(CHANNELS[1], 1, 1)
 
     def forward(self, levels: Tensor) -> Tensor:
@@ -582,7 +585,7 @@ def train(frames: LabelledFrames, steps: int, seed: int) -> MapNetwork:
             pictures, shares = following.result()
             if step + 1 < steps:
                 following = aside.submit(batch, frames, rng)
-            # Twice as fast where the processor has this type, and as good.
+            # Twice as fast where the processor has instructions for this type.
             with torch.autocast("cpu", torch.bfloat16):
                 log_odds = network(pictures.to(memory_format=torch.channels_last))[:, 0]
             loss = loss_of(log_odds.float(), shares)

@@ -175,12 +175,9 @@ def _reported(
     clusters: Clusters, parameters: TrackerParameters, image_width: int
 ) -> tuple[Hypothesis, ...]:
     """Return the clusters that are worth mention, and the first whatever its mass."""
-    return tuple(
-        Hypothesis(
-            mass, CableState.from_array(wrap_state(_unsmoothed(mean, parameters, image_width)))
-        )
-        for index, (mass, mean) in enumerate(
-            zip(clusters.masses.tolist(), clusters.means, strict=True)
-        )
-        if index == 0 or mass >= SMALLEST_HYPOTHESIS
-    )
+    reported = []
+    for index, mass in enumerate(clusters.masses.tolist()):
+        if index == 0 or mass >= SMALLEST_HYPOTHESIS:
+            state = _unsmoothed(clusters.means[index], parameters, image_width)
+            reported.append(Hypothesis(mass, CableState.from_array(wrap_state(state))))
+    return tuple(reported)
