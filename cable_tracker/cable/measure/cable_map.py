@@ -15,6 +15,10 @@ from cable_tracker.compilation import compiled, compiled_fast_loop, compiled_ins
 SMALLEST_SHARE = 0.01
 """Added to a share and to the rest before their ratio is taken: no cell is sure."""
 
+RESOLVED_WIDTH = 3.0
+"""Width of the narrowest strip that a map tells from a wider one [cells]: matched by its own width,
+a thin strip would lose to one as wide as the map's blur."""
+
 SMALLEST_AREA = 0.5
 """Area that a strip is taken to have at least [cells]."""
 
@@ -85,7 +89,11 @@ class MapMatch(NamedTuple):
 
 @compiled_fast_loop
 def map_match(state: FloatArray, where: CableMap) -> MapMatch:
-    """Return how well a strip (8,) matches a map that is not empty."""
+    """Return how well a strip (8,) matches a map that is not empty.
+
+    Strips narrower than `RESOLVED_WIDTH` match as if they were so wide: how wide such a cable is,
+    its borders tell.
+    """
     area, mass = _covered(state, where)
     area = max(area, SMALLEST_AREA)
     return MapMatch(
@@ -98,7 +106,7 @@ def map_match(state: FloatArray, where: CableMap) -> MapMatch:
 def strip_shares(state: FloatArray, where: CableMap) -> Image:
     """Return which share of each cell of a map a strip (8,) covers, float32, of the map's shape."""
     shares: Image = np.empty(where.probabilities.shape, np.float32)
-    borders = _borders(state, where)
+    borders = _borders(state, state[WIDTH], where)
     for row in range(shares.shape[0]):
         for column in range(shares.shape[1]):
             shares[row, column] = _share(row, column, borders)
@@ -107,8 +115,12 @@ def strip_shares(state: FloatArray, where: CableMap) -> Image:
 
 @compiled_fast_loop
 def _covered(state: FloatArray, where: CableMap) -> tuple[float, float]:
-    """Return the number of cells that a strip covers, and the sum of their probabilities."""
-    borders = _borders(state, where)
+    """Return the number of cells that a strip covers, and the sum of their probabilities.
+
+    A strip narrower than `RESOLVED_WIDTH` covers what one of that width would.
+    """
+    width = max(state[WIDTH], RESOLVED_WIDTH * where.cell)
+    borders = _borders(state, width, where)
     if abs(math.cos(state[ANGLE])) >= abs(math.sin(state[ANGLE])):
         return _covered_along(
             where.sums_along_rows,
@@ -168,9 +180,9 @@ class _Borders(NamedTuple):
 
 
 @compiled_fast_loop
-def _borders(state: FloatArray, where: CableMap) -> _Borders:
-    """Return the borders of a strip as they cross the cells of a map."""
-    angle, width, skew = state[ANGLE], state[WIDTH], state[SKEW]
+def _borders(state: FloatArray, width: float, where: CableMap) -> _Borders:
+    """Return the borders of a strip of some width [px] as they cross the cells of a map."""
+    angle, skew = state[ANGLE], state[SKEW]
     left_x, left_y = math.cos(angle - skew), math.sin(angle - skew)
     right_x, right_y = math.cos(angle + skew), math.sin(angle + skew)
     left_offset = border_offset(state[DISTANCE], width, skew, -1.0)

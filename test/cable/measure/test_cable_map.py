@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -74,6 +75,14 @@ def test_a_strip_half_as_wide_is_inside_but_overlaps_less():
     where = map_of(0.9 * strip_shares(whole, EMPTY))
     assert map_match(half, where).inside == pytest.approx(map_match(whole, where).inside, abs=0.1)
     assert map_match(half, where).overlap < map_match(whole, where).overlap - 0.5
+
+
+def test_a_map_does_not_tell_thin_strips_from_each_other():
+    thin, thinner = CableState(3.0, 0.2, 10.0).to_array(), CableState(3.0, 0.2, 5.0).to_array()
+    blurred = map_of(cv2.GaussianBlur(strip_shares(thinner, EMPTY), (0, 0), 1.0))
+    assert map_match(thinner, blurred) == map_match(thin, blurred)
+    wide = CableState(3.0, 0.2, 25.0).to_array()
+    assert map_match(wide, blurred).overlap < map_match(thinner, blurred).overlap - 0.3
 
 
 def test_match_is_in_log_odds():
