@@ -3,13 +3,12 @@
 Correlation between frames. Particles of one group compete by their likelihood; what is corrected is
 the weight of each group as a whole. A group's log-likelihood ratio is log(posterior mass / prior
 mass), less that of the bottom at its place, times `thin_factor`. Where no cable is known half of it
-counts, and how much the group looks like one (`appearance`): the bottom has stronger borders than a
-faint cable.
-Of a surviving group only
-`evidence_repeated` times min(ratio, limit) is added: a furrow that is there in this frame is there
-in the next. Of a new group: that part of the reference group's ratio plus min(ratio - reference
-ratio, limit). The reference is the surviving group of largest prior mass. limit = `evidence_limit`
-plus the group's mean width penalty (<= 0): a width that is not the one of before lowers it.
+counts, the less the clearer the map is, and how much the group looks like a cable (`appearance`):
+the bottom has stronger borders than a faint cable. Of a surviving group only `evidence_repeated`
+times min(ratio, limit) is added: a furrow that is there in this frame is there in the next. Of a
+new group: that part of the reference group's ratio plus min(ratio - reference ratio, limit). The
+reference is the surviving group of largest prior mass. limit = `evidence_limit` plus the group's
+mean width penalty (<= 0): a width that is not the one of before lowers it.
 """
 
 from __future__ import annotations
@@ -31,6 +30,12 @@ BACKGROUND_SHARE = 0.5
 """Share of the log-likelihood ratio above the background that counts where no cable is known.
 
 Chosen on simulated worlds to tune on (`tune_*`)."""
+
+FAINT_MAP, CLEAR_MAP = 4.0, 8.0
+"""What the map of the frame says of the particle that it suits best, up to where that share is
+whole, and from where on it is 0 [nats]. Where the map is clear, the appearance says more than the
+borders, which the bottom has, too: of overgrown pipelines, to tune on, a quarter would be lost to
+strips that share one border with them."""
 
 ORDINARY_APPEARANCE = 1.2
 """Appearance at which a group explains the frame no better than none [nats]."""
@@ -110,8 +115,8 @@ def corrected_log_weights(
     states, densities : FloatArray, DensityValues
         The particles, shape (N, 8), and their densities before the frame.
     map_log_ratios : FloatArray
-        What the map of the frame added to their log-likelihoods, shape (N,) [nats]: of groups the
-        appearance says it.
+        What the map of the frame added to their log-likelihoods, shape (N,) or more [nats]: of
+        groups the appearance says it.
     groups : Groups
         Groups of the particles.
     backgrounds : FloatArray
@@ -121,6 +126,7 @@ def corrected_log_weights(
     limits : EvidenceLimits
         Limits of the correction.
     """
+    limits = limits_beside_map(limits, map_log_ratios[: len(states)])
     found = group_evidence(
         log_posterior,
         log_prior,
@@ -143,6 +149,25 @@ def corrected_log_weights(
     for row in range(len(corrected)):
         corrected[row] = log_posterior[row] + corrections[groups.labels[row]]
     return corrected
+
+
+@compiled_part
+def limits_beside_map(limits: EvidenceLimits, map_log_ratios: FloatArray) -> EvidenceLimits:
+    """Return limits for a frame whose map adds some log-likelihood ratios to particles, (N,).
+
+    Where the appearance does not count, the map does not change what the borders say, either.
+    """
+    share = limits.background_share
+    if limits.appearance_share > 0.0:
+        clear = (map_log_ratios.max() - FAINT_MAP) / (CLEAR_MAP - FAINT_MAP)
+        share *= 1.0 - min(max(clear, 0.0), 1.0)
+    return EvidenceLimits(
+        limits.evidence_limit,
+        limits.evidence_repeated,
+        limits.thin_width,
+        share,
+        limits.appearance_share,
+    )
 
 
 @compiled_part

@@ -8,6 +8,8 @@ import pytest
 from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Groups
 from cable_tracker.cable.hypotheses.evidence_correction import (
     BACKGROUND_SHARE,
+    CLEAR_MAP,
+    FAINT_MAP,
     ORDINARY_APPEARANCE,
     EvidenceLimits,
     GroupEvidence,
@@ -75,6 +77,25 @@ def evidence_after(evidence, survived=0.0, **others) -> float:
 
 def test_what_a_map_adds_to_particles_is_not_counted_again_for_their_group():
     assert evidence_after(3.0, mapped=2.0) == pytest.approx(evidence_after(1.0))
+
+
+@pytest.mark.parametrize(
+    ("mapped", "share"),
+    [
+        (0.0, 1.0),
+        (FAINT_MAP, 1.0),
+        (0.5 * (FAINT_MAP + CLEAR_MAP), 0.5),
+        (CLEAR_MAP, 0.0),
+        (CLEAR_MAP + 5.0, 0.0),
+    ],
+)
+def test_the_clearer_the_map_is_the_less_count_the_borders(mapped, share):
+    above = 4.0
+    assert evidence_after(mapped + above, mapped=mapped) == pytest.approx(
+        share * BACKGROUND_SHARE * above
+    )
+    unlike = evidence_after(mapped + above, mapped=mapped, appearance=ORDINARY_APPEARANCE - 3.0)
+    assert unlike == pytest.approx(share * BACKGROUND_SHARE * above - 3.0)
 
 
 def test_of_a_new_group_a_share_counts_that_it_explains():
@@ -151,3 +172,5 @@ def test_beside_a_known_cable_looks_do_not_count():
     known = beside_a_known_cable(config, parameters).evidence_limits
     assert evidence_after(2.0, limits=known, appearance=9.0) == pytest.approx(2.0)
     assert evidence_after(2.0, limits=known, appearance=-9.0) == pytest.approx(2.0)
+    beside_map = evidence_after(CLEAR_MAP + 2.0, limits=known, mapped=CLEAR_MAP)
+    assert beside_map == pytest.approx(2.0)
