@@ -34,8 +34,8 @@ Chosen on simulated worlds to tune on (`tune_*`)."""
 FAINT_MAP, CLEAR_MAP = 4.0, 8.0
 """What the map of the frame says of the particle that it suits best, up to where that share is
 whole, and from where on it is 0 [nats]. Where the map is clear, the appearance says more than the
-borders, which the bottom has, too: of overgrown pipelines, to tune on, a quarter would be lost to
-strips that share one border with them."""
+borders, which the bottom has, too: of overgrown pipelines, to tune on, twice as many would be lost
+to strips that share one border with them."""
 
 ORDINARY_APPEARANCE = 1.2
 """Appearance at which a group explains the frame no better than none [nats]."""
