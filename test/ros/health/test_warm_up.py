@@ -38,3 +38,23 @@ def test_an_error_is_raised_where_the_end_is_waited_for() -> None:
     failing = WarmUp("a", fail)
     with pytest.raises(ZeroDivisionError, match="no code"):
         failing.finish()
+
+
+def test_one_runs_at_a_time_and_one_that_waits_can_be_abandoned() -> None:
+    go_on, runs = threading.Event(), []
+
+    def wait(name: str) -> None:
+        runs.append((name, threading.get_ident()))
+        assert go_on.wait(300.0)
+
+    first = WarmUp("a", lambda: wait("a"))
+    needless = WarmUp("b", lambda: wait("b"))
+    last = WarmUp("c", lambda: wait("c"))
+    needless.abandon()
+    go_on.set()
+    for each in (first, needless, last):
+        each.finish()
+    assert [name for name, _ in runs] == ["a", "c"]
+    assert len({thread for _, thread in runs}) == 1
+    WarmUp("b", lambda: wait("b")).finish()
+    assert runs[-1][0] == "b"
