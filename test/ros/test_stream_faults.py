@@ -497,6 +497,20 @@ class TestWarmUp:
         feed(node, regular(1, START + 6 * FRAME))
         assert node.status == "TRACKING"
 
+    def test_a_change_during_the_first_warm_up_is_warmed_up_before_the_first_frame(
+        self, world: Any, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        slow = SlowWarmUp()
+        monkeypatch.setattr(tracker_node, "WarmUp", slow)
+        node = world.cold_tracker()
+        assert node.set_parameters([Parameter("filter", value="bootstrap")])[0].successful
+        first, second = slow.variants
+        assert "multi_hypothesis" in first and "bootstrap" in second
+        assert slow.abandoned == 1
+        assert node.status == "WARMING UP"
+        slow.running = False
+        world.spin(lambda: node.status == "INITIALISING")
+
     def test_an_error_of_the_compiler_is_not_hidden(
         self, world: Any, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -517,9 +531,15 @@ class SlowWarmUp:
     def __init__(self, error: Exception | None = None) -> None:
         self.running = True
         self.error = error
+        self.variants: list[Any] = []
+        self.abandoned = 0
 
     def __call__(self, variant: Any, run: Any) -> SlowWarmUp:
+        self.variants.append(variant)
         return self
+
+    def abandon(self) -> None:
+        self.abandoned += 1
 
     def finish(self) -> None:
         if self.error is not None:

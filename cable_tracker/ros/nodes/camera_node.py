@@ -220,13 +220,13 @@ class CameraNode(ProcessNode):
 
     def _warm_up_for_change(self) -> None:
         """Stop tracking until another variant is compiled, and say so."""
-        if not self._input.is_open:
-            return
+        if self._watchdog is None:
+            return  # `begin` warms up.
         before, warm_up = self._warm_up, self._make_warm_up()
         if before is not None:
             before.abandon()
             self._warm_up = warm_up
-        if warm_up.running:
+        elif warm_up.running:
             self._warm_up = warm_up
             self.get_logger().warning("warming up: the change needs other code; no frame is used")
             self.publish_diagnostics()
