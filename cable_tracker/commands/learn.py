@@ -105,7 +105,7 @@ def learn(  # noqa: PLR0917
         for path in paths:
             chosen = ChosenRecording(path, topic, rate, truth, skip_bad_frames, allow_outside)
             recording = stack.enter_context(open_recording(chosen))
-            sequences.append(labelled_recording(recording, truth))
+            sequences.append(labelled_recording(recording, chosen))
         file = stack.enter_context(output_file(output, is_table, overwrite=force))
         progress = stack.enter_context(progress_bar("learning", total_of(sequences)))
         for sequence in sequences:

@@ -19,7 +19,7 @@ from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.sequence_file import Label, read_labels
-from cable_tracker.sequences.source import Source, is_bag
+from cable_tracker.sequences.source import ChosenRecording, Source, is_bag
 from cable_tracker.simulation.dive import SimulatedFrame
 from cable_tracker.simulation.scenario import simulate_scenario
 from cable_tracker.simulation.scenarios import SCENARIOS
@@ -201,8 +201,7 @@ class RecordingSequence(LabelledRecording):
             The recording or the labels cannot be read, do not fit, or there are none.
         """
         with self.open() as source:
-            if self.truth is not None:
-                check_labels(source, self.truth)
+            check_labels(source, self)
             if not (source.has_truth or self.unlabelled_is_empty):
                 raise RecordingError(
                     f"{self.path}: has no ground truth to judge by; give labels with --truth FILE,"
@@ -233,32 +232,35 @@ def _judged(frame: Frame, visibility: float) -> EvaluationFrame:
     return EvaluationFrame(frame.index, frame.stamp, image, frame.truth, visibility)
 
 
-def check_labels(source: Source, truth: Path) -> None:
-    """See that every label belongs to a frame of the source, and no frame has two.
+def check_labels(source: Source, chosen: ChosenRecording) -> None:
+    """See that every label of an open recording belongs to one of its frames, and none has two.
+
+    A recording without a file of labels has nothing to see.
 
     Raises
     ------
     RecordingError
         A label does not; the message names its line.
     """
-    if is_bag(truth):
+    truth = chosen.truth
+    if truth is None or is_bag(truth):
         return
-    labels = read_labels(truth)
+    labels = read_labels(truth, allow_outside=chosen.allow_outside)
     own = {label.filename for label in labels if Path(label.filename).name == source.path.name}
     first_line: dict[str, int] = {}
-    for line, label in zip(label_lines(truth), labels, strict=True):
+    for label in labels:
         name = str(label)
         if name in first_line:
             raise RecordingError(
-                f"{truth}: line {line} labels {name} again, after line {first_line[name]};"
+                f"{truth}: line {label.line} labels {name} again, after line {first_line[name]};"
                 " remove one of them"
             )
-        first_line[name] = line
+        first_line[name] = label.line
         if own and label.filename not in own:
             continue
         reason = _mismatch(source, label)
         if reason:
-            raise RecordingError(f"{truth}: line {line} labels {name}, but {reason}")
+            raise RecordingError(f"{truth}: line {label.line} labels {name}, but {reason}")
 
 
 def _mismatch(source: Source, label: Label) -> str:
@@ -270,13 +272,6 @@ def _mismatch(source: Source, label: Label) -> str:
     if label.frame is not None and count is not None and label.frame >= count:
         return f"{name} has only {count} frames, counted from 0"
     return ""
-
-
-def label_lines(truth: Path) -> list[int]:
-    """Return the line numbers of the labels in a sequence file, from 1; see `read_labels`."""
-    lines = truth.read_text(encoding="utf-8-sig").split("\n")
-    texts = ((number, line.strip()) for number, line in enumerate(lines, start=1))
-    return [number for number, text in texts if text and not text.startswith("#")]
 
 
 def simulated_sequences(

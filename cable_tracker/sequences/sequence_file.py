@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path, PurePosixPath
 
@@ -51,11 +51,14 @@ class Label:
         The picture or video, relative to the folder of the sequence file.
     frame : int or None
         Frame number in a video, from 0; None for a picture.
+    line : int
+        Number of its line in the sequence file that it was read from, from 1; else 0.
     """
 
     state: CableState
     filename: str
     frame: int | None = None
+    line: int = field(default=0, compare=False)
 
     def __str__(self) -> str:
         return self.filename if self.frame is None else f"{self.filename}:{self.frame}"
@@ -89,8 +92,8 @@ def _check_name(name: str, allow_outside: bool = False) -> None:
         )
 
 
-def _parse_line(line: str, allow_outside: bool) -> Label:
-    numbers, hash_sign, name = line.partition("#")
+def _parse_line(text: str, line: int, allow_outside: bool) -> Label:
+    numbers, hash_sign, name = text.partition("#")
     name = name.strip()
     values = [float(word) for word in numbers.split()]
     if len(values) != 4:
@@ -103,7 +106,7 @@ def _parse_line(line: str, allow_outside: bool) -> Label:
         raise ValueError(f"alpha is {values[1]:g} rad")
     filename, frame = _parse_name(name)
     _check_name(filename, allow_outside)
-    return Label(_wrapped(CableState(*values)), filename, frame)
+    return Label(_wrapped(CableState(*values)), filename, frame, line)
 
 
 def _read_lines(path: Path) -> Iterator[str]:
@@ -150,7 +153,7 @@ def read_any_labels(path: Path, *, allow_outside: bool = False) -> list[Label]:
         if not text or text.startswith("#"):
             continue
         try:
-            labels.append(_parse_line(text, allow_outside))
+            labels.append(_parse_line(text, number, allow_outside))
         except ValueError as error:
             raise RecordingError(
                 f"{path}: line {number} is malformed ({one_line(error)}); expected: d alpha w beta"

@@ -9,7 +9,6 @@ from cable_tracker.evaluation.evaluation_sequences import (
     ScenarioSequence,
     WorldSequence,
     available_worlds,
-    label_lines,
     scenario_sequences,
     simulated_sequences,
 )
@@ -122,10 +121,15 @@ def test_a_second_label_of_a_frame_is_named(pictures, label_file):
         RecordingSequence(pictures, truth=label_file).frame_count()
 
 
-def test_label_lines_skip_comments_and_empty_lines(tmp_path):
-    path = tmp_path / "labels.txt"
-    path.write_text("# head\n1 2 3 4 # a\n\n  # note\n1 2 3 4 # b\n")
-    assert label_lines(path) == [2, 5]
+def test_labels_that_name_files_elsewhere_are_checked_where_that_is_allowed(pictures, label_file):
+    label_file.write_text("1 0.1 30 0 # ../any.mp4:4\n1 0.1 30 0 # ../any.mp4:5\n")
+    with pytest.raises(RecordingError, match="--allow-outside"):
+        RecordingSequence(pictures, truth=label_file).frame_count()
+    trusted = RecordingSequence(pictures, truth=label_file, allow_outside=True)
+    with pytest.raises(RecordingError, match=r"line 2 labels .*any\.mp4:5.*only 5 frames"):
+        trusted.frame_count()
+    label_file.write_text("1 0.1 30 0 # ../any.mp4:4\n")
+    assert trusted.frame_count() == 5
 
 
 def test_worlds_are_chosen_by_name_or_pattern():

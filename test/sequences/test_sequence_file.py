@@ -234,3 +234,9 @@ def test_the_real_labels(footage):
     assert len(frames) == source.frame_count == 138
     assert frames[-1].stamp - FIRST_STAMP == 238 * 40_000_000
     assert all(frame.truth is not None for frame in frames)
+
+
+def test_a_label_knows_its_line_behind_comments_and_empty_lines(tmp_path):
+    path = tmp_path / "labels.txt"
+    path.write_text("# head\n1 2 3 4 # a\n\n  # note\n1 2 3 4 # b\n")
+    assert [label.line for label in read_labels(path)] == [2, 5]

@@ -49,8 +49,7 @@ def estimate_noise(  # noqa: PLR0917
     chosen = ChosenRecording(source, topic, rate, truth, skip_bad_frames, allow_outside)
     with ExitStack() as stack:
         recording = stack.enter_context(open_recording(chosen))
-        if truth is not None:
-            check_labels(recording, truth)
+        check_labels(recording, chosen)
         progress = stack.enter_context(progress_bar("reading", recording.frame_count))
         for frame in recording.frames():
             states.append(UNLABELLED if frame.truth is None else frame.truth.to_array())
