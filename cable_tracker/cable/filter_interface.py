@@ -118,7 +118,7 @@ class CableFilter(ABC, Generic[BeliefType]):
         detections : FloatArray
             d, alpha, w, beta of cables that a detector sees in it [px, rad], shape (K, 4).
         motion : MotionAid or None
-            How odometry says that the cable has moved; None: by its own rates.
+            How odometry says that the cable has moved; None: by its own rates. None if `dt` is 0.
         """
 
     @abstractmethod

@@ -177,6 +177,7 @@ class CableTracker:
         before = self._belief
         if self._given is not None:
             before, dt = self._given_belief(self._filter, self._given), 0.0
+            motion = None  # It says where the cable is in this very frame.
             self._status = StatusMachine().confirm_with_next_frame(
                 is_certain=self._given.is_certain
             )

@@ -639,3 +639,23 @@ def test_a_copy_goes_on_as_the_tracker_would_and_apart_from_it(name):
     assert [estimate.state for estimate in run(twin, stamped[6:])] == states
     twin.reset()
     assert tracker.particles is not None
+
+
+class NotToBeAsked:
+    """Odometry that fails a test if a filter asks it."""
+
+    def moved(self, states):
+        pytest.fail("a state given of this frame has not moved")
+
+    def sigmas(self):
+        pytest.fail("a state given of this frame has not moved")
+
+
+@pytest.mark.parametrize("name", ["default", "thesis"])
+def test_odometry_does_not_move_a_state_that_was_given_of_this_frame(name, draw_strip):
+    picture = draw_strip(STRIP, (320, 240))
+    tracker = make_tracker(preset(name))
+    tracker.process(np.full_like(picture, 100), START)
+    tracker.initialise(GivenState.around(STRIP))
+    estimate = tracker.process(picture, START + FRAME, NotToBeAsked())
+    assert estimate.state.distance == pytest.approx(STRIP.distance, abs=4.0)

@@ -41,6 +41,8 @@ class Belief:
     refused_time : float
         Time for which consecutive frames had a cable present, but its weaker border too faint to
         claim it, or, if it is known, to keep it [s].
+    is_clear : bool
+        Whether the leading hypothesis is clear enough to claim it where nothing was known of it.
     known_time : float
         Time for which consecutive frames held the leading hypothesis for a cable, counted while its
         borders are clear enough to claim it [s]; infinite where an operator or planner gave it.
@@ -54,6 +56,7 @@ class Belief:
     width_prior: WidthPrior | None = None
     log_odds: FloatArray = field(default_factory=lambda: np.empty(0))
     refused_time: float = 0.0
+    is_clear: bool = False
     known_time: float = 0.0
 
     @property

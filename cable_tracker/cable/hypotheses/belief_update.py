@@ -79,6 +79,7 @@ class BeliefUpdate:
                 if self._is_refused(hypotheses, presence, is_known=is_known, is_clear=is_clear)
                 else 0.0
             ),
+            is_clear=is_clear,
             known_time=(
                 before.known_time + (dt if is_learnt_from else 0.0)
                 if found.goes_on and presence >= KNOWN_PRESENCE

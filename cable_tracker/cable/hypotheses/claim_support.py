@@ -52,8 +52,7 @@ def belief_summary(
     mean, covariance = leading_estimate(hypotheses, parameters, image_width)
     evidence = leading_evidence(hypotheses, parameters)
     visible = hypotheses.visible_length >= MINIMUM_POINTS
-    is_clear = is_new_clear(hypotheses, belief.width_prior, parameters, image_width)
-    is_acceptable = visible and (is_clear or is_familiar(belief, parameters, image_width))
+    is_acceptable = visible and (belief.is_clear or is_familiar(belief, parameters, image_width))
     is_claimable = (
         is_acceptable
         and belief.presence >= parameters.presence_to_track
@@ -65,7 +64,7 @@ def belief_summary(
         effective_sample_size=hypotheses.effective_size,
         evidence=evidence,
         supports_claim=is_claimable,
-        supports_new_claim=is_claimable and is_clear,
+        supports_new_claim=is_claimable and belief.is_clear,
         supports_keeping=is_acceptable
         and belief.presence >= parameters.presence_to_lose
         and evidence >= parameters.evidence_to_lose,

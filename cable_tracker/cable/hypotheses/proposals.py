@@ -109,6 +109,8 @@ def draw_sample(
     peaks = empty_peaks(len(counts.refined) * (config.most_refined + MOST_CANDIDATES))
     looks_count = config.evidence_limits.appearance_share > 0.0
     shown = strips_of_map(inputs.where, MOST_OF_MAP if looks_count else 0)
+    for strip in shown:
+        unwrap_state(strip, inputs.reference_angle, strip)
     candidates = np.empty((0, STATE_SIZE))
     filled = _draw_first(sample, inputs, counts, config, centres)
     _apply_shadow_losses(sample, filled, inputs, config)

@@ -34,10 +34,14 @@ NETWORK = "cable_map.onnx"
 """The network, as a file beside this module."""
 
 CELL = 4
-"""Side of a cell [px at the reference width]."""
+"""Side of a cell [px of the picture that the network takes]."""
 
 STRIDE = 32
 """Sides of the picture that the network takes are multiples of it [px]."""
+
+TALLEST = 640
+"""Height of the tallest picture handed over [px]: of a narrow strip of a frame, as wide as the
+network has seen pictures, it would take much memory and time."""
 
 LIGHT_CELLS = (16, 80, 320)
 """Grey levels are taken relative to their means over squares of each of these sides, interpolated
@@ -61,7 +65,7 @@ def make_cable_map(picture: Image, frame_width: int) -> CableMap:
     frame_width : int
         Width of the frame that the picture shows [px].
     """
-    levels = _at_reference_width(picture)
+    levels = _as_seen(picture)
     height, width = levels.shape
     relative = normalised(levels)
     whole, (margin_left, margin_top) = padded(relative)
@@ -72,7 +76,7 @@ def make_cable_map(picture: Image, frame_width: int) -> CableMap:
     if not relative.any():
         # The network never saw a picture of one grey level.
         probabilities[:] = 0.0
-    scale = frame_width / REFERENCE_WIDTH
+    scale = frame_width / width
     return cable_map_of(
         probabilities,
         (CELL * (columns.start + 0.5) - margin_left - 0.5 * width) * scale,
@@ -98,9 +102,11 @@ def normalised(levels: Image) -> Image:
     return found
 
 
-def _at_reference_width(picture: Image) -> Image:
+def _as_seen(picture: Image) -> Image:
+    """Return a picture as wide as the network has seen them, or narrower if it is a tall one."""
     height, width = picture.shape
-    size = (int(REFERENCE_WIDTH), max(round(height * REFERENCE_WIDTH / width), 1))
+    scale = min(REFERENCE_WIDTH / width, TALLEST / height)
+    size = (max(round(width * scale), 1), max(round(height * scale), 1))
     if size != (width, height):
         picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
     return np.asarray(picture, np.float32)
@@ -109,11 +115,11 @@ def _at_reference_width(picture: Image) -> Image:
 def padded(levels: Image) -> tuple[Image, tuple[int, int]]:
     """Return levels with their outermost ones repeated, and how many were added left and above.
 
-    Their shape is (..., h, w).
+    Their shape is (..., h, w). What is added are whole cells, so that one begins at the corner.
     """
     height, width = levels.shape[-2:]
     right, below = -width % STRIDE, -height % STRIDE
-    left, above = right // 2, below // 2
+    left, above = (side // (2 * CELL) * CELL for side in (right, below))
     beside = [(0, 0)] * (levels.ndim - 2)
     margins = (*beside, (above, below - above), (left, right - left))
     return np.pad(levels, margins, "edge"), (left, above)

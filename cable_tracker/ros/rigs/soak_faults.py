@@ -12,6 +12,9 @@ import numpy as np
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.sequences.messages.factory import Message
 
+NARROWEST = 16
+"""Shortest side of a frame of another size [px]."""
+
 FLOAT_SIZE = (16, 12)
 """Size of a float image all of whose pixels are NaN [px]."""
 
@@ -124,7 +127,12 @@ def _one_pixel(message: Message, _rng: np.random.Generator) -> None:
 
 def _resize(message: Message, rng: np.random.Generator) -> None:
     """Cut the frame to a random size, from its beginning."""
-    width, height = (int(size) for size in rng.integers(16, (message.width, message.height)))
+    sizes = rng.integers(NARROWEST, (message.width, message.height))
+    cut_to(message, *(int(size) for size in sizes))
+
+
+def cut_to(message: Message, width: int, height: int) -> None:
+    """Cut the frame of an 8-bit sensor_msgs/Image to a size [px], from its beginning."""
     rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
     step = width * (message.step // message.width)
     message.width, message.height, message.step = width, height, step

@@ -18,7 +18,13 @@ from cable_tracker.errors import RosError
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.environment import local_environment
 from cable_tracker.ros.rigs.soak_camera import SoakCamera
-from cable_tracker.ros.rigs.soak_faults import CHANGES, COMPRESSED_CHANGES, Fault
+from cable_tracker.ros.rigs.soak_faults import (
+    CHANGES,
+    COMPRESSED_CHANGES,
+    NARROWEST,
+    Fault,
+    cut_to,
+)
 from cable_tracker.ros.rigs.soak_frames import SoakFrames
 from cable_tracker.ros.rigs.soak_record import MemorySample, SoakRecord, read_memory
 from cable_tracker.ros.rigs.soaked_node import SOAKED
@@ -259,8 +265,17 @@ class SoakRig:
         self._processes += 1
         self._answers_before = self.camera.answers
         self._await_first_answer()
-        # What draws pictures is loaded when first asked for, some 10 MB; that is no growth.
+        # What draws pictures is loaded when first asked for, and the network takes the more memory
+        # the taller the tallest frame was so far: that is no growth.
         self.view()
+        self._show_tallest()
+
+    def _show_tallest(self) -> None:
+        """Send the frame that the network takes most memory for, of those that faults may send."""
+        if Fault.OTHER_SIZE in self.changes:
+            message = self.frames.next_message()
+            cut_to(message, NARROWEST, message.height)
+            self.exchange(message)
 
     def replay(self, *, loop: bool) -> SoakedProcess:
         """Return the process of a replay of a few frames, which is not started yet."""

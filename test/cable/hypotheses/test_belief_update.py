@@ -9,6 +9,7 @@ import pytest
 from cable_tracker.cable.hypotheses.belief import Belief, initial_belief
 from cable_tracker.cable.hypotheses.belief_update import BeliefUpdate
 from cable_tracker.cable.hypotheses.conclusion import Conclusion
+from cable_tracker.cable.hypotheses.width_prior import WidthPrior
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 
@@ -69,3 +70,13 @@ def test_from_another_hypothesis_than_the_known_one_nothing_is_learnt_unless_it_
     assert faint.memory is None and faint.width_prior is None
     assert faint.refused_time == pytest.approx(0.4)
     assert clear.memory is not None
+
+
+def test_a_leader_that_is_clear_as_a_new_one_stays_so_although_its_width_is_learnt_from():
+    """After a long time without a cable, any width may come; it is not judged by itself."""
+    prior = WidthPrior(math.log(12.0), tracked_time=60.0)
+    forgotten = replace(BEFORE, width_prior=prior.aged(100.0 * PARAMETERS.width_memory))
+    belief = updated(concluded(1.5), forgotten)
+    assert belief.width_prior.untracked_time == 0.0
+    assert belief.is_clear
+    assert not updated(concluded(1.5), replace(BEFORE, width_prior=prior)).is_clear

@@ -48,7 +48,9 @@ def summary(
         appearance=ORDINARY_APPEARANCE,
         visible_length=length,
     )
-    return belief_summary(replace(belief, hypotheses=hypotheses), PARAMETERS, 320)
+    is_clear = is_new_clear(hypotheses, belief.width_prior, PARAMETERS, 320)
+    belief = replace(belief, hypotheses=hypotheses, is_clear=is_clear)
+    return belief_summary(belief, PARAMETERS, 320)
 
 
 @pytest.mark.parametrize(

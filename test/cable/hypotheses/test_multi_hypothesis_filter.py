@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cable_tracker.cable.hypotheses import sample_counts
+from cable_tracker.cable.hypotheses import multi_hypothesis_filter, sample_counts
 from cable_tracker.cable.hypotheses.belief import initial_belief
 from cable_tracker.cable.hypotheses.border_displacement import displacement_factors
 from cable_tracker.cable.hypotheses.claim_support import SMALLEST_HYPOTHESIS
@@ -500,3 +500,31 @@ def test_the_map_has_a_say_unless_a_clear_cable_is_known(
     belief = replace(belief, known_time=known_time, hypotheses=hypotheses)
     after = make_filter(looks=looks).step(belief, strip, FRAME, NO_DETECTIONS)
     assert after.hypotheses.is_mapped == is_mapped
+
+
+def density_about_the_strip(strip, turned, monkeypatch) -> float:
+    """Return the median proposal density of particles at the strip, seen from a turned belief."""
+    samples = []
+    draw = multi_hypothesis_filter.draw_and_conclude
+
+    def spy(sample, *others):
+        conclusion = draw(sample, *others)
+        samples.append((sample, conclusion.states))
+        return conclusion
+
+    monkeypatch.setattr(multi_hypothesis_filter, "draw_and_conclude", spy)
+    elsewhere = CableState(0.0, STRIP.angle - turned, 30.0, 0.0)
+    cable_filter = make_filter(refinement_rounds=1)
+    cable_filter.step(cable_filter.guessed_belief(cloud(elsewhere)), strip, FRAME, NO_DETECTIONS)
+    sample, states = samples[0]
+    offsets = np.abs(states[:, :4] - STRIP.to_array()[:4])
+    at_strip = (offsets < np.array([6.0, 0.1, 6.0, 0.1])).all(axis=1)
+    assert at_strip.sum() > 20
+    return float(np.median(sample.proposal_density[: len(states)][at_strip]))
+
+
+def test_strips_of_the_map_are_drawn_about_in_the_chart_of_the_particles(strip, monkeypatch):
+    """Else what is drawn there would lack its own density, and weigh far too much."""
+    near = density_about_the_strip(strip, 1.3, monkeypatch)
+    beyond = density_about_the_strip(strip, 1.65, monkeypatch)
+    assert 0.1 < beyond / near < 10.0

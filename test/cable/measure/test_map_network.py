@@ -14,6 +14,7 @@ from cable_tracker.cable.measure.map_network import (
     LARGEST,
     LIGHT_CELLS,
     STRIDE,
+    TALLEST,
     cells_within,
     make_cable_map,
     normalised,
@@ -62,7 +63,7 @@ def test_the_map_lies_in_the_frame_whatever_its_size(picture, size):
     assert -half_width < where.left < -half_width + where.cell
     assert half_width - where.cell < right < half_width
     assert half_height - where.cell < where.top < half_height + 0.01 * size[1]
-    assert -half_height - 0.01 * size[1] < bottom < -half_height + where.cell
+    assert -half_height - 0.01 * size[1] < bottom <= -half_height + where.cell
     if size[0] * 3 == size[1] * 4:
         shares = shares_of(where)
         assert where.probabilities[shares == 1.0].mean() > 0.6
@@ -114,11 +115,19 @@ def test_a_picture_of_one_level_shows_nothing(level):
     assert where.probabilities.max() < 0.05
 
 
+def test_a_tall_picture_is_reduced_further(picture):
+    tall = cv2.resize(picture.astype(np.float32), (16, 240), interpolation=cv2.INTER_AREA)
+    where = make_cable_map(tall, 16)
+    assert where.probabilities.shape == (TALLEST // CELL, 11)
+    assert where.cell == pytest.approx(CELL * 240 / TALLEST, rel=0.02)
+
+
 @given(st.integers(16, 400), st.integers(16, 400))
-def test_padding_repeats_margins_up_to_the_stride(width, height):
+def test_padding_repeats_margins_of_whole_cells_up_to_the_stride(width, height):
     levels = np.arange(2 * width * height, dtype=np.float32).reshape(2, height, width)
     whole, (left, above) = padded(levels)
     assert all(side % STRIDE == 0 for side in whole.shape[1:])
+    assert left % CELL == above % CELL == 0
     assert np.array_equal(whole[:, above : above + height, left : left + width], levels)
     assert np.array_equal(whole[:, 0, 0], levels[:, 0, 0])
     assert np.array_equal(whole[:, -1, -1], levels[:, -1, -1])
