@@ -16,7 +16,6 @@ Send: TypeAlias = Callable[[Message], Awaitable[None]]
 Application: TypeAlias = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 COOKIE = "cable_tracker_token"
-LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
 REFUSED_BY_CLOSING = 1008
 """WebSocket's code for a violation of policy (RFC 6455, 7.4.1)."""
 
@@ -76,7 +75,7 @@ class AccessGuard:
         if origin is not None and urlsplit(origin).netloc != host:
             return False
         if self._token is None:
-            return _name_of(host) in LOCAL_NAMES
+            return is_loopback(_name_of(host))
         given = [*parse_qs(scope["query_string"].decode("latin-1")).get("token", ())]
         given += _cookie_of(headers)
         return any(secrets.compare_digest(word.encode(), self._token.encode()) for word in given)
@@ -84,7 +83,7 @@ class AccessGuard:
 
 def _name_of(host: str) -> str:
     name, colon, port = host.rpartition(":")
-    return name if colon and port.isdigit() else host
+    return (name if colon and port.isdigit() else host).strip("[]")
 
 
 def _cookie_of(headers: MutableMapping[str, str]) -> list[str]:

@@ -105,6 +105,12 @@ class CrossTrack:
         """Return the offset at x = `look_ahead` and the covariance (2, 2) with the heading."""
         return self.offset_ahead, self.covariance[np.ix_([1, 2], [1, 2])]
 
+    def at(self, ahead: float) -> tuple[float, FloatArray]:
+        """Return the offset at any x [m], and the covariance (2, 2) with the heading."""
+        offset, covariance = self.at_foot()
+        slope = np.array([[1.0, ahead / np.cos(self.heading) ** 2], [0.0, 1.0]])
+        return offset + ahead * float(np.tan(self.heading)), slope @ covariance @ slope.T
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sights:

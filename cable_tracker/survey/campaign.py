@@ -84,13 +84,16 @@ def names_of(paths: Sequence[Path]) -> list[str]:
     twice = sorted({str(path) for path in whole if whole.count(path) > 1})
     if twice:
         raise ParameterError(f"{', '.join(twice)} is given twice; leave one out")
-    for depth in range(1, max(len(path.parts) for path in whole) + 1):
-        names = ["_".join(path.parts[-depth:]).replace("/", "") for path in whole]
-        agree = {name for name in names if names.count(name) > 1}
-        if not agree:
+    names = short = [path.name for path in whole]
+    for depth in range(2, max(len(path.parts) for path in whole) + 1):
+        if len(set(names)) == len(names):
             break
-    short = [path.name for path in whole]
-    return [long if short.count(own) > 1 else own for own, long in zip(short, names, strict=True)]
+        long = ["_".join(path.parts[-depth:]).replace("/", "") for path in whole]
+        names = [
+            folders if short.count(own) > 1 else own
+            for own, folders in zip(short, long, strict=True)
+        ]
+    return names
 
 
 def run_survey(
@@ -165,14 +168,14 @@ def _write_all(
     frame = LocalFrame(*datum) if datum is not None and on_earth else None
     merged = merge(on_earth)
     apart = [route for placed in own for route in merge([placed])]
+    beside = output / "without_place"
+    shutil.rmtree(beside, ignore_errors=True)
     # One file has one frame: routes on the earth, and those of each odometry in a folder beside.
     if frame is not None:
         _write_map(output, SurveyMap(tuple(merged), frame, _names(merged), in_time), rows)
         if apart:
-            beside = output / "without_place"
-            shutil.rmtree(beside, ignore_errors=True)
             beside.mkdir()
-            _write_map(beside, SurveyMap(tuple(apart), None, _names(apart)), rows)
+            _write_map(beside, SurveyMap(tuple(apart), None, _names(apart), root="../"), rows)
     else:
         _write_map(output, SurveyMap(tuple(apart), None, _names(apart), in_time), rows)
     parts = [output / RECORDINGS / dive.name / FRAMES for dive in dives]

@@ -31,10 +31,7 @@ def put_metres(row: FrameRow, result: CrossTrack) -> None:
     row["offset"], row["sigma_offset"] = result.offset, sigma[0]
     row["heading"], row["sigma_heading"] = result.heading, sigma[2]
     row["diameter"] = result.diameter
-    share = float(row["look"]) / result.look_ahead
-    mix = np.array([[1.0 - share, share, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
-    covariance = mix @ result.covariance @ mix.T
-    row["aside"] = result.offset + share * (result.offset_ahead - result.offset)
+    row["aside"], covariance = result.at(float(row["look"]))
     row["aside_variance"], row["aside_heading"] = covariance[0]
     row["heading_variance"] = covariance[1, 1]
 

@@ -15,11 +15,13 @@ from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.navigation import Poses, turned
-from cable_tracker.tracking.robust import GAUSSIAN_MAD
 
 FEWEST_FIXES = 3
 LEAST_WAY = 2.0
 """Smallest extent of the fixes from which a dive is turned on the earth [m]."""
+
+RAYLEIGH_MEDIAN = math.sqrt(2.0 * math.log(2.0))
+"""Median length of a vector in the plane, in standard deviations of each coordinate."""
 
 OUTLIER = 4.0
 """Distance from which on a fix is an outlier [standard deviations]."""
@@ -127,7 +129,7 @@ def _plausible(left: FloatArray, variances: FloatArray, disk: Disk) -> BoolArray
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1, axis=0)
     middles = disk.filled(len(left), lambda rows: np.median(windows[rows], axis=2))
     off = np.hypot(*(left - middles).T)
-    spread = max(GAUSSIAN_MAD * float(np.median(off)) / math.sqrt(2 * math.log(2)), 1e-3)
+    spread = max(float(np.median(off)) / RAYLEIGH_MEDIAN, 1e-3)
     allowed = OUTLIER * np.maximum(np.sqrt(variances), spread)
     return np.asarray(off <= allowed)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -84,7 +86,7 @@ def read_surveyed(folder: Path) -> SurveyedDive:
     try:
         content = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
         routes = []
-        with np.load(folder / ROUTES) as arrays:
+        with (folder / ROUTES).open("rb") as file, np.load(file) as arrays:
             for number, events in enumerate(content["routes"]):
                 routes.append(_placed(content["name"], arrays, number, events))
         return SurveyedDive(
@@ -92,7 +94,10 @@ def read_surveyed(folder: Path) -> SurveyedDive:
             bool(content["on_earth"]), tuple(content["notes"]), int(content["frames"]),
             int(content["tracked"]), float(content["seconds"]),
         )  # fmt: skip
-    except (OSError, KeyError, ValueError, TypeError) as error:
+    except (
+        *(OSError, EOFError, BadZipFile, zlib.error),
+        *(KeyError, ValueError, TypeError),
+    ) as error:
         raise RecordingError(
             f"{folder}: holds no surveyed dive ({error}); survey the recording again"
         ) from error

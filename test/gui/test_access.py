@@ -42,7 +42,9 @@ def passes(token, **request):
 
 @pytest.mark.parametrize("kind", ["http", "websocket"])
 class TestOnLoopback:
-    @pytest.mark.parametrize("host", ["127.0.0.1:8080", "localhost:1", "[::1]:8080", "localhost"])
+    @pytest.mark.parametrize(
+        "host", ["127.0.0.1:8080", "localhost:1", "[::1]:8080", "localhost", "127.0.0.2:80"]
+    )
     def test_this_machines_own_names_pass(self, kind, host):
         assert passes(None, kind=kind, host=host)
 

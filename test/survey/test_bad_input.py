@@ -215,6 +215,8 @@ def test_two_places_under_one_name_are_two_routes(bag, tmp_path):
 def test_names_are_as_short_as_they_may_be(tmp_path):
     paths = [tmp_path / "a/one", tmp_path / "a/two", tmp_path / "b/one"]
     assert names_of(paths) == ["a_one", "two", "b_one"]
+    alike = [tmp_path / name for name in ("x/a/b", "x/c/b", "a_b")]
+    assert names_of(alike) == ["x_a_b", "x_c_b", "a_b"]
     with pytest.raises(ParameterError, match="given twice"):
         names_of([tmp_path / "a", tmp_path / "a"])
 

@@ -1,7 +1,10 @@
+import shutil
+
 import pytest
 
 from cable_tracker.campaigns.folder_tasks import TaskState
 from cable_tracker.campaigns.settings import ClusterSettings
+from cable_tracker.errors import RecordingError
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveyDiveSettings as Simulated
 from cable_tracker.survey.campaign import run_survey
@@ -42,6 +45,15 @@ def test_what_was_written_is_read_back(surveyed):
     dive = read_surveyed(output / "recordings/dive")
     assert dive.on_earth and dive.frames == result.rows[0].frames
     assert dive.routes[0].route.along[-1] > 1.0
+
+
+@pytest.mark.parametrize("length", [0, 20, 2000])
+def test_a_dive_that_was_cut_off_is_told(surveyed, tmp_path, length):
+    dive = shutil.copytree(surveyed[0] / "recordings/dive", tmp_path / "dive")
+    routes = dive / "routes.npz"
+    routes.write_bytes(routes.read_bytes()[:length])
+    with pytest.raises(RecordingError, match="survey the recording again"):
+        read_surveyed(dive)
 
 
 def test_resuming_keeps_what_is_there_and_does_what_has_changed(surveyed):

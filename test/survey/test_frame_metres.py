@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from cable_tracker.metric.calibration import CameraModel, DistortionModel
+from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.homography import Overflight
-from cable_tracker.survey.frame_metres import on_ground
+from cable_tracker.survey.frame_metres import on_ground, put_metres
 
 CAMERA = CameraModel((320, 240), DistortionModel.PLUMB_BOB, (300.0, 300.0), (159.5, 119.5))
 
@@ -23,3 +24,16 @@ def test_at_and_above_the_horizon_there_is_no_ground():
     ground = on_ground(flight, np.array([[0.0, horizon - 1.0], [0.0, horizon + 1.0]]))
     assert ground[0, 0] > 100.0
     assert np.isnan(ground[1]).all()
+
+
+@pytest.mark.parametrize("look_ahead", [0.0, 1.0])
+def test_the_place_looked_at_does_not_depend_on_the_look_ahead(look_ahead):
+    heading, covariance = 0.3, np.diag([0.01, 0.02, 0.004, 0.001])
+    ahead = 0.5 + look_ahead * math.tan(heading)
+    row = {"look": 2.0}
+    put_metres(row, CrossTrack(0.5, ahead, heading, 0.2, covariance, look_ahead, -3.0))
+    slope = 2.0 / math.cos(heading) ** 2
+    assert row["aside"] == pytest.approx(0.5 + 2.0 * math.tan(heading))
+    assert row["aside_variance"] == pytest.approx(0.01 + slope**2 * 0.004)
+    assert row["aside_heading"] == pytest.approx(slope * 0.004)
+    assert row["heading_variance"] == pytest.approx(0.004)

@@ -1,5 +1,7 @@
+import base64
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -71,6 +73,20 @@ def test_events_are_a_table_with_places_and_pictures(written):
     assert float(buried["length_m"]) == pytest.approx(6.0, abs=0.6)
     assert float(buried["latitude"]) == pytest.approx(54.25, abs=1e-3)
     assert buried["picture"].startswith("recordings/dive/pictures/")
+
+
+def test_a_map_in_a_folder_of_its_own_finds_the_pictures(survey, tmp_path):
+    beside = tmp_path / "without_place"
+    beside.mkdir()
+    write_events(beside / "events.csv", replace(survey, root="../"))
+    rows = list(csv.DictReader((beside / "events.csv").read_text().splitlines()))
+    (name,) = {row["picture"] for row in rows if row["kind"] == "buried or overgrown"}
+    picture = beside / name
+    assert picture.resolve().is_relative_to(tmp_path / "recordings")
+    picture.resolve().parent.mkdir(parents=True)
+    picture.write_bytes(b"a picture")
+    write_report(beside / "report.html", replace(survey, root="../"), [], "survey")
+    assert base64.b64encode(b"a picture").decode() in (beside / "report.html").read_text()
 
 
 def test_without_a_place_on_the_earth_there_are_metres(survey, tmp_path):

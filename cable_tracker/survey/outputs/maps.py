@@ -55,12 +55,15 @@ class SurveyMap:
         One for each route.
     events_in_time : tuple of Event
         Events of recordings without metres.
+    root : str
+        From the folder of its files to that of the survey: "" or "../".
     """
 
     routes: tuple[MergedRoute, ...]
     frame: LocalFrame | None
     names: tuple[str, ...]
     events_in_time: tuple[Event, ...] = ()
+    root: str = ""
 
     def coordinates(self, places: FloatArray) -> FloatArray:
         """Return what stands in a file for places (N, 2) [m]: longitude, latitude, or x, y."""
@@ -74,12 +77,15 @@ class SurveyMap:
         return LOCAL if self.frame is None else EARTH
 
 
-def picture_name(event: Event) -> str:
-    """Return where the picture of an event lies in the output; empty without one."""
+def picture_name(event: Event, root: str) -> str:
+    """Return where the picture of an event lies, from the folder of the map; empty without one.
+
+    `root`: from there to the folder of the survey, "" or "../".
+    """
     if event.frame < 0:
         return ""
     first = event.recording.split(", ")[0]
-    return f"recordings/{first}/pictures/{event.frame}.jpg"
+    return f"{root}recordings/{first}/pictures/{event.frame}.jpg"
 
 
 def band(route: MergedRoute) -> FloatArray:
@@ -131,7 +137,7 @@ def _event_row(survey: SurveyMap, name: str, event: Event) -> list[object]:
         name, event.kind.value, metres(event.along), metres(event.end),
         metres(event.end - event.along), latitude, longitude, *map(metres, event.place),
         format_stamp(event.stamp) if event.stamp else "", event.recording,
-        event.frame if event.frame >= 0 else "", picture_name(event), event.detail,
+        event.frame if event.frame >= 0 else "", picture_name(event, survey.root), event.detail,
     ]  # fmt: skip
 
 
