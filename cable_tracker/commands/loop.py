@@ -132,7 +132,8 @@ def loop(  # noqa: PLR0917
     if not 1 <= workers <= MOST_WORKERS:
         raise ParameterError(f"workers is {workers}: give 1 to {MOST_WORKERS}")
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)
-    campaign = LoopCampaign(methods, chosen, _shared_arguments(request, detector, params))
+    arguments = _shared_arguments(request, detector, params)
+    campaign = LoopCampaign(methods, chosen, arguments, [] if params is None else [params])
     path = output if output is not None else Path("loop_runs")
     _run_several(campaign, path, cluster, force=force, resume=resume)
 

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from cable_tracker.campaigns.folder_tasks import Outcome, TaskState
+from cable_tracker.campaigns.folder_tasks import Outcome, TaskState, fingerprint_of_files
 from cable_tracker.campaigns.result_tasks import needing_dask
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.errors import RecordingError, RosError
@@ -52,11 +52,14 @@ class LoopCampaign:
         Seeds; each method runs with each of them.
     arguments : sequence of str
         Arguments of `cable-tracker loop`, which all runs share.
+    files : sequence of Path
+        Files that the arguments name.
     """
 
     methods: Sequence[str]
     seeds: Sequence[int]
     arguments: Sequence[str] = ()
+    files: Sequence[Path] = ()
 
     def cases(self) -> list[tuple[str, int]]:
         """Return method and seed of all runs."""
@@ -73,11 +76,14 @@ class LoopTask:
         Name of the method that tracks, and seed of the world.
     arguments : tuple of str
         Arguments of `cable-tracker loop`.
+    files : tuple of Path
+        Files that they name.
     """
 
     method: str
     seed: int
     arguments: tuple[str, ...]
+    files: tuple[Path, ...] = ()
 
     @property
     def name(self) -> str:
@@ -85,8 +91,8 @@ class LoopTask:
         return f"{self.method}_{self.seed}"
 
     def fingerprint(self) -> str:
-        """Return a text that changes with what is run."""
-        return repr(self)
+        """Return a text that changes with what is run, and with the files."""
+        return f"{self!r} {' '.join(map(fingerprint_of_files, self.files))}"
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:
         """Run it in processes of its own.
@@ -177,7 +183,8 @@ def run_loops(
     with needing_dask():
         from cable_tracker.campaigns.runner import run_campaign  # noqa: PLC0415
 
-    tasks = [LoopTask(*case, tuple(campaign.arguments)) for case in campaign.cases()]
+    shared = (tuple(campaign.arguments), tuple(campaign.files))
+    tasks = [LoopTask(*case, *shared) for case in campaign.cases()]
     outcomes = run_campaign(
         tasks,
         folder,

@@ -11,6 +11,7 @@ from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.evaluation_sequences import EvaluationSequence
+from cable_tracker.evaluation.labelled_recording import files_of
 from cable_tracker.evaluation.methods import METHODS, ConfiguredFilter, Method
 from cable_tracker.evaluation.runs import MethodRun, RunResult, Start, run_together
 
@@ -102,12 +103,6 @@ class _Task:
         ]
         frames = self.sequence.frames(self.seed)
         return run_together(runs, frames, self.sequence.name, advance)
-
-
-def files_of(sequence: EvaluationSequence) -> list[Path]:
-    """Return the files that a sequence is read from; none of a simulated one."""
-    found = (getattr(sequence, name, None) for name in ("path", "truth"))
-    return [each for each in found if isinstance(each, Path)]
 
 
 def run_campaign(

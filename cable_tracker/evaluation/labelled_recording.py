@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from cable_tracker.sequences.source import ChosenRecording
 
@@ -23,3 +24,12 @@ class LabelledRecording(ChosenRecording):
     def name(self) -> str:
         """The name of the file or folder."""
         return self.path.resolve().name
+
+    def files(self) -> list[Path]:
+        """Return what it is read from: a file or a folder, and the labels."""
+        return [self.path] if self.truth is None else [self.path, self.truth]
+
+
+def files_of(sequence: object) -> list[Path]:
+    """Return the files that a sequence is read from; none of a simulated one."""
+    return sequence.files() if isinstance(sequence, LabelledRecording) else []

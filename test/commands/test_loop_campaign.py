@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from cable_tracker.commands.loop_campaign import LoopCampaign, run_loops
+from cable_tracker.commands.loop_campaign import LoopCampaign, LoopTask, run_loops
 
 pytestmark = pytest.mark.slow
 
@@ -25,3 +25,13 @@ def test_a_run_that_fails_says_why_and_does_not_end_the_others(tmp_path):
 def test_methods_come_first_in_the_order_of_runs():
     campaign = LoopCampaign(("lsd", "hough"), (3, 4))
     assert campaign.cases() == [("lsd", 3), ("lsd", 4), ("hough", 3), ("hough", 4)]
+
+
+def test_a_run_is_another_one_when_its_parameters_were_edited(tmp_path):
+    params = tmp_path / "mine.yaml"
+    params.write_text("seed: 1\n")
+    task = LoopTask("default", 1, (f"--params={params}",), (params,))
+    before = task.fingerprint()
+    assert task.fingerprint() == before
+    params.write_text("seed: 10\n")
+    assert task.fingerprint() != before

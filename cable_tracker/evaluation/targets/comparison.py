@@ -12,7 +12,9 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import Image
+from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
 from cable_tracker.errors import FrameError
+from cable_tracker.evaluation.labelled_recording import files_of
 from cable_tracker.evaluation.targets.metrics import (
     EvaluatedClaim,
     centred,
@@ -159,6 +161,10 @@ class TargetTask:
     seed: int
     methods: tuple[str, ...]
     tuned: tuple[tuple[str, TargetParameters], ...] = ()
+
+    def fingerprint(self) -> str:
+        """Return a text that changes with what is run, and with the recording."""
+        return f"{self!r} {' '.join(map(fingerprint_of_files, files_of(self.sequence)))}"
 
     def run(self, advance: Callable[[], None]) -> list[RunFigures]:
         """Follow the target with every method."""

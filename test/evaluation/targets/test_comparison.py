@@ -106,3 +106,13 @@ def test_means_pass_over_what_has_no_figure():
     assert "| default | 75 | 50 | 100 | 20 | 100 |  | 3.0 |" in markdown_table(
         rows, ["default"], "note"
     )
+
+
+def test_a_run_is_another_one_when_the_boxes_were_edited(tmp_path):
+    boxes = tmp_path / "boxes.txt"
+    boxes.write_text("1 1 5 5 # a.png\n")
+    task = TargetTask(RecordedTarget(tmp_path, truth=boxes), 1, ("default",))
+    before = task.fingerprint()
+    assert task.fingerprint() == before
+    boxes.write_text("1 1 5 50 # a.png\n")
+    assert task.fingerprint() != before
