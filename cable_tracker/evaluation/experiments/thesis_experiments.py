@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from cable_tracker.arrays import FloatArray
+from cable_tracker.cable.measure.scan_filters import REACH
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.settings import Workers
 from cable_tracker.evaluation.campaign import Campaign
@@ -57,7 +58,6 @@ SPEED_HEADINGS = (
     "particles", "filter [px]", "time per frame [ms]", "95th percentile [ms]", "frames lost [%]",
     "RMSE of d [px]",
 )  # fmt: skip
-THESIS_TAPS, THESIS_SIGMA = 11, 1.6
 
 CLEAR_VISIBILITY = 0.6
 """A start is clear if on average so large a share of the borders can be seen."""
@@ -242,12 +242,9 @@ class _SpeedSetting:
         return f"{self.particles}/{self.taps}"
 
     def filter(self) -> ConfiguredFilter:
-        # The filter ends at three sigma, so that its sigma says how long it is.
-        sigma = max(0.5, THESIS_SIGMA * self.taps / THESIS_TAPS)
-        values = {
-            "particle_count": self.particles,
-            "filter_sigma": sigma,
-        }
+        # The filter ends at so many sigma, so that its sigma says how long it is.
+        sigma = (self.taps - 1) / 2 / REACH
+        values = {"particle_count": self.particles, "filter_sigma": sigma}
         return ConfiguredFilter(self.name, preset("thesis").replaced(values))
 
 

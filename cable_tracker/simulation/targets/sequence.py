@@ -145,8 +145,9 @@ def _frame(  # noqa: PLR0917
     nothing = np.zeros((height, width), np.float32)
     if scenario.surface is not None:
         _mirror(scenario, cast, picture, time, zoom)
-    own = _painted(scenario, cast.way(time), picture, zoom)
-    twin = _painted(scenario, cast.twin(time) if cast.twin else None, picture, zoom)
+    pose, twin_pose = cast.way(time), cast.twin(time) if cast.twin else None
+    own = _painted(scenario, pose, picture, zoom)
+    twin = _painted(scenario, twin_pose, picture, zoom)
     hidden = nothing.copy()
     for colours, coverage in (own, twin) if cast.twin_in_front else (twin, own):
         picture *= (1.0 - coverage)[..., None]
@@ -158,13 +159,12 @@ def _frame(  # noqa: PLR0917
     surroundings.snow(picture, time)
     picture = cv2.GaussianBlur(picture, (0, 0), 0.7)
     picture += rng.normal(0.0, NOISE, picture.shape).astype(np.float32)
-    mask = _visible(own[1], own_hidden, cast.way(time), zoom)
-    pose = cast.way(time)
+    mask = _visible(own[1], own_hidden, pose, zoom)
     return TargetFrame(
         image=np.clip(np.rint(picture), 0, 255).astype(np.uint8),
         stamp=stamp,
         mask=mask,
-        twin_mask=_visible(twin[1], twin_hidden, pose, zoom),
+        twin_mask=_visible(twin[1], twin_hidden, twin_pose, zoom),
         size=pose.size * zoom if pose is not None and mask.any() else 0.0,
     )
 

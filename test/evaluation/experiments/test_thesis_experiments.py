@@ -2,11 +2,14 @@ import dataclasses
 
 import pytest
 
+from cable_tracker.cable.measure.scan_filters import scan_kernels
 from cable_tracker.evaluation.experiments.thesis_experiments import (
     EXPERIMENTS,
+    SPEED_TAPS,
     ReinitialisationExperiment,
     SequenceExperiment,
     SpeedExperiment,
+    _SpeedSetting,
 )
 
 
@@ -59,6 +62,12 @@ def test_speed_is_measured_for_every_combination(stripe):
     # Which takes longer hangs on what else the computer does.
     for row in result.tables[0].rows:
         assert 0.0 < float(row[2]) <= float(row[3])
+
+
+@pytest.mark.parametrize("taps", SPEED_TAPS)
+def test_filters_are_as_long_as_their_row_says(taps):
+    parameters = _SpeedSetting(50, taps).filter().parameters
+    assert len(scan_kernels(parameters.filter_sigma, 1.0, 1).derivative) == taps
 
 
 def test_every_row_has_a_number_for_every_heading(stripe):
