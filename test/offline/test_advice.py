@@ -26,7 +26,7 @@ def test_nothing_is_said_where_a_cable_was_claimed():
 
 def test_what_was_too_low_is_said_with_what_is_asked_for():
     said = words(rows(), [], PARAMETERS)
-    assert "presence: at most 30%, presence_to_track asks for 95%" in said
+    assert "presence: at most 30%, presence_to_track asks for 80%" in said
     assert "evidence: the weaker border reached -2" in said
     assert "evidence_to_find asks for 0.45" in said
     assert "evidence_to_track asks for 1.6" in words(rows(), [], preset("thesis"))

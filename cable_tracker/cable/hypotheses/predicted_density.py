@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -164,6 +163,5 @@ def _fill_densities_of(
     densities.birth[row] = births
     densities.jump[row] = jumps
     densities.width_penalties[row] = penalty
-    # Where a border was wrong, the width was wrong too, and says nothing.
-    new = predicted.mass_born * births * math.exp(penalty) + predicted.mass_jumped * jumps
+    new = predicted.mass_born * births + predicted.mass_jumped * jumps
     densities.prior[row] = densities.prior_survival[row] + new

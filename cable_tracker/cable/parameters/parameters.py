@@ -241,7 +241,12 @@ class TrackerParameters(ParameterSet):
         0.2, "share of N", 0.0, 0.9, "Particles drawn about what the detector proposes."
     )
     search_share: float = number(
-        0.06, "share of N", 0.0, 0.9, "Particles that search for a cable while one is tracked."
+        0.06,
+        "share of what is left of N",
+        0.0,
+        0.9,
+        "Particles that search for a cable while one is tracked, of those that neither rounds nor"
+        " the detector draw.",
     )
     refinement_rounds: int = number(
         2, "", 0, 4, "Times that particles are drawn anew about the best ones of the same frame."
@@ -348,10 +353,10 @@ class TrackerParameters(ParameterSet):
         1e4,
         "Time without a cable in which the spread of the width prior grows by `width_spread`.",
     )
-    presence_to_track: float = number(
-        0.95, "", 0.0, 1.0, "Presence above which a cable is claimed."
+    presence_to_track: float = number(0.8, "", 0.0, 1.0, "Presence above which a cable is claimed.")
+    presence_to_lose: float = number(
+        0.42, "", 0.0, 1.0, "Presence below which a cable is given up."
     )
-    presence_to_lose: float = number(0.5, "", 0.0, 1.0, "Presence below which a cable is given up.")
 
     evidence_to_track: float = number(
         0.0, "", -10.0, 100.0, "Evidence above which a cable is claimed (see docs/algorithm.md)."

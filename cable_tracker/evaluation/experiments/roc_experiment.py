@@ -31,10 +31,12 @@ PRESENCES = (0.3, 0.6, 0.8, 0.9, 0.95, 0.98, 0.995)
 EVIDENCES = (-5.0, -1.0, 0.0, 0.2, 1.0, 2.0)
 """Values of `evidence_to_track` and `evidence_to_find`, the presence asked for as in `default`."""
 
-LOSING = 0.53
+DEFAULT = preset("default")
+
+LOSING = DEFAULT.presence_to_lose / DEFAULT.presence_to_track
 """`presence_to_lose` over `presence_to_track`, as in `default`."""
 
-HYSTERESIS = preset("default").evidence_to_track - preset("default").evidence_to_lose
+HYSTERESIS = DEFAULT.evidence_to_track - DEFAULT.evidence_to_lose
 """`evidence_to_track` less `evidence_to_lose`, as in `default`."""
 
 HEADINGS = (

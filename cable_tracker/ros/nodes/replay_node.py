@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, cast
 
-from rclpy.duration import Duration
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CompressedImage, Image, JointState
 from std_srvs.srv import SetBool, Trigger
@@ -21,6 +20,7 @@ from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.warming_trackers import WarmingTrackers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.nodes.replay_instruments import InstrumentReplay
+from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.frame import Frame, RawImage
@@ -38,12 +38,7 @@ PATIENCE = 3.0
 WARNING_PAUSE = 5.0
 """Time between two words on what is waited for [s]."""
 
-LOOK_AGAIN = 0.02
-"""Time between two looks at whether the last messages have arrived [s]."""
-
 NO_FRAME_THERE = "no frame after that time"
-FLUSH_TIMEOUT = 30.0
-"""Longest time for the last messages [s]; a reader that has died is forgotten sooner."""
 
 
 class ReplayNode(ProcessNode):
@@ -159,7 +154,7 @@ class ReplayNode(ProcessNode):
         self._awaited: int | None = None
         self._answer_deadline = 0.0
         self._damage: RecordingError | None = None
-        self._flush_end: float | None = None
+        self._last: LastMessages | None = None
         self._awaits_restart = False
         self._next = self._read_next()
 
@@ -190,7 +185,7 @@ class ReplayNode(ProcessNode):
         """Return how long the executor may sleep [s]."""
         if self._paused or not self._connected or self._awaited is not None:
             return WAKE_UP
-        if self._flush_end is not None:
+        if self._last is not None:
             return LOOK_AGAIN
         return 0.0 if self._flag("lockstep") else self._due - time.monotonic()
 
@@ -338,17 +333,11 @@ class ReplayNode(ProcessNode):
         self.finished = True
 
     def _has_arrived(self) -> bool:
-        """Tell whether all readers have got the last messages, or will not get them any more.
-
-        Asked again and again and not waited for: the node must hear signals meanwhile.
-        """
-        if self._flush_end is None:
-            self._flush_end = time.monotonic() + FLUSH_TIMEOUT
-        # In lockstep the answer has come; the middleware's own acknowledgement takes longer.
-        awaited = [self._truth] if self._flag("lockstep") else [self._image, self._truth]
-        at_once = Duration(seconds=0)
-        has_arrived = all(each.wait_for_all_acked(at_once) for each in awaited)
-        return has_arrived or time.monotonic() > self._flush_end
+        if self._last is None:
+            # In lockstep the answer has come; the middleware's own acknowledgement takes longer.
+            is_answered = self._flag("lockstep")
+            self._last = LastMessages([self._truth] if is_answered else [self._image, self._truth])
+        return self._last.have_arrived()
 
     def report(self) -> str:
         """Say what was sent."""

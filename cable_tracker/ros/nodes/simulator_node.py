@@ -9,7 +9,6 @@ from typing import Any, ClassVar, Protocol, cast
 import numpy as np
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from nav_msgs.msg import Odometry
-from rclpy.duration import Duration
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, Range
@@ -20,6 +19,7 @@ from cable_tracker.metric.messages import make_cross_track
 from cable_tracker.node_parameter_tables import SIMULATOR_PARAMETERS
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.process.last_messages import LOOK_AGAIN, LastMessages
 from cable_tracker.ros.process.process_node import WAKE_UP, ProcessNode
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import raw_from_array
@@ -48,9 +48,6 @@ from cable_tracker.stamps import NANOSECONDS
 
 TICKS = 2
 """Readings of odometry and imu for each frame."""
-
-FLUSH_TIMEOUT = Duration(seconds=30)
-"""Longest time for the last messages; a reader that has died is forgotten sooner."""
 
 
 class WorldSettings(Protocol):
@@ -132,6 +129,7 @@ class VehicleNode(ProcessNode):
         self._command = VelocityCommand()
         self._command_time = -math.inf
         self._awaits_command = False
+        self._last: LastMessages | None = None
         self._deadline = 0.0
         self._tick = 0
         self._begun = False
@@ -192,6 +190,8 @@ class VehicleNode(ProcessNode):
 
     def seconds_until_due(self) -> float:
         """Return how long the executor may sleep [s]."""
+        if self._last is not None:
+            return LOOK_AGAIN
         if not self._begun or self._awaits_command:
             return WAKE_UP
         return 0.0 if self._lockstep else self._due - time.monotonic()
@@ -200,6 +200,9 @@ class VehicleNode(ProcessNode):
         """Let the vehicle go on when it is time, and tell what its instruments say."""
         if not self._begun:
             self._begin()
+            return
+        if self._last is not None:
+            self.finished = self._last.have_arrived()
             return
         if self._awaits_command:
             self._check_deadline()
@@ -271,18 +274,14 @@ class VehicleNode(ProcessNode):
         self._true_odometry.publish(make_true_odometry(self._factory, in_odom, motion))
         picture = self._draw(motion)
         self._publish_truth(motion, stamp)
-        if self._is_at_end(motion):
-            self.finished = True
-        self._awaits_command = self._lockstep and not self.finished
+        is_at_end = self._is_at_end(motion)
+        self._awaits_command = self._lockstep and not is_at_end
         self._deadline = time.monotonic() + self._number("answer_timeout")
         self._image.publish(make_image(self._factory, picture, camera_header))
-        if self.finished:
-            self._flush()
-
-    def _flush(self) -> None:
-        for publisher in (self._image, self._true_odometry, *self._last_publishers()):
-            publisher.wait_for_all_acked(FLUSH_TIMEOUT)
-        self.get_logger().info(f"the way is at its end after {self._vehicle_world.time:.1f} s")
+        if is_at_end:
+            ending = (self._image, self._true_odometry, *self._last_publishers())
+            self._last = LastMessages(ending)
+            self.get_logger().info(f"the way is at its end after {self._vehicle_world.time:.1f} s")
 
     def _last_publishers(self) -> tuple[Publisher, ...]:
         """Return further publishers whose last message must arrive before the node ends."""

@@ -26,6 +26,7 @@ from cable_tracker.metric.recorded import recorded_vehicle
 from cable_tracker.node_parameter_tables import REPLAY_START_PARAMETERS
 from cable_tracker.ros import qos
 from cable_tracker.ros.nodes import replay_instruments, replay_node
+from cable_tracker.ros.process import last_messages
 from cable_tracker.sequences.bag_storage import open_storage
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_bag
@@ -569,7 +570,7 @@ class TestEnd:
     def test_but_does_not_wait_for_ever(
         self, world: Any, make_dive: Dive, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr(replay_node, "FLUSH_TIMEOUT", 0.1)
+        monkeypatch.setattr(last_messages, "PATIENCE", 0.1)
         node = world.replay(source=str(make_dive(2)), rate=100)
         node._truth = SlowLink(node._truth, float("inf"))
         world.spin(lambda: node.finished)

@@ -113,7 +113,7 @@ def test_a_vehicle_that_is_to_stand_still_for_long_ends_the_run(world, start, pi
     pilot.drives(surge=0.0, frames=12)
     assert not node.finished
     pilot.drives(surge=0.0, frames=2)
-    assert node.finished
+    world.spin(lambda: node.finished)
 
 
 def test_unless_nobody_wants_that(world, start, pilot):
