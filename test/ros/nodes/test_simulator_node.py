@@ -112,7 +112,7 @@ def test_a_vehicle_that_is_to_stand_still_for_long_ends_the_run(world, start, pi
     pilot.drives(surge=0.5, frames=5)
     pilot.drives(surge=0.0, frames=12)
     assert not node.finished
-    pilot.drives(surge=0.0, frames=2)
+    pilot.drives(surge=0.0, frames=1)
     world.spin(lambda: node.finished)
 
 
