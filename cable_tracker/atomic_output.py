@@ -102,11 +102,14 @@ class PartialOutput:
             if self.path.exists() or self.path.is_symlink():
                 self.path.rename(replaced)
             self.content.rename(self.path)
-        except OSError as error:
+        except BaseException as error:
+            # A signal may come between the two, as well as an error.
             if replaced.exists() and not self.path.exists():
                 replaced.rename(self.path)
             self.discard()
-            raise write_failure(self.path, error) from error
+            if isinstance(error, OSError):
+                raise write_failure(self.path, error) from error
+            raise
         self.discard()
 
     def discard(self) -> None:

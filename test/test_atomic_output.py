@@ -36,6 +36,24 @@ def test_what_lay_there_comes_back_when_the_move_fails(tmp_path):
     assert [path.name for path in tmp_path.rglob("*")] == ["out", "old"]
 
 
+def test_what_lay_there_comes_back_when_a_signal_comes_between(tmp_path, monkeypatch):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "old").touch()
+    folder = PartialOutput(tmp_path / "out", overwrite=True, is_ours=always)
+    folder.content.mkdir()
+    rename = Path.rename
+
+    def stop_at_the_new_one(self, target):
+        if self == folder.content:
+            raise KeyboardInterrupt
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", stop_at_the_new_one)
+    with pytest.raises(KeyboardInterrupt):
+        folder.commit()
+    assert [path.name for path in tmp_path.rglob("*")] == ["out", "old"]
+
+
 def test_a_link_is_replaced_not_followed(tmp_path):
     (tmp_path / "target").mkdir()
     (tmp_path / "target" / "kept").touch()

@@ -421,15 +421,16 @@ class TestMismatchedQos:
         assert "image_reliability" not in values_of(diagnostics, node)["QoS mismatch"]
         world.me.destroy_publisher(prior)
 
+    @pytest.mark.parametrize("topic", ["centreline", "cross_track"])
     def test_a_reader_that_cannot_hear_us_is_named_with_what_to_set(
-        self, world: Any, diagnostics: Make
+        self, world: Any, diagnostics: Make, topic: str
     ) -> None:
         node = world.tracker(diagnostics_period=0.1)
         profile = camera_profile(ReliabilityPolicy.RELIABLE, DurabilityPolicy.TRANSIENT_LOCAL)
         world.me.create_subscription(
-            PoseWithCovarianceStamped, "centreline", lambda message: None, profile
+            PoseWithCovarianceStamped, topic, lambda message: None, profile
         )
-        words = "subscribes to " + world.namespace + "/centreline, but it asks for durability"
+        words = f"subscribes to {world.namespace}/{topic}, but it asks for durability"
         world.spin(lambda: words in values_of(diagnostics, node).get("QoS mismatch", ""))
 
     def test_a_topic_of_another_type_is_told_when_nothing_comes(

@@ -18,13 +18,12 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.initial_state import GivenState, usual_sigma
-from cable_tracker.errors import ParameterError, RosError, one_line
+from cable_tracker.errors import ParameterError, RosError
 from cable_tracker.gui.session import AnySnapshot, AnyStart, Snapshot
 from cable_tracker.gui.snapshot_feed import SnapshotFeed
 from cable_tracker.gui.subject import CABLE, TARGET, Subject
@@ -33,6 +32,7 @@ from cable_tracker.ros.clients.live_frames import LiveFrames, LiveTargetFrames
 from cable_tracker.ros.clients.live_topics import LiveConnection, find_topics
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.ros.process.environment import check_profile
+from cable_tracker.ros.process.ros_context import made_node, started_context
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.cable import make_centreline
 from cable_tracker.sequences.messages.factory import Message
@@ -54,6 +54,10 @@ STALL = 2.0
 
 SILENCE = 3.0
 """Diagnostics older than this are no news; they come once a second [s]."""
+
+
+def _make_window_node(context: Context) -> Node:
+    return Node("cable_tracker_window", context=context)
 
 
 class LiveSession(SnapshotFeed):
@@ -94,17 +98,12 @@ class LiveSession(SnapshotFeed):
         self._factory = RclpyMessages()
         self._frames = self.frames(self._take)
         check_profile()
-        self._context = Context()
+        self._context = started_context()
         try:
-            rclpy.init(
-                args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO
-            )
-            self._node = Node("cable_tracker_window", context=self._context)
-        except RuntimeError as error:
+            self._node = made_node(_make_window_node, self._context)
+        except RosError:
             rclpy.try_shutdown(context=self._context)
-            raise RosError(
-                f"ROS does not start ({one_line(error)}); look at its environment"
-            ) from error
+            raise
         self._connection = LiveConnection(self._node, self._frames, self.start_type[1])
         self._parameters = AsyncParameterClient(self._node, self.name)
         self._reset = self._node.create_client(Trigger, f"{self.name}/reset")

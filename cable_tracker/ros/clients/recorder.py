@@ -126,11 +126,9 @@ class Recorder(Node):  # type: ignore[misc]
         latest = self._latest_diagnostics()
         if latest is None:
             return False
+        own = {f"subscribers of {self.resolve_topic_name(each.name)}" for each in self.RECORDED}
         counts = [
-            int(pair.value)
-            for status in latest.status
-            for pair in status.values
-            if pair.key.startswith("subscribers of ") and not pair.key.endswith("/overlay")
+            int(pair.value) for status in latest.status for pair in status.values if pair.key in own
         ]
         warm = all(status.message != WARMING_UP for status in latest.status)
         return warm and bool(counts) and all(counts)

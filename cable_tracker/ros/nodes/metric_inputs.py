@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
@@ -19,6 +18,7 @@ from cable_tracker.metric.settings import MOUNTING_PARAMETERS, default_values
 from cable_tracker.metric.withheld import Reason, Withheld, newly_withheld
 from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
 from cable_tracker.ros import node_parameters, qos
+from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.instruments import Instrument
@@ -48,24 +48,19 @@ class MetricInputs(InstrumentInputs[CableSight]):
         The tracker node.
     factory : MessageFactory
         Makes its messages.
+    publishers : WatchedPublishers
+        Creates its publishers.
     """
 
-    def __init__(self, node: Node, factory: MessageFactory) -> None:
+    def __init__(self, node: Node, factory: MessageFactory, publishers: WatchedPublishers) -> None:
         super().__init__(node, METRIC_PARAMETERS, CableSight, CABLE_INSTRUMENTS, AWAITED)
         self._factory = factory
         self._is_mounting_told = False
         self._result: CrossTrack | Withheld = Withheld(Reason.NOT_TRACKING, "no frame has come")
-        self._foot = node.create_publisher(
-            PoseWithCovarianceStamped, node_topics.CROSS_TRACK.name, qos.RESULTS
+        self._foot, self._ahead = (
+            publishers.create(PoseWithCovarianceStamped, topic.name, qos.RESULTS)
+            for topic in (node_topics.CROSS_TRACK, node_topics.CROSS_TRACK_AHEAD)
         )
-        self._ahead = node.create_publisher(
-            PoseWithCovarianceStamped, node_topics.CROSS_TRACK_AHEAD.name, qos.RESULTS
-        )
-
-    @property
-    def publishers(self) -> tuple[Publisher, ...]:
-        """Publishers of `cross_track` and `cross_track_ahead`."""
-        return self._foot, self._ahead
 
     @property
     def result(self) -> CrossTrack | Withheld:

@@ -31,7 +31,10 @@ from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import estimate_values
 from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
-from cable_tracker.ros.health.watched_endpoints import create_watched_subscription
+from cable_tracker.ros.health.watched_endpoints import (
+    WatchedPublishers,
+    create_watched_subscription,
+)
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.code_variants import few_particles, variant_of
 from cable_tracker.ros.nodes.frame_tracker import FrameTracker
@@ -60,13 +63,14 @@ class TrackerNode(CameraNode):
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("tracker", **node_arguments)
-        self._metric = MetricInputs(self, self._factory)
+        self._watched_publishers = WatchedPublishers(self, self._mismatches.on_event)
+        self._metric = MetricInputs(self, self._factory, self._watched_publishers)
         self._estimate: CableEstimate | None = None
         self._prior_while_disabled: GivenState | None = None
         self._prior_topic = ""
         self._declare_parameters()
         self._restart()
-        self._outputs = TrackerOutputs(self, self._mismatches.on_event)
+        self._outputs = TrackerOutputs(self._watched_publishers)
         self.begin()
 
     @property
@@ -152,7 +156,7 @@ class TrackerNode(CameraNode):
         return profiles
 
     def _result_publishers(self) -> dict[Publisher, Any]:
-        return self._outputs.publishers
+        return self._watched_publishers.profiles
 
     def _instrument_wait(self) -> float:
         return self._metric.wait
@@ -216,8 +220,4 @@ class TrackerNode(CameraNode):
             self._search.stop()
 
     def _figures(self) -> dict[str, str]:
-        readers = {
-            f"readers of {publisher.topic_name}": str(publisher.get_subscription_count())
-            for publisher in self._metric.publishers
-        }
-        return estimate_values(self._estimate) | self._metric.diagnostics() | readers
+        return estimate_values(self._estimate) | self._metric.diagnostics()

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from rclpy.node import Node
-from rclpy.publisher import Publisher
 from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
 from visualization_msgs.msg import MarkerArray
 
@@ -42,16 +39,13 @@ class TrackerOutputs:
 
     Parameters
     ----------
-    node : Node
-        The node that publishes.
-    on_mismatch : callable
-        Called when a subscription is found that cannot hear us.
+    publishers : WatchedPublishers
+        Creates them.
     """
 
-    def __init__(self, node: Node, on_mismatch: Callable[[Any], None]) -> None:
+    def __init__(self, publishers: WatchedPublishers) -> None:
         self._factory = RclpyMessages()
-        self._publishers = WatchedPublishers(node, on_mismatch)
-        create = self._publishers.create
+        create = publishers.create
         self._state = create(JointState, node_topics.STATE.name, qos.LATEST_RESULT)
         self._centreline = create(
             PoseWithCovarianceStamped, node_topics.CENTRELINE.name, qos.RESULTS
@@ -63,11 +57,6 @@ class TrackerOutputs:
             CompressedImage, node_topics.OVERLAY.of_node("~"), qos.PICTURES
         )
         self._report = create(DiagnosticArray, node_topics.FRAME_REPORT.of_node("~"), qos.RESULTS)
-
-    @property
-    def publishers(self) -> dict[Publisher, Any]:
-        """All publishers, with their profiles."""
-        return self._publishers.profiles
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TypeVar
 
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 
-NodeType = TypeVar("NodeType", bound=Node)
+from cable_tracker.ros.process.ros_context import NodeType, made_node, started_context
 
 
 @contextmanager
@@ -27,12 +24,16 @@ def client_node(
     ----------
     make : callable
         Makes the node in the context that it is given.
+
+    Raises
+    ------
+    RosError
+        ROS does not start, or the middleware refuses the node.
     """
-    context = Context()
-    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    context = started_context()
     try:
         executor = SingleThreadedExecutor(context=context)
-        node = make(context)
+        node = made_node(make, context)
         executor.add_node(node)
         try:
             yield node, executor

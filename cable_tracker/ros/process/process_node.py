@@ -10,32 +10,22 @@ import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from cable_tracker.errors import (
     EXIT_USER_ERROR,
     CableTrackerError,
     ParameterError,
-    RosError,
     one_line,
 )
 from cable_tracker.ros.process.environment import check_profile
+from cable_tracker.ros.process.ros_context import made_node, started_context
 from cable_tracker.ros.process.shared_memory import remove_dead_segments
 from cable_tracker.ros.process.stop_request import StopRequest
 
 WAKE_UP = 0.1
 """Longest time that the executor sleeps before it looks whether to stop [s]."""
-
-PLAIN_FILE = "before ros__parameters"
-"""In rcl's words about a parameter file that begins with values."""
-
-PLAIN_FILE_ADVICE = (
-    "a plain parameter file has to stand under the node's name and ros__parameters, as in"
-    " `tracker:` / `  ros__parameters:` / `    camera_pitch: 70.0`"
-)
 
 
 class ProcessNode(Node):  # type: ignore[misc]
@@ -63,14 +53,14 @@ def run_node(
     try:
         check_profile()
         remove_dead_segments()
-        context = _initialised_context(arguments)
+        context = started_context(sys.argv if arguments is None else arguments)
     except CableTrackerError as error:
         return _tell(error)
     node: ProcessNode | None = None
     executor = SingleThreadedExecutor(context=context)
     try:
         if not stop.requested:
-            node = _made(make_node, context)
+            node = made_node(make_node, context)
             executor.add_node(node)
             # What is loaded by now stays: the collector need not look through it between frames.
             gc.freeze()
@@ -102,33 +92,6 @@ def arguments_without_ros(arguments: Sequence[str] | None) -> list[str]:
 def _tell(error: CableTrackerError) -> int:
     print(f"error: {error}", file=sys.stderr)
     return EXIT_USER_ERROR
-
-
-def _initialised_context(arguments: Sequence[str] | None) -> Context:
-    context = Context()
-    try:
-        rclpy.init(
-            args=list(arguments) if arguments is not None else sys.argv,
-            context=context,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-    except RuntimeError as error:
-        # rclpy's own errors derive from it: a bad parameter file, unknown arguments.
-        words = f"ROS does not start; look at the --ros-args ({one_line(error)})"
-        if PLAIN_FILE in str(error):
-            words += f"; {PLAIN_FILE_ADVICE}"
-        raise RosError(words) from error
-    return context
-
-
-def _made(make_node: Callable[[Context], ProcessNode], context: Context) -> ProcessNode:
-    try:
-        return make_node(context)
-    except rclpy_implementation.RCLError as error:
-        # The middleware refuses: security that it was not built with, a domain out of range.
-        raise RosError(
-            f"ROS cannot make the node ({one_line(error)}); check what stands behind --ros-args"
-        ) from error
 
 
 def _spin(node: ProcessNode, executor: SingleThreadedExecutor, stop: StopRequest) -> None:

@@ -6,11 +6,10 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
 import rclpy
-from rclpy.context import Context
-from rclpy.signals import SignalHandlerOptions
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.ros.process.environment import use_local_environment
+from cable_tracker.ros.process.ros_context import started_context
 from cable_tracker.ros.rigs.soak_actions import ACTIONS, inject
 from cable_tracker.ros.rigs.soak_faults import draw_fault
 from cable_tracker.ros.rigs.soak_record import SoakRecord
@@ -68,8 +67,7 @@ def run_soak(
     """
     use_local_environment()
     with ExitStack() as stack:
-        context = Context()
-        rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+        context = started_context()
         stack.callback(rclpy.try_shutdown, context=context)
         rig = SoakRig(frames, settings, context)
         stack.callback(rig.close)

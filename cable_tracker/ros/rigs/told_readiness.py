@@ -24,7 +24,7 @@ class ToldReadiness:
         """Take one status of a DiagnosticArray into account."""
         self.is_warm = status.message != WARMING_UP
         for pair in status.values:
-            if pair.key.startswith(("subscribers of ", "readers of ")):
+            if pair.key.startswith("subscribers of "):
                 self._readers[pair.key.rpartition("/")[2]] = int(pair.value)
 
     def has_readers(self, count: int, *topics: NodeTopic) -> bool:

@@ -613,11 +613,12 @@ class TestServicesAndStatus:
         self, world: Any, image_message: Callable[..., Any], diagnostics: Callable[..., list[Any]]
     ) -> None:
         node = world.tracker(input_timeout=0.2)
-        world.show(node, image_message())
+        bottom = np.full((240, 320), 90, np.uint8)
+        world.show(node, image_message(bottom))
         assert node.status == "INITIALISING"
         world.spin(lambda: node.status == "STALE INPUT")
         world.spin(lambda: diagnostics(node) and diagnostics(node)[-1][0] == "STALE INPUT")
-        world.show(node, image_message(index=1))
+        world.show(node, image_message(bottom, index=1))
         assert node.status == "INITIALISING"
         world.spin(lambda: diagnostics(node)[-1][0] == "INITIALISING")
 

@@ -5,6 +5,8 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
+from cable_tracker.errors import RosError
+from cable_tracker.ros.process import ros_context
 from cable_tracker.ros.process.client_node import client_node
 
 
@@ -31,3 +33,17 @@ def test_a_node_that_cannot_be_made_leaves_no_context_behind() -> None:
     with pytest.raises(ValueError, match="no such node"), client_node(fail):
         pass
     assert not contexts[0].ok()
+
+
+def test_ros_that_does_not_start_is_told_as_an_error_of_ours(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fail(*words: Any, **named: Any) -> None:
+        raise RuntimeError("failed to find the middleware")
+
+    monkeypatch.setattr(ros_context.rclpy, "init", fail)
+    with (
+        pytest.raises(RosError, match=r"ROS does not start.*environment.*the middleware"),
+        client_node(named),
+    ):
+        pass

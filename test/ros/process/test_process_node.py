@@ -14,7 +14,8 @@ from typing import Any
 import pytest
 
 from cable_tracker.errors import RosError
-from cable_tracker.ros.process.process_node import PLAIN_FILE_ADVICE, ProcessNode, run_node
+from cable_tracker.ros.process.process_node import ProcessNode, run_node
+from cable_tracker.ros.process.ros_context import PLAIN_FILE_ADVICE
 from cable_tracker.ros.process.stop_request import StopRequest
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]

@@ -110,7 +110,7 @@ def test_without_images_a_frame_is_seen_all_the_same(world):
 
 def test_the_tracker_is_warm_when_it_says_so(world, loop, recorder):
     assert not recorder.is_warm()
-    loop.tells(1, "tracker", WARMING_UP, **{"readers of /x/cross_track": "1"})
+    loop.tells(1, "tracker", WARMING_UP, **{"subscribers of /x/cross_track": "1"})
     world.pass_time(0.3)
     assert not recorder.is_warm()
     loop.tells(2, "controller: guidance", "FOLLOWING")
@@ -140,8 +140,8 @@ def test_the_mode_holds_from_its_time_on(world, loop, recorder):
 
 def test_it_is_connected_when_the_tracker_knows_two_readers(world, loop, recorder):
     counts = {"subscribers of /x/state": "2", "subscribers of /x/tracker/frame_report": "1"}
-    loop.tells(1, "tracker", "", **counts, **{"readers of /x/cross_track": "1"})
+    loop.tells(1, "tracker", "", **counts, **{"subscribers of /x/cross_track": "1"})
     world.pass_time(0.3)
     assert not recorder.is_connected()
-    loop.tells(2, "tracker", "", **counts, **{"readers of /x/cross_track": "2"})
+    loop.tells(2, "tracker", "", **counts, **{"subscribers of /x/cross_track": "2"})
     world.spin(recorder.is_connected)

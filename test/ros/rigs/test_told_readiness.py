@@ -23,7 +23,7 @@ def test_a_tracker_is_warm_when_it_says_so():
 
 def test_readers_are_counted_by_the_last_part_of_a_topic():
     told = ToldReadiness()
-    told.hear(status("", **{"subscribers of /x/state": "2", "readers of /x/cross_track": "1"}))
+    told.hear(status("", **{"subscribers of /x/state": "2", "subscribers of /x/cross_track": "1"}))
     assert told.has_readers(1, node_topics.STATE, node_topics.CROSS_TRACK)
     assert not told.has_readers(2, node_topics.STATE, node_topics.CROSS_TRACK)
     assert not told.has_readers(1, node_topics.CENTRELINE)
