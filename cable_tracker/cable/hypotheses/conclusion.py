@@ -29,7 +29,11 @@ from cable_tracker.cable.hypotheses.clusters import (
     most_probable_first,
     reordered,
 )
-from cable_tracker.cable.hypotheses.evidence_correction import corrected_log_weights
+from cable_tracker.cable.hypotheses.evidence_correction import (
+    MeasuredGroups,
+    WeighedParticles,
+    corrected_log_weights,
+)
 from cable_tracker.cable.hypotheses.presence import PriorPresence, updated_log_odds
 from cable_tracker.cable.hypotheses.proposal_config import ProposalConfig
 from cable_tracker.cable.hypotheses.proposals import ProposalInputs, draw_sample
@@ -226,18 +230,16 @@ def corrected_clusters(
     background, appearances = _background_and_appearances(
         states, log_posterior, groups, inputs, config
     )
+    particles = WeighedParticles(
+        states,
+        log_prior,
+        log_posterior,
+        sample.densities,
+        sample.map_log_ratios[: len(states)],
+    )
+    measured = MeasuredGroups(groups, background.alike, appearances)
     corrected = normalise_log_weights(
-        corrected_log_weights(
-            log_posterior,
-            log_prior,
-            states,
-            sample.densities,
-            sample.map_log_ratios,
-            groups,
-            background.alike,
-            appearances,
-            config.evidence_limits,
-        )
+        corrected_log_weights(particles, measured, config.evidence_limits)
     ).log_weights
     weights = exponentials(corrected)
     clusters = clusters_of(states, weights, groups)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_tracker.arrays import FloatArray
+from cable_tracker.arrays import FloatArray, IndexArray
 from cable_tracker.cable.hypotheses.clusters import NO_CLUSTER, Groups
 from cable_tracker.cable.hypotheses.predicted_density import DensityValues
 from cable_tracker.cable.hypotheses.thin_strips import thin_factor
@@ -55,15 +55,55 @@ class EvidenceLimits(NamedTuple):
         Share of the ratio of a surviving group that counts, 0 to 1.
     thin_width : float
         Width below which ratios count less [px of the frame].
-    background_share, appearance_share : float
-        Shares of the ratio above the background and of the appearance that count.
+    is_known : bool
+        Whether a cable is known: then borders count whole, and appearance does not.
     """
 
     evidence_limit: float
     evidence_repeated: float
     thin_width: float
-    background_share: float
-    appearance_share: float
+    is_known: bool
+
+
+class WeighedParticles(NamedTuple):
+    """The N particles of a frame, and what they weigh.
+
+    Attributes
+    ----------
+    states : FloatArray
+        Shape (N, 8).
+    log_prior, log_posterior : FloatArray
+        Their log-weights before the frame is looked at and after, shape (N,) [nats].
+    densities : DensityValues
+        Their densities before the frame.
+    map_log_ratios : FloatArray
+        What the map of the frame added to their log-likelihoods, shape (N,) [nats]: of groups the
+        appearance says it.
+    """
+
+    states: FloatArray
+    log_prior: FloatArray
+    log_posterior: FloatArray
+    densities: DensityValues
+    map_log_ratios: FloatArray
+
+
+class MeasuredGroups(NamedTuple):
+    """K groups of particles, and what the frame shows at each of them.
+
+    Attributes
+    ----------
+    groups : Groups
+        Which particles they are of.
+    backgrounds : FloatArray
+        Log-likelihood ratio of the bottom at each group, shape (K,) [nats].
+    appearances : FloatArray
+        Appearance of each group, shape (K,) [nats].
+    """
+
+    groups: Groups
+    backgrounds: FloatArray
+    appearances: FloatArray
 
 
 class GroupEvidence(NamedTuple):
@@ -83,7 +123,7 @@ class GroupEvidence(NamedTuple):
         Share of the prior mass that survived from the frame before, 0 to 1.
     width_penalty : FloatArray
         Mean width penalty over the posterior, at most 0 [nats].
-    prior_mass : FloatArray
+    log_prior_mass : FloatArray
         Logarithm of the prior mass [nats]; -inf for a group without posterior mass.
     """
 
@@ -91,53 +131,16 @@ class GroupEvidence(NamedTuple):
     counted: FloatArray
     survived_share: FloatArray
     width_penalty: FloatArray
-    prior_mass: FloatArray
+    log_prior_mass: FloatArray
 
 
 @compiled_part
 def corrected_log_weights(
-    log_posterior: FloatArray,
-    log_prior: FloatArray,
-    states: FloatArray,
-    densities: DensityValues,
-    map_log_ratios: FloatArray,
-    groups: Groups,
-    backgrounds: FloatArray,
-    appearances: FloatArray,
-    limits: EvidenceLimits,
+    particles: WeighedParticles, measured: MeasuredGroups, limits: EvidenceLimits
 ) -> FloatArray:
-    """Return log-weights (N,) with the log-likelihood ratio of each group corrected.
-
-    Parameters
-    ----------
-    log_posterior, log_prior : FloatArray
-        Log-weights of the particles after the frame and before it, shape (N,).
-    states, densities : FloatArray, DensityValues
-        The particles, shape (N, 8), and their densities before the frame.
-    map_log_ratios : FloatArray
-        What the map of the frame added to their log-likelihoods, shape (N,) or more [nats]: of
-        groups the appearance says it.
-    groups : Groups
-        Groups of the particles.
-    backgrounds : FloatArray
-        Log-likelihood ratio of the bottom at each group, shape (K,) [nats].
-    appearances : FloatArray
-        Appearance of each group, shape (K,) [nats].
-    limits : EvidenceLimits
-        Limits of the correction.
-    """
-    limits = limits_beside_map(limits, map_log_ratios[: len(states)])
-    found = group_evidence(
-        log_posterior,
-        log_prior,
-        states,
-        densities,
-        map_log_ratios,
-        groups,
-        backgrounds,
-        appearances,
-        limits,
-    )
+    """Return log-weights (N,) with the log-likelihood ratio of each group corrected."""
+    groups = measured.groups
+    found = group_evidence(particles, measured, limits)
     leader = reference_group(found)
     reference = found.counted[leader] if leader != NO_CLUSTER else 0.0
     corrections = np.zeros(groups.number + 1)
@@ -145,45 +148,33 @@ def corrected_log_weights(
         if found.log_ratio[label] != -np.inf:
             counted = counted_log_ratio(found, label, reference, limits)
             corrections[label] = counted - found.log_ratio[label]
-    corrected = np.empty(len(log_posterior))
+    corrected = np.empty(len(particles.log_posterior))
     for row in range(len(corrected)):
-        corrected[row] = log_posterior[row] + corrections[groups.labels[row]]
+        corrected[row] = particles.log_posterior[row] + corrections[groups.labels[row]]
     return corrected
 
 
 @compiled_part
-def limits_beside_map(limits: EvidenceLimits, map_log_ratios: FloatArray) -> EvidenceLimits:
-    """Return limits for a frame whose map adds some log-likelihood ratios to particles, (N,).
+def background_share(map_log_ratios: FloatArray, limits: EvidenceLimits) -> float:
+    """Return the share of the ratio above the background that counts.
 
-    Where the appearance does not count, the map does not change what the borders say, either.
+    `map_log_ratios`, shape (N,), are those of the frame's particles [nats]. Where the appearance
+    does not count, the map does not change what the borders say, either.
     """
-    share = limits.background_share
-    if limits.appearance_share > 0.0:
-        clear = (map_log_ratios.max() - FAINT_MAP) / (CLEAR_MAP - FAINT_MAP)
-        share *= 1.0 - min(max(clear, 0.0), 1.0)
-    return EvidenceLimits(
-        limits.evidence_limit,
-        limits.evidence_repeated,
-        limits.thin_width,
-        share,
-        limits.appearance_share,
-    )
+    if limits.is_known:
+        return 1.0
+    clearest: float = map_log_ratios.max()
+    clear = (clearest - FAINT_MAP) / (CLEAR_MAP - FAINT_MAP)
+    return BACKGROUND_SHARE * (1.0 - min(max(clear, 0.0), 1.0))
 
 
 @compiled_part
 def group_evidence(
-    log_posterior: FloatArray,
-    log_prior: FloatArray,
-    states: FloatArray,
-    densities: DensityValues,
-    map_log_ratios: FloatArray,
-    groups: Groups,
-    backgrounds: FloatArray,
-    appearances: FloatArray,
-    limits: EvidenceLimits,
+    particles: WeighedParticles, measured: MeasuredGroups, limits: EvidenceLimits
 ) -> GroupEvidence:
-    """Sum up what the frame says of each group; arguments as of `corrected_log_weights`."""
-    labels, count = groups.labels, groups.number + 1
+    """Sum up what the frame says of each group."""
+    labels, count = measured.groups.labels, measured.groups.number + 1
+    share = background_share(particles.map_log_ratios, limits)
     found = GroupEvidence(
         np.full(count, -np.inf),
         np.zeros(count),
@@ -191,43 +182,68 @@ def group_evidence(
         np.zeros(count),
         np.full(count, -np.inf),
     )
-    for label in range(NO_CLUSTER, groups.number):
-        posterior_mass = masked_log_sum_exp(log_posterior, labels, label)
-        if posterior_mass == -math.inf:
+    for label in range(NO_CLUSTER, measured.groups.number):
+        log_posterior_mass = masked_log_sum_exp(particles.log_posterior, labels, label)
+        if log_posterior_mass == -math.inf:
             continue
-        prior_mass = masked_log_sum_exp(log_prior, labels, label)
-        width, penalty, survived, mapped = 0.0, 0.0, 0.0, 0.0
-        for row in range(len(labels)):
-            if labels[row] != label:
-                continue
-            share = math.exp(log_posterior[row] - posterior_mass)
-            penalty += share * densities.width_penalties[row]
-            mapped += share * map_log_ratios[row]
-            width += share * states[row, WIDTH]
-            if densities.prior[row] > 0.0:
-                kept = densities.prior_survival[row] / densities.prior[row]
-                survived += math.exp(log_prior[row] - prior_mass) * kept
-        background = backgrounds[label] if label != NO_CLUSTER else 0.0
-        ratio = posterior_mass - prior_mass - mapped
-        found.log_ratio[label] = posterior_mass - prior_mass
-        above = thin_factor(width, limits.thin_width) * (ratio - background)
-        appearance = appearances[label] - ORDINARY_APPEARANCE if label != NO_CLUSTER else 0.0
-        found.counted[label] = (
-            limits.background_share * above + limits.appearance_share * appearance
-        )
-        found.survived_share[label] = min(survived, 1.0)
-        found.width_penalty[label] = penalty
-        found.prior_mass[label] = prior_mass
+        log_prior_mass = masked_log_sum_exp(particles.log_prior, labels, label)
+        means = _means_of_group(particles, labels, label, log_prior_mass, log_posterior_mass)
+        found.log_ratio[label] = log_posterior_mass - log_prior_mass
+        ratio = log_posterior_mass - log_prior_mass - means.map_log_ratio
+        background, appearance = 0.0, 0.0
+        if label != NO_CLUSTER:
+            background = measured.backgrounds[label]
+            appearance = measured.appearances[label] - ORDINARY_APPEARANCE
+        counted = share * (thin_factor(means.width, limits.thin_width) * (ratio - background))
+        found.counted[label] = counted if limits.is_known else counted + appearance
+        found.survived_share[label] = min(means.survived_share, 1.0)
+        found.width_penalty[label] = means.width_penalty
+        found.log_prior_mass[label] = log_prior_mass
     return found
+
+
+class _GroupMeans(NamedTuple):
+    """Means over the particles of a group, by the posterior, but the survived share by the prior.
+
+    `width` [px]; `width_penalty`, `map_log_ratio` [nats]; `survived_share` 0 to 1.
+    """
+
+    width: float
+    width_penalty: float
+    map_log_ratio: float
+    survived_share: float
+
+
+@compiled_loop
+def _means_of_group(
+    particles: WeighedParticles,
+    labels: IndexArray,
+    label: int,
+    log_prior_mass: float,
+    log_posterior_mass: float,
+) -> _GroupMeans:
+    densities = particles.densities
+    width, penalty, survived, mapped = 0.0, 0.0, 0.0, 0.0
+    for row in range(len(labels)):
+        if labels[row] != label:
+            continue
+        share = math.exp(particles.log_posterior[row] - log_posterior_mass)
+        penalty += share * densities.width_penalties[row]
+        mapped += share * particles.map_log_ratios[row]
+        width += share * particles.states[row, WIDTH]
+        if densities.prior[row] > 0.0:
+            kept = densities.prior_survival[row] / densities.prior[row]
+            survived += math.exp(particles.log_prior[row] - log_prior_mass) * kept
+    return _GroupMeans(width, penalty, mapped, survived)
 
 
 @compiled_loop
 def reference_group(found: GroupEvidence) -> int:
     """Return the label of the surviving group of largest prior mass; `NO_CLUSTER` if none is."""
     reference, heaviest = NO_CLUSTER, -np.inf
-    for label in range(len(found.prior_mass) - 1):
-        if found.survived_share[label] > SURVIVED and found.prior_mass[label] > heaviest:
-            reference, heaviest = label, found.prior_mass[label]
+    for label in range(len(found.log_prior_mass) - 1):
+        if found.survived_share[label] > SURVIVED and found.log_prior_mass[label] > heaviest:
+            reference, heaviest = label, found.log_prior_mass[label]
     return reference
 
 

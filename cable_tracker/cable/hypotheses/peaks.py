@@ -28,6 +28,10 @@ from cable_tracker.compilation import compiled_loop, compiled_part
 from cable_tracker.particle_filter.student_t import peak_density, relative_density
 from cable_tracker.particle_filter.weights import exponentials
 
+MOST_REFINED, LEAST_REFINED = 3, 0.02
+"""Largest number of clusters that a round draws about, and their minimum mass (the heaviest is
+always one)."""
+
 
 class Peaks(NamedTuple):
     """Room for P proposals about the best particles.
@@ -78,7 +82,7 @@ def find_peaks(
     widening : float
         Factor on the covariance of the clusters.
     config : ProposalConfig
-        Radii of the clusters, and the limits of their number and mass.
+        Radii of the clusters.
     peaks : Peaks
         The first `used` of them are filled.
     used : int
@@ -89,7 +93,7 @@ def find_peaks(
     groups = find_groups(states, log_weights, config.cluster_radii, nowhere, MOST_CLUSTERS)
     order, masses, means = group_means(states, weights, groups)
     number = 1
-    while number < min(config.most_refined, len(order)) and masses[number] >= config.least_refined:
+    while number < min(MOST_REFINED, len(order)) and masses[number] >= LEAST_REFINED:
         number += 1
     total, left = 0.0, count
     for index in range(number):

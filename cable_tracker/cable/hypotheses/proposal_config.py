@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.hypotheses.association import SAME_HYPOTHESIS_RADII
 from cable_tracker.cable.hypotheses.clusters import RADII
-from cable_tracker.cable.hypotheses.evidence_correction import BACKGROUND_SHARE, EvidenceLimits
+from cable_tracker.cable.hypotheses.evidence_correction import EvidenceLimits
 from cable_tracker.cable.hypotheses.rounds import annealing_power, widening_in
 from cable_tracker.cable.hypotheses.shadows import ShadowRules
 from cable_tracker.cable.model.limits import StateLimits, state_limits
@@ -23,10 +22,6 @@ rad]."""
 
 SMALLEST_SIGMAS = np.array([0.15, np.deg2rad(0.08), 0.2, np.deg2rad(0.08)])
 """Added in quadrature to the kernel scales of a round [px at the reference width, rad]."""
-
-MOST_REFINED, LEAST_REFINED = 3, 0.02
-"""Largest number of clusters that a round draws about, and their minimum mass (the heaviest is
-always one)."""
 
 
 class ProposalConfig(NamedTuple):
@@ -46,8 +41,6 @@ class ProposalConfig(NamedTuple):
         rad].
     powers, widenings : FloatArray
         Power of the likelihood, and factor on the covariance, in each round, shape (R,).
-    most_refined, least_refined : int, float
-        `MOST_REFINED`, `LEAST_REFINED`.
     evidence_limits : EvidenceLimits
         Limits of the correction of the groups' weights.
     same_hypothesis_radii : FloatArray
@@ -64,8 +57,6 @@ class ProposalConfig(NamedTuple):
     smallest_sigmas: FloatArray
     powers: FloatArray
     widenings: FloatArray
-    most_refined: int
-    least_refined: float
     evidence_limits: EvidenceLimits
     same_hypothesis_radii: FloatArray
     shadows: ShadowRules
@@ -86,14 +77,11 @@ def proposal_config(
         smallest_sigmas=SMALLEST_SIGMAS * units,
         powers=np.array([annealing_power(number, len(rounds)) for number in rounds]),
         widenings=np.array([widening_in(number) for number in rounds]),
-        most_refined=MOST_REFINED,
-        least_refined=LEAST_REFINED,
         evidence_limits=EvidenceLimits(
             parameters.evidence_limit,
             parameters.evidence_repeated,
             parameters.thin_width * width / REFERENCE_WIDTH,
-            BACKGROUND_SHARE,
-            1.0,
+            is_known=False,
         ),
         same_hypothesis_radii=SAME_HYPOTHESIS_RADII * units,
         shadows=ShadowRules(
@@ -111,8 +99,6 @@ def beside_a_known_cable(config: ProposalConfig, parameters: TrackerParameters) 
     It is not taken for a shadow, either, and need not look like a cable: it is one.
     """
     limits = config.evidence_limits._replace(
-        evidence_limit=parameters.evidence_limit_known, background_share=1.0, appearance_share=0.0
+        evidence_limit=parameters.evidence_limit_known, is_known=True
     )
-    return config._replace(
-        evidence_limits=limits, shadows=config.shadows._replace(evidence=math.inf)
-    )
+    return config._replace(evidence_limits=limits)

@@ -23,6 +23,7 @@ from cable_tracker.cable.hypotheses.candidates import (
 )
 from cable_tracker.cable.hypotheses.frame_noise import FrameNoise
 from cable_tracker.cable.hypotheses.peaks import (
+    MOST_REFINED,
     Peaks,
     add_candidate_peaks,
     add_detections,
@@ -106,8 +107,8 @@ def draw_sample(
     """
     centres = np.empty((len(inputs.detected), POSE_SIZE))
     _unwrap_poses(inputs.detected, inputs.reference_angle, centres)
-    peaks = empty_peaks(len(counts.refined) * (config.most_refined + MOST_CANDIDATES))
-    looks_count = config.evidence_limits.appearance_share > 0.0
+    peaks = empty_peaks(len(counts.refined) * (MOST_REFINED + MOST_CANDIDATES))
+    looks_count = not config.evidence_limits.is_known
     shown = strips_of_map(inputs.where, MOST_OF_MAP if looks_count else 0)
     for strip in shown:
         unwrap_state(strip, inputs.reference_angle, strip)
@@ -224,8 +225,8 @@ def _apply_shadow_losses(
     sample: Sample, filled: int, inputs: ProposalInputs, config: ProposalConfig
 ) -> None:
     """Find shadows among the first `filled` particles, and lower their log-likelihoods."""
-    if config.shadows.evidence == np.inf:
-        return  # The cable is known: no strip is a shadow.
+    if config.evidence_limits.is_known:
+        return  # No strip is a shadow.
     states, possible = sample.states[:filled], sample.log_likelihoods[:filled] > -np.inf
     count = find_shadows(states, possible, sample.measured, config.shadows, sample.shadows)
     changed = fill_shadow_losses(

@@ -13,6 +13,8 @@ from cable_tracker.cable.hypotheses.evidence_correction import (
     ORDINARY_APPEARANCE,
     EvidenceLimits,
     GroupEvidence,
+    MeasuredGroups,
+    WeighedParticles,
     corrected_log_weights,
     reference_group,
 )
@@ -24,8 +26,7 @@ LIMITS = EvidenceLimits(
     evidence_limit=8.0,
     evidence_repeated=0.15,
     thin_width=12.0,
-    background_share=BACKGROUND_SHARE,
-    appearance_share=1.0,
+    is_known=False,
 )
 
 
@@ -50,20 +51,14 @@ def corrected(
         prior_survival=np.array(survived),
         width_penalties=np.full(count, penalty),
     )
-    groups = Groups(np.array(labels), max(labels) + 1)
-    backgrounds = np.full(groups.number, background)
-    appearances = np.full(groups.number, appearance)
-    return corrected_log_weights(
-        log_posterior,
-        log_prior,
-        states,
-        densities,
-        np.full(count, mapped),
-        groups,
-        backgrounds,
-        appearances,
-        limits,
+    particles = WeighedParticles(
+        states, log_prior, log_posterior, densities, np.full(count, mapped)
     )
+    groups = Groups(np.array(labels), max(labels) + 1)
+    measured = MeasuredGroups(
+        groups, np.full(groups.number, background), np.full(groups.number, appearance)
+    )
+    return corrected_log_weights(particles, measured, limits)
 
 
 def evidence_after(evidence, survived=0.0, **others) -> float:
