@@ -36,10 +36,10 @@ among them."""
 def likeliest_strips(
     states: FloatArray,
     log_likelihoods: FloatArray,
-    shown: FloatArray,
+    map_strips: FloatArray,
     scan: FrameScan,
     model: RatioModel,
-    where: CableMap,
+    cable_map: CableMap,
     config: ProposalConfig,
 ) -> FloatArray:
     """Return the particles, and strips of the map, that look most like cables, shape (C, 8).
@@ -51,11 +51,11 @@ def likeliest_strips(
     states, log_likelihoods : FloatArray
         Particles, shape (N, 8), and their log-likelihood ratios, shape (N,); -inf for impossible
         ones.
-    shown : FloatArray
+    map_strips : FloatArray
         Strips that the map shows, shape (S, 8).
     scan, model : FrameScan, RatioModel
         The frame, and the tables of its log-likelihood ratios.
-    where : CableMap
+    cable_map : CableMap
         The map of the frame, or `NO_MAP`.
     config : ProposalConfig
         Radii of the clusters.
@@ -63,6 +63,6 @@ def likeliest_strips(
     nowhere = np.empty((0, STATE_SIZE))
     groups = find_groups(states, log_likelihoods, config.cluster_radii, nowhere, MOST_LOOKED_AT)
     strips = states[heaviest_members(log_likelihoods, groups)]
-    strips = np.concatenate((strips, shown))
-    order = np.argsort(-appearances_of(strips, scan, model, where))
+    strips = np.concatenate((strips, map_strips))
+    order = np.argsort(-appearances_of(strips, scan, model, cable_map))
     return strips[order[:MOST_CANDIDATES]]

@@ -251,7 +251,7 @@ def corrected_clusters(
             states, corrected, groups, inputs, config
         )
         clusters = clusters_of(states, weights, groups)
-    is_mapped = len(inputs.where.probabilities) > 0
+    is_mapped = len(inputs.cable_map.probabilities) > 0
     looks = appearances[clusters.group_of]
     return CorrectedClusters(corrected, weights, clusters, background, looks, is_mapped)
 
@@ -267,7 +267,7 @@ def _background_and_appearances(
     """Return what groups of particles are held against, and how much they look like cables."""
     centres = group_centres(states, log_weights, groups)
     background = background_of(centres, inputs, config)
-    return background, appearances_of(centres, inputs.scan, inputs.model, inputs.where)
+    return background, appearances_of(centres, inputs.scan, inputs.model, inputs.cable_map)
 
 
 @compiled_part

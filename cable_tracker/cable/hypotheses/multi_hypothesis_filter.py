@@ -154,8 +154,8 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             self._refined,
         )
         is_known = belief.is_known(self._parameters.known_after)
-        where = image.cable_map if self._looks_at_map(belief) else NO_MAP
-        inputs = self._inputs(belief, prediction, counts, image, detections, where)
+        cable_map = image.cable_map if self._looks_at_map(belief) else NO_MAP
+        inputs = self._inputs(belief, prediction, counts, image, detections, cable_map)
         config = self._known_config if is_known else self._config
         found = draw_and_conclude(self._sample, inputs, counts, config, prediction.prior)
         if not len(found.hypotheses.clusters.masses):
@@ -179,7 +179,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
         counts: SampleCounts,
         image: WorkingImage,
         detections: FloatArray,
-        where: CableMap,
+        cable_map: CableMap,
     ) -> ProposalInputs:
         """Return the inputs of the proposals of a frame, with its random numbers."""
         noise = draw_frame_noise(
@@ -193,7 +193,7 @@ class MultiHypothesisFilter(CableFilter[Belief]):
             noise=noise,
             scan=frame_scan(image),
             model=self._observation.model_for(image),
-            where=where,
+            cable_map=cable_map,
             polarity=polarity_prior(belief.p_bright),
             reference_angle=belief.reference_angle,
             ancestors=self._draw_surviving(len(prediction.density.rates), counts.survivors),

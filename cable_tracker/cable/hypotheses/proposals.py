@@ -70,7 +70,7 @@ class ProposalInputs(NamedTuple):
         Random numbers of the frame.
     scan, model : FrameScan, RatioModel
         The scanned frame, and the tables of its log-likelihood ratios.
-    where : CableMap
+    cable_map : CableMap
         The map of the frame; `NO_MAP` beside a clear known cable, or if none is wanted.
     polarity : PolarityPrior
         Probability that a cable is brighter than the bottom.
@@ -88,7 +88,7 @@ class ProposalInputs(NamedTuple):
     noise: FrameNoise
     scan: FrameScan
     model: RatioModel
-    where: CableMap
+    cable_map: CableMap
     polarity: PolarityPrior
     reference_angle: float
     ancestors: IndexArray
@@ -109,8 +109,8 @@ def draw_sample(
     _unwrap_poses(inputs.detected, inputs.reference_angle, centres)
     peaks = empty_peaks(len(counts.refined) * (MOST_REFINED + MOST_CANDIDATES))
     looks_count = not config.evidence_limits.is_known
-    shown = strips_of_map(inputs.where, MOST_OF_MAP if looks_count else 0)
-    for strip in shown:
+    map_strips = strips_of_map(inputs.cable_map, MOST_OF_MAP if looks_count else 0)
+    for strip in map_strips:
         unwrap_state(strip, inputs.reference_angle, strip)
     candidates = np.empty((0, STATE_SIZE))
     filled = _draw_first(sample, inputs, counts, config, centres)
@@ -129,10 +129,10 @@ def draw_sample(
             candidates = likeliest_strips(
                 states,
                 sample.log_likelihoods[:filled],
-                shown,
+                map_strips,
                 inputs.scan,
                 inputs.model,
-                inputs.where,
+                inputs.cable_map,
                 config,
             )
         share = int(CANDIDATE_SHARE * count) if len(candidates) else 0
@@ -214,7 +214,7 @@ def _measure(
     sample: Sample, inputs: ProposalInputs, config: ProposalConfig, start: int, stop: int
 ) -> None:
     fill_log_ratios(sample.states, start, stop, inputs.scan, inputs.model, sample.measured)
-    fill_map_log_ratios(sample, start, stop, inputs.where)
+    fill_map_log_ratios(sample, start, stop, inputs.cable_map)
     for row in range(start, stop):
         sample.shadow_losses[row] = 0.0
     fill_log_likelihoods(sample, start, stop, inputs.polarity, config.limits, config.image_size)

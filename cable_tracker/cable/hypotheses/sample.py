@@ -84,12 +84,14 @@ def empty_sample(count: int) -> Sample:
 
 
 @compiled_loop
-def fill_map_log_ratios(sample: Sample, start: int, stop: int, where: CableMap) -> None:
+def fill_map_log_ratios(sample: Sample, start: int, stop: int, cable_map: CableMap) -> None:
     """Fill in what the map says from `start` to `stop`, 0 for `NO_MAP`."""
     for row in range(start, stop):
         sample.map_log_ratios[row] = 0.0
-        if len(where.probabilities):
-            sample.map_log_ratios[row] = MAP_WEIGHT * map_match(sample.states[row], where).overlap
+        if len(cable_map.probabilities):
+            sample.map_log_ratios[row] = (
+                MAP_WEIGHT * map_match(sample.states[row], cable_map).overlap
+            )
 
 
 @compiled_loop

@@ -101,12 +101,12 @@ apart from this project: of a world that the network does not know it sees less.
 
 @compiled_part
 def appearances_of(
-    states: FloatArray, scan: FrameScan, model: RatioModel, where: CableMap
+    states: FloatArray, scan: FrameScan, model: RatioModel, cable_map: CableMap
 ) -> FloatArray:
     """Return the appearance of N strips, shape (N, 8): log-odds, of shape (N,) [nats].
 
-    A strip is looked at as the bright or the dark cable that it is likelier to be. `where`: the map
-    of the frame, or `NO_MAP`.
+    A strip is looked at as the bright or the dark cable that it is likelier to be.
+    `cable_map`: the map of the frame, or `NO_MAP`.
     """
     count = len(states)
     found, measured = np.empty(count), allocate_log_ratios(count)
@@ -124,8 +124,8 @@ def appearances_of(
             )
             looks, continuity = looks + more, continuity + continuous
         found[row] = looks + CONTINUITY * min(continuity - ORDINARY_CONTINUITY, 0.0)
-        if len(where.probabilities):
-            match = map_match(states[row], where)
+        if len(cable_map.probabilities):
+            match = map_match(states[row], cable_map)
             mapped = MAP_OVERLAP * match.overlap + MAP_INSIDE * match.inside
             found[row] = mapped + MAP_REST * found[row]
     return found

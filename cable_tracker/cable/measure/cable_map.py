@@ -88,25 +88,25 @@ class MapMatch(NamedTuple):
 
 
 @compiled_fast_loop
-def map_match(state: FloatArray, where: CableMap) -> MapMatch:
+def map_match(state: FloatArray, cable_map: CableMap) -> MapMatch:
     """Return how well a strip (8,) matches a map that is not empty.
 
     Strips narrower than `RESOLVED_WIDTH` match as if they were so wide: how wide such a cable is,
     its borders tell.
     """
-    area, mass = _covered(state, where)
+    area, mass = _covered(state, cable_map)
     area = max(area, SMALLEST_AREA)
     return MapMatch(
-        _log_odds(2.0 * mass / (where.mass + area)),
+        _log_odds(2.0 * mass / (cable_map.mass + area)),
         _log_odds(min(mass / area, 1.0)),
     )
 
 
 @compiled
-def strip_shares(state: FloatArray, where: CableMap) -> Image:
+def strip_shares(state: FloatArray, cable_map: CableMap) -> Image:
     """Return which share of each cell of a map a strip (8,) covers, float32, of the map's shape."""
-    shares: Image = np.empty(where.probabilities.shape, np.float32)
-    borders = _borders(state, state[WIDTH], where)
+    shares: Image = np.empty(cable_map.probabilities.shape, np.float32)
+    borders = _borders(state, state[WIDTH], cable_map)
     for row in range(shares.shape[0]):
         for column in range(shares.shape[1]):
             shares[row, column] = _share(row, column, borders)
@@ -114,21 +114,21 @@ def strip_shares(state: FloatArray, where: CableMap) -> Image:
 
 
 @compiled_fast_loop
-def _covered(state: FloatArray, where: CableMap) -> tuple[float, float]:
+def _covered(state: FloatArray, cable_map: CableMap) -> tuple[float, float]:
     """Return the number of cells that a strip covers, and the sum of their probabilities.
 
     A strip narrower than `RESOLVED_WIDTH` covers what one of that width would.
     """
-    width = max(state[WIDTH], RESOLVED_WIDTH * where.cell)
-    borders = _borders(state, width, where)
+    width = max(state[WIDTH], RESOLVED_WIDTH * cable_map.cell)
+    borders = _borders(state, width, cable_map)
     if abs(math.cos(state[ANGLE])) >= abs(math.sin(state[ANGLE])):
         return _covered_along(
-            where.sums_along_rows,
+            cable_map.sums_along_rows,
             (borders.left, borders.left_row, borders.left_column),
             (borders.right, borders.right_row, borders.right_column),
         )
     return _covered_along(
-        where.sums_along_columns,
+        cable_map.sums_along_columns,
         (borders.left, borders.left_column, borders.left_row),
         (borders.right, borders.right_column, borders.right_row),
     )
@@ -180,7 +180,7 @@ class _Borders(NamedTuple):
 
 
 @compiled_fast_loop
-def _borders(state: FloatArray, width: float, where: CableMap) -> _Borders:
+def _borders(state: FloatArray, width: float, cable_map: CableMap) -> _Borders:
     """Return the borders of a strip of some width [px] as they cross the cells of a map."""
     angle, skew = state[ANGLE], state[SKEW]
     left_x, left_y = math.cos(angle - skew), math.sin(angle - skew)
@@ -188,10 +188,10 @@ def _borders(state: FloatArray, width: float, where: CableMap) -> _Borders:
     left_offset = border_offset(state[DISTANCE], width, skew, -1.0)
     right_offset = border_offset(state[DISTANCE], width, skew, 1.0)
     return _Borders(
-        (where.left * left_x + where.top * left_y - left_offset) / where.cell,
+        (cable_map.left * left_x + cable_map.top * left_y - left_offset) / cable_map.cell,
         -left_y,
         left_x,
-        (right_offset - where.left * right_x - where.top * right_y) / where.cell,
+        (right_offset - cable_map.left * right_x - cable_map.top * right_y) / cable_map.cell,
         right_y,
         -right_x,
     )

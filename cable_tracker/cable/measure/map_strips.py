@@ -37,91 +37,95 @@ MOST_SKEW = math.radians(25.0)
 
 
 @compiled_part
-def strips_of_map(where: CableMap, most: int) -> FloatArray:
+def strips_of_map(cable_map: CableMap, most: int) -> FloatArray:
     """Return at most `most` strips that a map shows, best first, shape (C, 8), rates 0.
 
     Each is one whose overlap with the map grows no further by a small change. A map without cells,
     or with next to nothing in them, has none.
     """
-    strips, rest = np.zeros((most, STATE_SIZE)), where
+    strips, rest = np.zeros((most, STATE_SIZE)), cable_map
     for count in range(most):
         if rest.mass < SMALLEST_AREA:
             return strips[:count]
         strip = strips[count]
         _fill_straight_strip(rest, strip)
         _refine(rest, strip)
-        left = rest.probabilities * (np.float32(1.0) - strip_shares(strip, where))
-        rest = cable_map_of(left, where.left, where.top, where.cell)
+        left = rest.probabilities * (np.float32(1.0) - strip_shares(strip, cable_map))
+        rest = cable_map_of(left, cable_map.left, cable_map.top, cable_map.cell)
     return strips
 
 
 @compiled_part
-def _fill_straight_strip(where: CableMap, strip: FloatArray) -> None:
+def _fill_straight_strip(cable_map: CableMap, strip: FloatArray) -> None:
     """Fill in the strip without skew of the largest overlap over all directions."""
-    rows, columns = where.probabilities.shape
+    rows, columns = cable_map.probabilities.shape
     bins = math.ceil(math.hypot(rows, columns)) + 1
     masses, areas = np.empty(bins + 1), np.empty(bins + 1)
     best = -1.0
     for direction in range(DIRECTIONS):
         angle = (direction + 0.5) / DIRECTIONS * math.pi - 0.5 * math.pi
-        first = _add_up_across(where, angle, masses, areas)
+        first = _add_up_across(cable_map, angle, masses, areas)
         for begin in range(bins):
             for end in range(begin + 1, bins + 1):
                 area, mass = areas[end] - areas[begin], masses[end] - masses[begin]
-                overlap = mass / (where.mass + max(area, SMALLEST_AREA))
+                overlap = mass / (cable_map.mass + max(area, SMALLEST_AREA))
                 if overlap > best:
                     best = overlap
-                    strip[DISTANCE] = first + 0.5 * (begin + end) * where.cell
-                    strip[ANGLE], strip[WIDTH] = angle, (end - begin) * where.cell
+                    strip[DISTANCE] = first + 0.5 * (begin + end) * cable_map.cell
+                    strip[ANGLE], strip[WIDTH] = angle, (end - begin) * cable_map.cell
 
 
 @compiled_fast_loop
-def _add_up_across(where: CableMap, angle: float, masses: FloatArray, areas: FloatArray) -> float:
+def _add_up_across(
+    cable_map: CableMap, angle: float, masses: FloatArray, areas: FloatArray
+) -> float:
     """Fill in what lies before each step across a direction, shape (B + 1,): mass and cells.
 
     Steps are one cell wide; where the first one begins is returned [px].
     """
-    rows, columns = where.probabilities.shape
+    rows, columns = cable_map.probabilities.shape
     across, down = math.cos(angle), -math.sin(angle)
     lowest = min(0.0, across * (columns - 1)) + min(0.0, down * (rows - 1)) - 0.5
     masses[:], areas[:] = 0.0, 0.0
     for row in range(rows):
         for column in range(columns):
             step = int(across * column + down * row - lowest) + 1
-            masses[step] += where.probabilities[row, column]
+            masses[step] += cable_map.probabilities[row, column]
             areas[step] += 1.0
     for step in range(1, len(masses)):
         masses[step] += masses[step - 1]
         areas[step] += areas[step - 1]
-    first: float = where.left * across - where.top * down + lowest * where.cell
+    first: float = cable_map.left * across - cable_map.top * down + lowest * cable_map.cell
     return first
 
 
 @compiled_part
-def _refine(where: CableMap, strip: FloatArray) -> None:
+def _refine(cable_map: CableMap, strip: FloatArray) -> None:
     """Change a strip (8,), one number at a time, while its overlap with the map grows."""
     steps = FIRST_STEPS.copy()
-    steps[DISTANCE] *= where.cell
-    steps[WIDTH] *= where.cell
-    best = map_match(strip, where).overlap
+    steps[DISTANCE] *= cable_map.cell
+    steps[WIDTH] *= cable_map.cell
+    best = map_match(strip, cable_map).overlap
     for _ in range(HALVINGS + 1):
         for _ in range(TRIES):
             before = best
             for column in range(POSE_SIZE):
                 for sign in (-1.0, 1.0):
-                    best = _try_step(where, strip, column, sign * steps[column], best)
+                    best = _try_step(cable_map, strip, column, sign * steps[column], best)
             if best == before:
                 break
         steps *= 0.5
 
 
 @compiled_part
-def _try_step(where: CableMap, strip: FloatArray, column: int, step: float, best: float) -> float:
+def _try_step(
+    cable_map: CableMap, strip: FloatArray, column: int, step: float, best: float
+) -> float:
     """Change one number of a strip if its overlap grows, and return the overlap."""
     kept = strip[column]
     strip[column] += step
-    overlap = map_match(strip, where).overlap
-    if overlap > best and abs(strip[SKEW]) <= MOST_SKEW and strip[WIDTH] >= 0.5 * where.cell:
+    overlap = map_match(strip, cable_map).overlap
+    if overlap > best and abs(strip[SKEW]) <= MOST_SKEW and strip[WIDTH] >= 0.5 * cable_map.cell:
         return overlap
     strip[column] = kept
     return best

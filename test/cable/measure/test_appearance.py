@@ -34,10 +34,10 @@ MODEL = BorderLikelihoodRatio(TrackerParameters(texture_limit=0.0))
 STRIP = CableState(20.0, 0.3, 60.0, 0.05)
 
 
-def appearance(picture, state=STRIP, where=NO_MAP) -> float:
+def appearance(picture, state=STRIP, cable_map=NO_MAP) -> float:
     image = make_working_image(picture.astype(np.float32), SIZE[0])
     strips, scan, model = state.to_array()[None], frame_scan(image), MODEL.model_for(image)
-    return float(appearances_of(strips, scan, model, where)[0])
+    return float(appearances_of(strips, scan, model, cable_map)[0])
 
 
 @pytest.fixture
@@ -151,16 +151,17 @@ def map_of(state, probability) -> CableMap:
 def test_what_the_map_shows_looks_like_a_cable_and_what_it_does_not_like_none(rng):
     picture = rng.normal(100.0, 10.0, (240, 320))
     elsewhere = CableState(-90.0, -0.3, 40.0)
-    shown = appearance(picture, where=map_of(STRIP, 0.9))
+    shown = appearance(picture, cable_map=map_of(STRIP, 0.9))
     assert shown > appearance(picture) + 2.0
-    assert appearance(picture, where=map_of(elsewhere, 0.9)) < appearance(picture) - 2.0
-    assert appearance(picture, where=map_of(STRIP, 0.3)) < shown
+    assert appearance(picture, cable_map=map_of(elsewhere, 0.9)) < appearance(picture) - 2.0
+    assert appearance(picture, cable_map=map_of(STRIP, 0.3)) < shown
 
 
 def test_half_of_what_the_map_shows_looks_less_like_a_cable(rng):
     picture, half = rng.normal(100.0, 10.0, (240, 320)), replace(STRIP, width=30.0)
-    where = map_of(STRIP, 0.9)
+    cable_map = map_of(STRIP, 0.9)
     gained = [
-        appearance(picture, state, where) - appearance(picture, state) for state in (STRIP, half)
+        appearance(picture, state, cable_map) - appearance(picture, state)
+        for state in (STRIP, half)
     ]
     assert gained[1] < gained[0]

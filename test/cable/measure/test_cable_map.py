@@ -72,9 +72,11 @@ def test_the_strip_that_a_map_shows_matches_it_best(state):
 
 def test_a_strip_half_as_wide_is_inside_but_overlaps_less():
     whole, half = CableState(0.0, 0.0, 40.0).to_array(), CableState(0.0, 0.0, 20.0).to_array()
-    where = map_of(0.9 * strip_shares(whole, EMPTY))
-    assert map_match(half, where).inside == pytest.approx(map_match(whole, where).inside, abs=0.1)
-    assert map_match(half, where).overlap < map_match(whole, where).overlap - 0.5
+    cable_map = map_of(0.9 * strip_shares(whole, EMPTY))
+    assert map_match(half, cable_map).inside == pytest.approx(
+        map_match(whole, cable_map).inside, abs=0.1
+    )
+    assert map_match(half, cable_map).overlap < map_match(whole, cable_map).overlap - 0.5
 
 
 def test_a_map_does_not_tell_thin_strips_from_each_other():
@@ -87,10 +89,10 @@ def test_a_map_does_not_tell_thin_strips_from_each_other():
 
 def test_match_is_in_log_odds():
     whole = CableState(0.0, 0.0, 40.0).to_array()
-    where = map_of(0.5 * strip_shares(whole, EMPTY))
-    assert map_match(whole, where).inside == pytest.approx(0.0, abs=1e-6)
+    cable_map = map_of(0.5 * strip_shares(whole, EMPTY))
+    assert map_match(whole, cable_map).inside == pytest.approx(0.0, abs=1e-6)
     # Twice a half of the strip over a half of it and the whole.
-    assert map_match(whole, where).overlap == pytest.approx(
+    assert map_match(whole, cable_map).overlap == pytest.approx(
         math.log((2 / 3 + 0.01) / (1 / 3 + 0.01)), abs=1e-6
     )
 
