@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.benchmark.footage import FIRST_STAMP, FRAME_STEP, Footage, FrameLoop
+from cable_tracker.benchmark.footage import FRAME_STEP, Footage, FrameLoop
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.benchmark.round_robin import BenchmarkCase, CaseLabel, Step
 from cable_tracker.benchmark.yardstick import Yardstick
@@ -27,6 +27,7 @@ from cable_tracker.cable.tracker import CableTracker
 from cable_tracker.evaluation.methods import BASELINES, METHODS, ConfiguredFilter, Method
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.particle_filter.resampling import RESAMPLING_SCHEMES
+from cable_tracker.stamps import FIRST_STAMP
 from cable_tracker.trackers import make_proposer
 
 TIMED_PRESETS = ("default", "thesis")

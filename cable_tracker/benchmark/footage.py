@@ -17,6 +17,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame, ScenarioSequence
 from cable_tracker.evaluation.methods import Method
+from cable_tracker.stamps import FIRST_STAMP
 
 SCENARIO = "S1"
 SEED = 0
@@ -25,9 +26,6 @@ SEED = 0
 RENDERED_SIZE = (320, 240)
 FRAME_STEP = 40_000_000
 """Time from one frame to the next [ns]."""
-
-FIRST_STAMP = 1_000_000_000
-"""Time of the first frame [ns]; not 0, which ROS takes for "no time"."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,10 +21,8 @@ from cable_tracker.detection.detector import CableDetector, Detection
 from cable_tracker.detection.search_region import SearchRegion
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.kalman import MEASURED, CableKalmanFilter, KalmanNoise
+from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.tracking.succession import FrameMark, succession
-
-UNKNOWN_VARIANCE = 1e6
-"""Large but finite: what is said where nothing is known."""
 
 USUAL_WIDTH = 0.1
 """Share of the image width that w is given as while nothing is known."""

@@ -322,19 +322,3 @@ def available_worlds(
         else:
             sequences.append(sequence)
     return tuple(sequences), tuple(notes)
-
-
-def scenario_sequences(
-    names: Sequence[str], limit: int | None = None
-) -> tuple[ScenarioSequence, ...]:
-    """Return scenarios by name, each once, in the order given; all of them if no name is given.
-
-    Raises
-    ------
-    ParameterError
-        There is no such scenario.
-    """
-    for name in names:
-        if name not in SCENARIOS:
-            raise ParameterError(f"scenario: {name!r} is none of {' | '.join(SCENARIOS)}")
-    return tuple(ScenarioSequence(name, limit) for name in dict.fromkeys(names or SCENARIOS))

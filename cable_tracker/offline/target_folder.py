@@ -9,7 +9,6 @@ from pathlib import Path
 import cv2
 
 from cable_tracker.arrays import Image
-from cable_tracker.errors import OutputError
 from cable_tracker.offline.results import BAG, CONTACT_SHEET, ESTIMATES, VIDEO, Results
 from cable_tracker.offline.target_table import HEADER, METRES, METRES_HEADER, TargetRow
 from cable_tracker.sequences.csv_text import csv_text
@@ -66,8 +65,3 @@ class TargetFolder(Results):
         for name, text in tables.items():
             (self._content / name).write_text(text, encoding="utf-8", newline="")
         self._sheet.write(self._content / CONTACT_SHEET)
-        if not (self._content / CONTACT_SHEET).is_file():
-            raise OutputError(
-                f"{self.path / CONTACT_SHEET}: could not be written; check the folder and its"
-                " free space"
-            )

@@ -29,11 +29,7 @@ from cable_tracker.simulation.steering import steer
 from cable_tracker.simulation.texture import TiledTexture
 from cable_tracker.simulation.trajectory import Trajectory
 from cable_tracker.simulation.tube import Tube
-from cable_tracker.stamps import NANOSECONDS
-
-FIRST_STAMP = 1_000_000_000
-"""Stamp of the first frame [ns]; not 0, which ROS takes for "no time"."""
-
+from cable_tracker.stamps import stamp_of_frame
 
 FOCAL = 280.0
 """Focal length of all cameras [px at a width of 320]."""
@@ -263,4 +259,4 @@ def make_frame(index: int, rate: float, image: Image, truth: CableState | None) 
     """Wrap a picture, uint8 of shape (H, W), as a frame of a dive at a rate [1/s]."""
     height, width = image.shape
     raw = RawImage("mono8", height, width, width, False, memoryview(image.tobytes()))
-    return Frame(index, FIRST_STAMP + round(index * NANOSECONDS / rate), raw, truth=truth)
+    return Frame(index, stamp_of_frame(index, rate), raw, truth=truth)

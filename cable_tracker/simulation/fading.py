@@ -10,6 +10,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.simulation.texture import smooth_step
 from cable_tracker.simulation.worlds.strip import pixel_grid, view_strip
 from cable_tracker.tracking.image_frame import image_centre
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 FAINTEST = 0.1
 """Smallest share of its contrast that a faded cable keeps."""
@@ -25,8 +26,6 @@ SEAM = 0.25
 
 MARGIN = 0.15
 """Distance beyond the border within which the cable's edge ends [radii]."""
-
-REFERENCE_WIDTH = 320
 
 MOST_COLUMNS = 16_384
 """Number of places looked up at a time: OpenCV takes no rows of more than 32 766."""

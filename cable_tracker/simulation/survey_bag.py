@@ -29,7 +29,6 @@ from cable_tracker.sequences.node_topics import NodeTopic
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.static_transforms import TF_STATIC, TF_TYPE
 from cable_tracker.simulation.camera import Camera
-from cable_tracker.simulation.dive import FIRST_STAMP
 from cable_tracker.simulation.instrument_messages import (
     ALTIMETER,
     BASE,
@@ -53,7 +52,7 @@ from cable_tracker.simulation.survey_dive import (
     SurveyDiveSettings,
     Tick,
 )
-from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
 
 ORIGIN = (54.25, 7.9)
 """Latitude and longitude of the world's origin [deg]."""

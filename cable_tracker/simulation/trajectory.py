@@ -14,9 +14,7 @@ import numpy as np
 from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.state import STATE_SIZE
 from cable_tracker.errors import ParameterError
-
-REFERENCE_WIDTH = 320
-"""The image width that lengths in pixels are given for."""
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 RATE_STEP = 1e-4
 """Half the interval over which velocities are taken [s]."""

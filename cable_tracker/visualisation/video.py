@@ -6,18 +6,17 @@ import contextlib
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Final
+from typing import Final
 
+import av
 import cv2
 import numpy as np
+from av.container import OutputContainer
+from av.video.stream import VideoStream
 
 from cable_tracker.arrays import Image
 from cable_tracker.atomic_output import AtomicFile
 from cable_tracker.errors import OutputError, write_failure
-
-if TYPE_CHECKING:
-    from av.container import OutputContainer
-    from av.video.stream import VideoStream
 
 TICKS = 1000
 """Time stamps of the file per second: WebM counts milliseconds."""
@@ -80,7 +79,6 @@ class VideoWriter:
         self._file = AtomicFile(path)
         self._container: OutputContainer | None = None
         self._stream: VideoStream | None = None
-        self._av: Any = None
         self._size = (0, 0)
         self._frame_count = 0
         self._last_stamp = 0
@@ -89,14 +87,6 @@ class VideoWriter:
         self._last_tick = -1
 
     def __enter__(self) -> VideoWriter:
-        try:
-            import av  # noqa: PLC0415  (needed for writing videos only)
-        except ImportError as error:
-            raise OutputError(
-                f"{self._path}: videos need PyAV; install it with 'pip install av' or "
-                "'apt install python3-av'"
-            ) from error
-        self._av = av
         try:
             self._file.part.touch()
             self._container = av.open(
@@ -124,11 +114,6 @@ class VideoWriter:
             raise OutputError(f"{self._path}: no frames, so no video; check the recording")
         self._finish()
 
-    @property
-    def frame_count(self) -> int:
-        """Number of frames written."""
-        return self._frame_count
-
     def add(self, image: Image, stamp: int) -> None:
         """Append a frame.
 
@@ -153,11 +138,11 @@ class VideoWriter:
         try:
             if self._stream is None:
                 self._stream = self._open_stream(image)
-            frame = self._av.VideoFrame.from_ndarray(self._fit(image), format="bgr24")
+            frame = av.VideoFrame.from_ndarray(self._fit(image), format="bgr24")
             frame.pts = self._tick(stamp)
             frame.time_base = Fraction(1, TICKS)
             self._container.mux(self._stream.encode(frame))
-        except (OSError, ValueError, self._av.error.FFmpegError) as error:
+        except (OSError, ValueError, av.error.FFmpegError) as error:
             raise write_failure(self._path, error) from error
         self._frame_count += 1
 
@@ -207,7 +192,7 @@ class VideoWriter:
             self._container.close()
             self._container = None
             self._file.commit()
-        except (OSError, self._av.error.FFmpegError) as error:
+        except (OSError, av.error.FFmpegError) as error:
             raise write_failure(self._path, error) from error
         finally:
             self._discard()
@@ -221,5 +206,5 @@ class VideoWriter:
                     container.close()
             finally:
                 self._file.discard()
-        except (OSError, self._av.error.FFmpegError) as error:
+        except (OSError, av.error.FFmpegError) as error:
             raise write_failure(self._path, error) from error

@@ -3,9 +3,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cable_tracker.benchmark.footage import FIRST_STAMP, FRAME_STEP
+from cable_tracker.benchmark.footage import FRAME_STEP
 from cable_tracker.benchmark.library_filters import LIBRARY_LOOPS, LibraryMethod, is_installed
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.stamps import FIRST_STAMP
 
 pytestmark = pytest.mark.slow
 

@@ -9,7 +9,6 @@ from cable_tracker.evaluation.evaluation_sequences import (
     ScenarioSequence,
     WorldSequence,
     available_worlds,
-    scenario_sequences,
     simulated_sequences,
 )
 from cable_tracker.sequences.image_writer import write_sequence
@@ -45,13 +44,13 @@ def pictures(recording):
 
 
 def test_scenarios_are_found_by_name_each_once():
-    assert [s.name for s in scenario_sequences(["S3", "S1", "S3"])] == ["S3", "S1"]
-    assert [s.name for s in scenario_sequences([])] == list(SCENARIOS)
+    assert [s.name for s in simulated_sequences(["S3", "S1", "S3"])] == ["S3", "S1"]
+    assert [s.name for s in simulated_sequences([])] == list(SCENARIOS)
 
 
 def test_an_unknown_scenario_is_named_with_what_there_is():
     with pytest.raises(ParameterError, match=r"'S7' is none of S1 \| S2"):
-        scenario_sequences(["S7"])
+        simulated_sequences(["S7"])
 
 
 def test_a_scenario_can_be_cut_short_but_not_made_longer():

@@ -6,8 +6,8 @@ import pytest
 
 from cable_tracker.errors import ParameterError
 from cable_tracker.sequences.frame import RawImage
-from cable_tracker.simulation.dive import FIRST_STAMP
 from cable_tracker.simulation.scenario import SimulationSettings, simulate
+from cable_tracker.stamps import FIRST_STAMP
 
 SMALL = SimulationSettings(frame_count=4, image_size=(96, 72), seed=11)
 

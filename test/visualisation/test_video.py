@@ -1,5 +1,4 @@
 import errno
-import sys
 
 import numpy as np
 import pytest
@@ -100,7 +99,6 @@ def test_frames_of_another_size_are_fitted(tmp_path):
     frames = _read(tmp_path / "v.webm")
     assert [image.shape for _, _, image in frames] == [(48, 64, 3)] * 3
     assert frames[1][2][:8].mean() < 30
-    assert writer.frame_count == 3
 
 
 def test_the_file_appears_under_its_name_only_at_the_end(tmp_path):
@@ -165,13 +163,6 @@ def test_a_full_disk_is_reported_and_nothing_left(tmp_path):
 def test_a_writer_that_is_not_open_says_so(tmp_path):
     with pytest.raises(OutputError, match="not open"):
         VideoWriter(tmp_path / "v.webm").add(_picture(0), 0)
-
-
-def test_without_pyav_it_says_what_to_install(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "av", None)
-    with pytest.raises(OutputError, match="pip install av"), VideoWriter(tmp_path / "v.webm"):
-        raise AssertionError
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_same_frames_give_the_same_file(tmp_path):

@@ -175,7 +175,7 @@ class MapPanel:
                 canvas,
                 line,
                 position,
-                cv2.FONT_HERSHEY_SIMPLEX,
+                FONT,
                 0.42,
                 to_bgr(WHITE),
                 1,

@@ -15,7 +15,7 @@ from cable_tracker.evaluation.campaign import Campaign
 from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
     EvaluationSequence,
-    scenario_sequences,
+    simulated_sequences,
 )
 from cable_tracker.evaluation.experiments.ablation_rows import (
     ABLATION_TABLES,
@@ -69,7 +69,7 @@ class AblationExperiment(CampaignExperiment):
 
     seeds: tuple[int, ...]
     rows: tuple[str, ...] = ROW_NAMES
-    sequences: tuple[EvaluationSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
+    sequences: tuple[EvaluationSequence, ...] = simulated_sequences(THESIS_SEQUENCES)
 
     def __post_init__(self) -> None:
         check_row_names(self.rows)

@@ -15,7 +15,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
     EvaluationSequence,
     available_worlds,
-    scenario_sequences,
+    simulated_sequences,
 )
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
@@ -84,7 +84,7 @@ def reported_groups(limit: int | None = None) -> tuple[SequenceGroup, ...]:
     worlds, notes = available_worlds(with_cable, limit)
     return (
         SequenceGroup("all `report_*` with a cable", worlds, notes),
-        SequenceGroup("S1 to S6", scenario_sequences(THESIS_SEQUENCES, limit)),
+        SequenceGroup("S1 to S6", simulated_sequences(THESIS_SEQUENCES, limit)),
     )
 
 

@@ -15,12 +15,12 @@ from cable_tracker.metric.frames import Attitude, Mounting
 from cable_tracker.metric.instruments import Instruments, InstrumentSettings
 from cable_tracker.metric.motion import TWIST
 from cable_tracker.simulation.camera import Camera
-from cable_tracker.simulation.dive import FIRST_STAMP, Dive
+from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.flight import Flight, flight_at, twists_at
 from cable_tracker.simulation.scenario import SCENARIO_SIZE, scenario_dive
 from cable_tracker.simulation.scenario_description import SCENARIO_RATE
 from cable_tracker.simulation.scenarios import find_scenario
-from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
 from cable_tracker.tracking.image_frame import image_centre
 
 ODOMETRY_RATE = 50.0

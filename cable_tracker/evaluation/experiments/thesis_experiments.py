@@ -19,7 +19,7 @@ from cable_tracker.evaluation.evaluation_sequences import (
     THESIS_SEQUENCES,
     EvaluationSequence,
     ScenarioSequence,
-    scenario_sequences,
+    simulated_sequences,
 )
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.campaign_experiment import CampaignExperiment
@@ -93,7 +93,7 @@ class SequenceExperiment(CampaignExperiment):
 
     seeds: tuple[int, ...]
     methods: tuple[str, ...] = THESIS_METHODS
-    sequences: tuple[EvaluationSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
+    sequences: tuple[EvaluationSequence, ...] = simulated_sequences(THESIS_SEQUENCES)
 
     def campaign(self) -> Campaign:
         """Return what is run."""
@@ -138,7 +138,7 @@ class ReinitialisationExperiment(CampaignExperiment):
 
     seeds: tuple[int, ...]
     methods: tuple[str, ...] = THESIS_METHODS
-    sequences: tuple[EvaluationSequence, ...] = scenario_sequences(THESIS_SEQUENCES)
+    sequences: tuple[EvaluationSequence, ...] = simulated_sequences(THESIS_SEQUENCES)
 
     def campaign(self) -> Campaign:
         """Return what is run."""

@@ -30,7 +30,6 @@ from cable_tracker.sequences.messages.headers import make_header, make_time
 from cable_tracker.sequences.messages.images import make_image
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
 from cable_tracker.simulation.camera import Camera
-from cable_tracker.simulation.dive import FIRST_STAMP
 from cable_tracker.simulation.instrument_messages import (
     BASE,
     CAMERA,
@@ -44,7 +43,7 @@ from cable_tracker.simulation.instrument_messages import (
 from cable_tracker.simulation.instruments import InstrumentSet
 from cable_tracker.simulation.live_world import LiveSettings, LiveWorld
 from cable_tracker.simulation.vehicle import VehicleState, VelocityCommand
-from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.stamps import FIRST_STAMP, NANOSECONDS
 
 TICKS = 2
 """Readings of odometry and imu for each frame."""

@@ -20,7 +20,7 @@ from sensor_msgs.msg import Image, JointState
 from std_srvs.srv import Trigger
 
 from cable_tracker.arrays import Image as Picture
-from cable_tracker.benchmark.footage import FIRST_STAMP, FRAME_STEP, Footage
+from cable_tracker.benchmark.footage import FRAME_STEP, Footage
 from cable_tracker.benchmark.node_timing import NodeTiming
 from cable_tracker.benchmark.statistics import Percentiles
 from cable_tracker.cable.model.initial_state_text import format_initial_state
@@ -39,6 +39,7 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.images import make_image
+from cable_tracker.stamps import FIRST_STAMP
 
 BLOCK = 30
 """Frames that one of the competitors gets before it is the next one's turn."""

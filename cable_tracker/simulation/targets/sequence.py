@@ -13,9 +13,7 @@ from cable_tracker.errors import ParameterError
 from cable_tracker.simulation.targets.bodies import ImagePose, paint
 from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS, Cast, TargetScenario
 from cable_tracker.simulation.targets.surroundings import TargetBackground, make_surroundings
-
-FIRST_STAMP = 1_000_000_000
-"""Stamp of the first frame [ns]; not 0, which ROS takes for "no time"."""
+from cable_tracker.stamps import stamp_of_frame
 
 LEAST_SHARE = 0.25
 """Smallest visible share of a target that counts as in view."""
@@ -127,7 +125,7 @@ def simulate_target(
         time = index / rate
         offset = drift[0] * zoom * np.sin(drift[1] * time + drift[2])
         picture = surroundings.view(size, (float(offset[0]), float(offset[1])), time)
-        stamp = FIRST_STAMP + round(index * 1e9 / rate)
+        stamp = stamp_of_frame(index, rate)
         yield _frame(scenario, cast, surroundings, picture, time, stamp, zoom, rng)
 
 

@@ -13,7 +13,7 @@ from cable_tracker.cable.model.state import STATE_SIZE, CableState
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
 from cable_tracker.simulation.worlds.motion import WORLD_RATE
 from cable_tracker.simulation.worlds.strip import border_points, pixel_grid, view_strip
-from cable_tracker.simulation.worlds.world_dive import REFERENCE_WIDTH
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 STRIP_WIDTHS = (4.0, 200.0)
 """Narrowest and widest strip, drawn uniformly in the logarithm [px at 320 px]."""

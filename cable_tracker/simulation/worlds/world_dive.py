@@ -37,12 +37,10 @@ from cable_tracker.simulation.worlds.strip import (
 )
 from cable_tracker.simulation.worlds.world import World
 from cable_tracker.tracking.image_frame import to_pixel
+from cable_tracker.tracking.parameter_table import REFERENCE_WIDTH
 
 ROW = 512
 """Pixels near a cable are gathered into rows of this length."""
-
-REFERENCE_WIDTH = 320
-"""Image width that lengths of worlds are given for [px]."""
 
 WORLD_SIZE = (320, 240)
 """Width and height of the frames of the worlds, unless said otherwise [px]."""

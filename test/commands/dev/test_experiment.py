@@ -6,7 +6,7 @@ from typer.testing import CliRunner
 
 from cable_tracker.cli import app
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.evaluation_sequences import scenario_sequences
+from cable_tracker.evaluation.evaluation_sequences import simulated_sequences
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment
 from cable_tracker.evaluation.experiments.thesis_experiments import (
     EXPERIMENTS,
@@ -40,7 +40,7 @@ def test_an_experiment_writes_table_and_figure(monkeypatch, tmp_path):
 
 
 def test_chosen_rows_of_the_ablation_are_run(monkeypatch, tmp_path):
-    short = partial(AblationExperiment, sequences=scenario_sequences(("S3",), 2))
+    short = partial(AblationExperiment, sequences=simulated_sequences(("S3",), 2))
     monkeypatch.setattr("cable_tracker.commands.dev.experiment.EXPERIMENTS", {"ablation": short})
     result = run(
         "ablation", "--row", "thesis", "--row", "any_width", "--first-seed", 5, "--seeds", 1,

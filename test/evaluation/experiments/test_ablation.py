@@ -4,7 +4,7 @@ import math
 import pytest
 
 from cable_tracker.errors import ParameterError
-from cable_tracker.evaluation.evaluation_sequences import scenario_sequences
+from cable_tracker.evaluation.evaluation_sequences import simulated_sequences
 from cable_tracker.evaluation.experiments.ablation import AblationExperiment, mean_and_error
 
 pytestmark = pytest.mark.slow
@@ -60,7 +60,7 @@ def test_a_note_names_the_values_that_were_changed(short_stripe):
 
 
 def test_the_number_of_workers_changes_only_the_times():
-    sequences = scenario_sequences(("S6",), 3)
+    sequences = simulated_sequences(("S6",), 3)
     experiment = AblationExperiment((3, 4), ("thesis", "any_width"), sequences)
     alone = experiment.run(1, lambda count: None)
     together = experiment.run(2, lambda count: None)

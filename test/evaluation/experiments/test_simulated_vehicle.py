@@ -18,8 +18,8 @@ from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.homography import homography, move_states
 from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.motion import Odometry, PoseChange
-from cable_tracker.simulation.dive import FIRST_STAMP
 from cable_tracker.simulation.scenario import scenario_dive, scenario_states
+from cable_tracker.stamps import FIRST_STAMP
 
 pytestmark = pytest.mark.slow
 
