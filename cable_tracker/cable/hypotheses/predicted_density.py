@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -163,5 +164,7 @@ def _fill_densities_of(
     densities.birth[row] = births
     densities.jump[row] = jumps
     densities.width_penalties[row] = penalty
-    new = predicted.mass_born * births + predicted.mass_jumped * jumps
+    # The likelihood holds the penalty, too: beside a cable of known width a new one has it twice.
+    # Once only, and strips beside a cable that is tracked take over more often (S4, S6).
+    new = predicted.mass_born * births * math.exp(penalty) + predicted.mass_jumped * jumps
     densities.prior[row] = densities.prior_survival[row] + new

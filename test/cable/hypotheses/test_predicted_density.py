@@ -79,23 +79,23 @@ def test_the_prior_is_what_survived_and_what_was_born_by_their_masses():
 
 def test_a_strip_that_shares_a_border_is_of_the_prior_too_whatever_its_width():
     states = states_at([-15.0, 0.0, 80.0, 0.0], [-15.0, 0.9, 80.0, 0.0])
-    predicted = make_predicted(
-        mass_jumped=0.05, mass_born=1e-12, log_width=math.log(30.0), width_spread=0.3
-    )
+    predicted = make_predicted(mass_jumped=0.05, log_width=math.log(30.0), width_spread=0.3)
     shared, crossing = densities_at(predicted, states).prior
     jumps = jump_density(states[0], JUMP)
     assert shared == pytest.approx(0.05 * jumps, rel=0.1)
     assert shared > 1e3 * crossing
 
 
-def test_a_cable_of_another_width_has_a_penalty_beside_its_density():
+def test_a_new_cable_of_another_width_is_less_likely_and_has_a_penalty_besides():
     states = states_at([100.0, 1.0, 30.0, 0.0], [100.0, 1.0, 90.0, 0.0])
     predicted = make_predicted(log_width=math.log(30.0), width_spread=0.3)
     found = densities_at(predicted, states)
-    assert found.prior[0] == pytest.approx(found.prior[1], rel=1e-3)
+    assert found.prior[0] > 7.0 * found.prior[1]
     assert found.width_penalties[0] == pytest.approx(0.0, abs=1e-9)
     assert found.width_penalties[1] < -math.log(7.0)
-    assert (densities_at(make_predicted(), states).width_penalties == 0.0).all()
+    without = densities_at(make_predicted(), states)
+    assert without.prior[0] == pytest.approx(without.prior[1], rel=1e-3)
+    assert (without.width_penalties == 0.0).all()
 
 
 def test_a_pose_that_was_proposed_has_the_rates_of_its_likely_ancestor(rng):
