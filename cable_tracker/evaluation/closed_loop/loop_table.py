@@ -13,6 +13,7 @@ import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.errors import RecordingError
+from cable_tracker.evaluation.sample_statistics import percentile_of_size, root_mean_square
 from cable_tracker.sequences.csv_text import csv_text
 
 TABLE, SUMMARY = "loop.csv", "summary.csv"
@@ -184,13 +185,13 @@ def summarise_loop(
         seconds=rows[-1].time - rows[0].time,
         way=way,
         reached_end=reached_end,
-        rms=_rms(errors[settled]),
-        percentile_95=_highest(errors[settled], 95.0),
-        most=_highest(errors[settled], 100.0),
-        rms_in_sight=_rms(errors[in_sight]),
-        rms_offset=_rms(np.array([row.measured_offset - row.offset for row in right])),
+        rms=root_mean_square(errors[settled]),
+        percentile_95=percentile_of_size(errors[settled], 95.0),
+        most=percentile_of_size(errors[settled], 100.0),
+        rms_in_sight=root_mean_square(errors[in_sight]),
+        rms_offset=root_mean_square(np.array([row.measured_offset - row.offset for row in right])),
         rms_heading=math.degrees(
-            _rms(np.array([row.measured_heading - row.heading for row in right]))
+            root_mean_square(np.array([row.measured_heading - row.heading for row in right]))
         ),
         answered=sum(bool(row.status) for row in rows) / len(rows),
         measured=len(measured) / len(rows),
@@ -217,14 +218,6 @@ def _losses(rows: Sequence[LoopRow]) -> list[float]:
     if since is not None:
         losses.append(rows[-1].time - since)
     return losses
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2))) if values.size else math.nan
-
-
-def _highest(errors: FloatArray, percent: float) -> float:
-    return float(np.percentile(np.abs(errors), percent)) if errors.size else math.nan
 
 
 def write_records(path: Path, kind: type, records: Sequence[object]) -> None:

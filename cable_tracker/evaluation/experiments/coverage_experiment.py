@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -27,6 +26,7 @@ from cable_tracker.evaluation.metrics.consistency import (
 )
 from cable_tracker.evaluation.report import format_number
 from cable_tracker.evaluation.runs import RunResult, Start
+from cable_tracker.evaluation.sample_statistics import mean, median
 from cable_tracker.evaluation.tables import chosen
 from cable_tracker.evaluation.trace import COMPONENTS, Trace
 from cable_tracker.simulation.worlds.catalogue import worlds_of
@@ -168,20 +168,16 @@ def coverage_cells(traces: Sequence[Trace]) -> tuple[str, ...]:
     squares = [nees(dive.errors, dive.covariances) for dive in dives]
     pooled = np.concatenate([np.empty(0), *squares])
     shares = (*coverage(dives, np.array([PROBABILITY]))[0], _share_in_region(pooled))
-    biases = (_median(errors[:, column]) for column in (StateColumn.DISTANCE, StateColumn.WIDTH))
+    biases = (median(errors[:, column]) for column in (StateColumn.DISTANCE, StateColumn.WIDTH))
     below = sum(_share_in_region(each) < PROBABILITY for each in squares)
     return (
         str(len(errors)),
         *(format_number(100.0 * float(share), "%") for share in shares),
-        format_number(_median(pooled), ""),
+        format_number(median(pooled), ""),
         *(format_number(bias, "px") for bias in biases),
         f"{below} of {len(dives)}",
     )
 
 
 def _share_in_region(squares: FloatArray) -> float:
-    return float((squares <= REGION_NEES).mean()) if len(squares) else math.nan
-
-
-def _median(values: FloatArray) -> float:
-    return float(np.median(values)) if len(values) else math.nan
+    return mean(squares <= REGION_NEES)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.geometry import wrap_angle
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.campaigns.result_tasks import run_all
@@ -26,6 +26,7 @@ from cable_tracker.evaluation.failure_criteria import is_off_cable
 from cable_tracker.evaluation.methods import ConfiguredFilter
 from cable_tracker.evaluation.metrics.errors import state_errors
 from cable_tracker.evaluation.report import median_and_range
+from cable_tracker.evaluation.sample_statistics import mean, percentile_of_size, root_mean_square
 from cable_tracker.evaluation.spread import spread_of
 from cable_tracker.metric.cross_track import CrossTrack
 
@@ -173,26 +174,14 @@ def _numbers(errors: FloatArray) -> tuple[float, ...]:
     inside = np.abs(known) <= 2.0
     return (
         100.0 * share,
-        100.0 * _rms(known[:, OFFSET]),
-        math.degrees(_rms(known[:, HEADING])),
-        100.0 * _mean(known[:, ON_CABLE]),
-        100.0 * _rms(held[:, OFFSET]),
-        math.degrees(_rms(held[:, HEADING])),
-        100.0 * _rms(held[:, AHEAD]),
-        100.0 * _percentile_95(known[:, OFFSET]),
-        math.degrees(_percentile_95(known[:, HEADING])),
-        100.0 * _mean(inside[:, OFFSET_IN_SIGMAS]),
-        100.0 * _mean(inside[:, HEADING_IN_SIGMAS]),
+        100.0 * root_mean_square(known[:, OFFSET]),
+        math.degrees(root_mean_square(known[:, HEADING])),
+        100.0 * mean(known[:, ON_CABLE]),
+        100.0 * root_mean_square(held[:, OFFSET]),
+        math.degrees(root_mean_square(held[:, HEADING])),
+        100.0 * root_mean_square(held[:, AHEAD]),
+        100.0 * percentile_of_size(known[:, OFFSET], 95.0),
+        math.degrees(percentile_of_size(known[:, HEADING], 95.0)),
+        100.0 * mean(inside[:, OFFSET_IN_SIGMAS]),
+        100.0 * mean(inside[:, HEADING_IN_SIGMAS]),
     )
-
-
-def _mean(values: FloatArray | BoolArray) -> float:
-    return float(np.mean(values)) if len(values) else math.nan
-
-
-def _rms(values: FloatArray) -> float:
-    return math.sqrt(_mean(values**2)) if len(values) else math.nan
-
-
-def _percentile_95(values: FloatArray) -> float:
-    return float(np.percentile(np.abs(values), 95)) if len(values) else math.nan

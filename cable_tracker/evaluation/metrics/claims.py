@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-from cable_tracker.arrays import BoolArray
+from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.evaluation.trace import Trace
 
 
@@ -35,12 +34,8 @@ def claim_statistics(trace: Trace) -> ClaimStatistics:
     """Summarise the claims of a run."""
     claimed, visible = trace.claimed, trace.visible
     return ClaimStatistics(
-        false_tracking=_share(claimed[trace.hidden]),
-        silence=_share(~claimed[visible]),
-        wrong_claims=_share(trace.off[visible & claimed]),
-        useful=_share(trace.useful[visible]),
+        false_tracking=mean(claimed[trace.hidden]),
+        silence=mean(~claimed[visible]),
+        wrong_claims=mean(trace.off[visible & claimed]),
+        useful=mean(trace.useful[visible]),
     )
-
-
-def _share(flags: BoolArray) -> float:
-    return float(flags.mean()) if flags.size else math.nan

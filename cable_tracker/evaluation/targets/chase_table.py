@@ -11,7 +11,7 @@ import yaml
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from cable_tracker.arrays import BoolArray
+from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.sequences.csv_text import csv_text
 
 TABLE, SUMMARY, PLOT = "chase.csv", "summary.yaml", "distance.png"
@@ -104,8 +104,8 @@ def summarise_chase(rows: Sequence[ChaseRow], wanted: float) -> ChaseSummary:
         mean_distance=float(distances.mean()),
         worst_distance=float(distances.max()),
         kept=float(np.mean(np.abs(distances - wanted) < KEPT)),
-        claimed_in_view=_share(claimed[visible]),
-        claimed_while_absent=_share(claimed[~visible]),
+        claimed_in_view=mean(claimed[visible]),
+        claimed_while_absent=mean(claimed[~visible]),
         times_hidden=int((~visible[1:] & visible[:-1]).sum()),
         times_found_again=sum(_is_found(rows, int(start)) for start in returns),
         range_error=(
@@ -113,12 +113,8 @@ def summarise_chase(rows: Sequence[ChaseRow], wanted: float) -> ChaseSummary:
             if known.any()
             else float("nan")
         ),
-        within_two_sigmas=_share(np.abs(ranges - distances)[known] < 2.0 * sigmas[known]),
+        within_two_sigmas=mean(np.abs(ranges - distances)[known] < 2.0 * sigmas[known]),
     )
-
-
-def _share(values: BoolArray) -> float:
-    return float(np.mean(values)) if len(values) else float("nan")
 
 
 def _is_found(rows: Sequence[ChaseRow], start: int) -> bool:

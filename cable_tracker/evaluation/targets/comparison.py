@@ -15,6 +15,7 @@ from cable_tracker.arrays import Image
 from cable_tracker.campaigns.folder_tasks import fingerprint_of_files
 from cable_tracker.errors import FrameError
 from cable_tracker.evaluation.labelled_recording import files_of
+from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.evaluation.targets.metrics import (
     EvaluatedClaim,
     centred,
@@ -196,7 +197,7 @@ def figures_of(claims: Sequence[EvaluatedClaim]) -> tuple[float, ...]:
         claimed_in_view(claims),
         # What is hidden behind its twin has its box where the twin is: that claim is no error.
         float("nan") if has_twin else claimed_while_absent(claims),
-        float(np.mean(found)) if found else float("nan"),
+        mean(found),
         keeps_its_own(claims) if has_twin else float("nan"),
         float(np.median([claim.ms for claim in claims])),
     )
@@ -210,11 +211,7 @@ def mean_figures(results: Sequence[RunFigures], method: str, scenario: str | Non
         if each.method == method and scenario in {None, each.scenario}
     ]
     columns = np.array(rows).reshape(len(rows), len(FIGURES)).T
-    means = []
-    for column in columns:
-        known = column[~np.isnan(column)]
-        means.append(float(known.mean()) if len(known) else float("nan"))
-    return means
+    return [mean(column[~np.isnan(column)]) for column in columns]
 
 
 def write_figures(path: Path, results: Sequence[RunFigures]) -> None:

@@ -6,8 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
+from cable_tracker.evaluation.sample_statistics import mean
 from cable_tracker.target.model.estimate import Box
 
 ENOUGH_OVERLAP = 0.5
@@ -57,7 +56,7 @@ def overlap(one: Box | None, two: Box | None) -> float:
 
 def success(claims: Sequence[EvaluatedClaim]) -> float:
     """Return the share of frames in view whose box overlaps enough; NaN if none is in view."""
-    return _share([overlap(c.truth, c.claim) > ENOUGH_OVERLAP for c in claims if c.truth])
+    return mean([overlap(c.truth, c.claim) > ENOUGH_OVERLAP for c in claims if c.truth])
 
 
 def centred(claims: Sequence[EvaluatedClaim]) -> float:
@@ -65,7 +64,7 @@ def centred(claims: Sequence[EvaluatedClaim]) -> float:
 
     The size is the mean of width and height. NaN if none is in view.
     """
-    return _share([_is_centred(c.truth, c.claim) for c in claims if c.truth])
+    return mean([_is_centred(c.truth, c.claim) for c in claims if c.truth])
 
 
 def _is_centred(truth: Box, claim: Box | None) -> bool:
@@ -78,12 +77,12 @@ def _is_centred(truth: Box, claim: Box | None) -> bool:
 
 def claimed_in_view(claims: Sequence[EvaluatedClaim]) -> float:
     """Return the share of frames in view in which a target is claimed; NaN if none is."""
-    return _share([c.claim is not None for c in claims if c.truth])
+    return mean([c.claim is not None for c in claims if c.truth])
 
 
 def claimed_while_absent(claims: Sequence[EvaluatedClaim]) -> float:
     """Return the share of frames without the target in which it is claimed; NaN without such."""
-    return _share([c.claim is not None for c in claims if c.truth is None])
+    return mean([c.claim is not None for c in claims if c.truth is None])
 
 
 def returns_found(claims: Sequence[EvaluatedClaim]) -> list[bool]:
@@ -99,8 +98,4 @@ def returns_found(claims: Sequence[EvaluatedClaim]) -> list[bool]:
 def keeps_its_own(claims: Sequence[EvaluatedClaim]) -> float:
     """Return the share of the last frames whose box is the target's rather than its twin's."""
     last = [c for c in claims[-OWN_FRAMES:] if c.truth and c.twin]
-    return _share([overlap(c.truth, c.claim) > overlap(c.twin, c.claim) for c in last])
-
-
-def _share(values: Sequence[bool]) -> float:
-    return float(np.mean(values)) if values else float("nan")
+    return mean([overlap(c.truth, c.claim) > overlap(c.twin, c.claim) for c in last])

@@ -1,0 +1,31 @@
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+from cable_tracker.evaluation.sample_statistics import (
+    mean,
+    median,
+    percentile_of_size,
+    root_mean_square,
+)
+
+
+def test_figures_of_a_sample():
+    values = np.array([-3.0, 4.0, 0.0, 0.0])
+    assert mean(values) == pytest.approx(0.25)
+    assert mean([True, False, True, True]) == pytest.approx(0.75)
+    assert median([1.0, 9.0, 2.0]) == 2.0
+    assert root_mean_square(values) == pytest.approx(2.5)
+    assert percentile_of_size(values, 100.0) == 4.0
+
+
+def test_an_empty_sample_has_no_figure_and_warns_of_nothing():
+    none = np.empty(0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = (mean([]), median(none), root_mean_square(none), percentile_of_size(none, 95.0))
+    assert all(math.isnan(each) for each in found)
