@@ -29,3 +29,9 @@ def eight_bits(image: Image) -> Image:
     if image.dtype == np.uint8:
         return image
     return np.clip(np.rint(image), 0, 255).astype(np.uint8)
+
+
+def true_runs(mask: BoolArray) -> list[tuple[int, int]]:
+    """Return first and last + 1 of each unbroken run of True, in a mask of shape (N,)."""
+    edges = np.flatnonzero(np.diff(mask.astype(np.int8), prepend=0, append=0))
+    return [(int(first), int(end)) for first, end in edges.reshape(-1, 2)]

@@ -1,6 +1,8 @@
 import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
 
-from cable_tracker.arrays import eight_bits
+from cable_tracker.arrays import eight_bits, true_runs
 
 
 def test_grey_levels_are_rounded_and_clipped():
@@ -12,3 +14,15 @@ def test_grey_levels_are_rounded_and_clipped():
 def test_eight_bits_stay_as_they_are():
     image = np.arange(6, dtype=np.uint8).reshape(2, 3)
     assert eight_bits(image) is image
+
+
+@given(st.lists(st.booleans(), max_size=30))
+def test_runs_cover_the_mask_and_nothing_else(flags):
+    mask = np.array(flags, bool)
+    covered = np.zeros(len(flags), bool)
+    last_end = -1
+    for start, end in true_runs(mask):
+        assert last_end < start < end
+        covered[start:end] = True
+        last_end = end
+    assert (covered == mask).all()

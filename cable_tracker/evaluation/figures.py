@@ -16,11 +16,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray, true_runs
 from cable_tracker.evaluation.metrics.consistency import coverage
 from cable_tracker.evaluation.runs import RunResult
 from cable_tracker.evaluation.tables import chosen, methods_of
-from cable_tracker.evaluation.trace import Trace, spans
+from cable_tracker.evaluation.trace import Trace
 from cable_tracker.visualisation.palette import ESTIMATE, GREY, RED, to_unit
 
 DOTS_PER_INCH = 130
@@ -193,7 +193,7 @@ def _shade(
     axis: Axes, trace: Trace, mask: BoolArray, colour: tuple[float, ...], label: str
 ) -> None:
     """Shade the marked frames in a colour with opacity."""
-    for number, (start, end) in enumerate(spans(mask)):
+    for number, (start, end) in enumerate(true_runs(mask)):
         axis.axvspan(
             trace.frames[start] - 0.5,
             trace.frames[end - 1] + 0.5,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import compress
 
@@ -193,11 +193,3 @@ def _in_chart(outcome: FrameOutcome) -> tuple[FloatArray, FloatArray]:
         signs[[column for column in SIGN_CHANGING_COLUMNS if column < COMPONENTS]] = -1.0
         covariance = covariance * np.outer(signs, signs)
     return chart[:COMPONENTS], covariance
-
-
-def spans(mask: BoolArray) -> Iterator[tuple[int, int]]:
-    """Yield start and end (exclusive) of every unbroken stretch of a mask of shape (T,)."""
-    changes = np.diff(np.concatenate(([0], mask.astype(np.int8), [0])))
-    starts, ends = np.flatnonzero(changes == 1), np.flatnonzero(changes == -1)
-    for start, end in zip(starts, ends, strict=True):
-        yield int(start), int(end)

@@ -9,7 +9,7 @@ from enum import Enum
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray, true_runs
 from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute
 from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import TRACKING, CrossingSight
@@ -147,12 +147,6 @@ class _Maker:
         return Event(kind, along, end, (x, y), stamp, frame, detail, self.dive.name)
 
 
-def runs(mask: BoolArray) -> list[tuple[int, int]]:
-    """Return first and last + 1 of each run of True."""
-    edges = np.flatnonzero(np.diff(mask.astype(np.int8), prepend=0, append=0))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
-
-
 def _found_and_lost(maker: _Maker, course: Course) -> list[Event]:
     route = maker.route
     cable, disk = course.cable, maker.dive.disk
@@ -175,7 +169,7 @@ def _found_and_lost(maker: _Maker, course: Course) -> list[Event]:
 def _long_claims(claimed: BoolArray, along: FloatArray) -> list[tuple[int, int]]:
     """Return runs of claims; silence over a short way does not end one."""
     joined: list[tuple[int, int]] = []
-    for first, last in runs(claimed):
+    for first, last in true_runs(claimed):
         if joined and abs(along[first] - along[joined[-1][1] - 1]) < LEAST_LOST:
             joined[-1] = (joined[-1][0], last)
         else:
@@ -189,7 +183,7 @@ def hidden_stretches(route: DiveRoute, least: float) -> list[tuple[float, float,
     along = profile.along
     joined: list[tuple[int, int]] = []
     gap = round(MERGED_BURIALS / PROFILE_SPACING)
-    for first, last in runs(~profile.visible):
+    for first, last in true_runs(~profile.visible):
         if joined and first - joined[-1][1] < gap:
             joined[-1] = (joined[-1][0], last)
         else:
@@ -233,7 +227,7 @@ def _widths(maker: _Maker, limits: Limits) -> list[Event]:
     with np.errstate(invalid="ignore"):
         odd = known & (np.abs(diameters - usual) > limits.width_share * usual)
     events = []
-    for first, last in runs(odd):
+    for first, last in true_runs(odd):
         if (last - first) * SPACING < limits.least_width_way:
             continue
         value, normal = float(np.median(diameters[first:last])), float(usual[first])
@@ -247,7 +241,7 @@ def _bends(maker: _Maker, limits: Limits) -> list[Event]:
     route = maker.route
     sharp = np.abs(route.bends) - SURE * route.bend_sigmas > 1.0 / limits.bend_radius
     events = []
-    for first, last in runs(sharp):
+    for first, last in true_runs(sharp):
         most = float(np.abs(route.bends[first:last]).max())
         detail = f"radius down to {1.0 / most:.1f} m"
         start, end = float(route.along[first]), float(route.along[last - 1])
@@ -258,7 +252,7 @@ def _bends(maker: _Maker, limits: Limits) -> list[Event]:
 def _asides(maker: _Maker, limits: Limits) -> list[Event]:
     route = maker.route
     events = []
-    for first, last in runs(np.abs(route.asides) > limits.most_aside):
+    for first, last in true_runs(np.abs(route.asides) > limits.most_aside):
         if (last - first) * SPACING < LEAST_ASIDE_WAY:
             continue
         most = float(np.abs(route.asides[first:last]).max())

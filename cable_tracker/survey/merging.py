@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
+from cable_tracker.arrays import BoolArray, FloatArray, IndexArray, true_runs
 from cable_tracker.survey.dive_route import DiveRoute
-from cable_tracker.survey.events import Event, EventKind, runs
+from cable_tracker.survey.events import Event, EventKind
 from cable_tracker.survey.interpolation import interpolated
 from cable_tracker.survey.route import SPACING
 
@@ -269,7 +269,7 @@ def _disagreements(
 ) -> list[Event]:
     events = []
     names = ", ".join(each.recording for each in beside)
-    for first, last in runs(apart):
+    for first, last in true_runs(apart):
         start, end = float(route.along[first]), float(route.along[last - 1])
         if end - start < LEAST_DISAGREEMENT:
             continue

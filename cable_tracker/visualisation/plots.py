@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from cable_tracker.arrays import BoolArray, FloatArray
+from cable_tracker.arrays import BoolArray, FloatArray, true_runs
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.cable.model.geometry import unwrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
@@ -273,9 +273,7 @@ def _intervals(times: FloatArray, holds: BoolArray) -> list[tuple[float, float]]
     """Return the spans of time that the marked frames stand for."""
     middles = (times[1:] + times[:-1]) / 2
     edges = np.concatenate((times[:1], middles, times[-1:]))
-    changes = np.diff(np.concatenate(([0], holds.astype(np.int8), [0])))
-    starts, ends = np.flatnonzero(changes == 1), np.flatnonzero(changes == -1)
-    return [(float(edges[a]), float(edges[b])) for a, b in zip(starts, ends, strict=True)]
+    return [(float(edges[first]), float(edges[end])) for first, end in true_runs(holds)]
 
 
 def _add_legend(figure: Figure, series: _Series, shaded: Sequence[str]) -> None:

@@ -2,11 +2,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.evaluation.trace import spans, trace_of
+from cable_tracker.evaluation.trace import trace_of
 
 
 def test_errors_are_estimate_minus_truth(outcome):
@@ -97,15 +95,3 @@ def test_frames_of_a_mask_are_taken_with_all_that_is_known_of_them(trace):
     assert part.covariances.shape == (2, 4, 4)
     assert part.statuses == whole.statuses[:2]
     assert len(whole.where(whole.frames > 9)) == 0
-
-
-@given(st.lists(st.booleans(), max_size=30))
-def test_spans_cover_the_mask_and_nothing_else(flags):
-    mask = np.array(flags, bool)
-    covered = np.zeros(len(flags), bool)
-    last_end = -1
-    for start, end in spans(mask):
-        assert last_end < start < end
-        covered[start:end] = True
-        last_end = end
-    assert (covered == mask).all()

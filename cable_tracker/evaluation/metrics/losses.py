@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_tracker.evaluation.trace import Trace, spans
+from cable_tracker.arrays import true_runs
+from cable_tracker.evaluation.trace import Trace
 from cable_tracker.stamps import NANOSECONDS
 
 
@@ -68,7 +69,7 @@ def loss_episodes(trace: Trace) -> list[LossEpisode]:
     stamps = trace.stamps[judged] / NANOSECONDS
     period = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
     episodes = []
-    for start, end in spans(lost):
+    for start, end in true_runs(lost):
         recovered = end < len(judged) and bool(visible[end])
         until = stamps[end] if recovered else stamps[end - 1] + period
         episodes.append(
