@@ -1,6 +1,6 @@
 """The filter of the thesis as users of general particle filter libraries would write it.
 
-The models are ours, in NumPy: the movement and the observation of the preset `thesis`. What
+The models are ours, compiled: the movement and the observation of the preset `thesis`. What
 differs is whose loop goes round them: `particles` of N. Chopin, or `filterpy` of R. Labbe, both
 with multinomial resampling below half of the effective sample size. Neither is needed but for
 comparing.
@@ -20,7 +20,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
-from cable_tracker.cable.measure.working_image import WorkingImage, make_working_image
+from cable_tracker.cable.measure.working_image import WorkingImage, working_image_for
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.initial_state import (
     GivenState,
@@ -44,7 +44,7 @@ class CableModels:
     Parameters
     ----------
     parameters : TrackerParameters
-        Parameters of the bootstrap filter; inner loops in NumPy.
+        Parameters of the bootstrap filter.
     image_width : int
         Width of the frames [px].
     rng : numpy.random.Generator
@@ -187,9 +187,7 @@ class LibraryMethod:
 
     def process(self, image: Image, stamp: int) -> CableEstimate:
         """Take a frame into account: grey uint8 of shape (H, W), and its time [ns]."""
-        working = make_working_image(
-            image, self._parameters.working_width, sample_spacing=self._parameters.sample_spacing
-        )
+        working = working_image_for(image, self._parameters)
         if self._loop is None or self._models is None:
             self._models = CableModels(self._parameters, image.shape[1], self._rng)
             self._loop = self._make_loop(self._models, self._first_states(image.shape[1]))
