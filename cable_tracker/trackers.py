@@ -50,14 +50,11 @@ def warm_up(parameters: TrackerParameters) -> None:
     ParameterError
         The response table cannot be read.
     """
-    for dtype in (np.uint8, np.float32):
-        tracker = make_tracker(parameters)
-        frame = np.full((WARM_UP_HEIGHT, WARM_UP_WIDTH), 60, dtype)
-        frame[:, WARM_UP_WIDTH // 2 - 20 : WARM_UP_WIDTH // 2 + 20] = 160
-        # Frames of messages cannot be written to, and are compiled for as another type.
-        frame.setflags(write=False)
-        for number in range(1, WARM_UP_FRAMES + 1):
-            tracker.process(frame, stamp=number * WARM_UP_STEP)
+    tracker = make_tracker(parameters)
+    frame = np.full((WARM_UP_HEIGHT, WARM_UP_WIDTH), 60, np.uint8)
+    frame[:, WARM_UP_WIDTH // 2 - 20 : WARM_UP_WIDTH // 2 + 20] = 160
+    for number in range(1, WARM_UP_FRAMES + 1):
+        tracker.process(frame, stamp=number * WARM_UP_STEP)
 
 
 def make_proposer(parameters: TrackerParameters) -> CableProposer:

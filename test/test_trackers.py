@@ -1,7 +1,10 @@
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
+from numba.core import event
 
 from cable_tracker.cable.measure.working_image import make_working_image
 from cable_tracker.cable.parameters.parameters import PARAMETERS_BY_NAME, TrackerParameters
@@ -9,7 +12,7 @@ from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.cable.proposer_interface import NoProposer
 from cable_tracker.detection.line_pair_proposer import LinePairProposer
 from cable_tracker.errors import ParameterError
-from cable_tracker.trackers import PROPOSERS, make_proposer, make_tracker
+from cable_tracker.trackers import PROPOSERS, make_proposer, make_tracker, warm_up
 
 
 def test_every_detector_that_can_be_named_can_be_made():
@@ -69,3 +72,29 @@ def test_the_detector_that_is_named_is_the_one_that_is_asked():
 def test_a_table_that_cannot_be_read_is_said():
     with pytest.raises(ParameterError, match="response_table"):
         make_tracker(TrackerParameters(response_table="no such file.json"))
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_after_a_warm_up_no_kind_of_frame_is_compiled_for(name):
+    """Levels of either type, and of messages, which cannot be written to."""
+    warm_up(PRESETS[name])
+    compiled: list[str] = []
+
+    class Compilations(event.Listener):
+        def on_start(self, event):
+            pass
+
+        def on_end(self, event):
+            compiled.append(str(event.data["dispatcher"]))
+
+    listener = Compilations()
+    event.register("numba:compile", listener)
+    try:
+        for dtype, writable in product((np.uint8, np.float32), (True, False)):
+            tracker, frame = make_tracker(PRESETS[name]), stripe().astype(dtype)
+            frame.setflags(write=writable)
+            for number in range(1, 4):
+                tracker.process(frame, stamp=number * 40_000_000)
+    finally:
+        event.unregister("numba:compile", listener)
+    assert compiled == []
