@@ -16,6 +16,7 @@ from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, roll_and_pitch
 from cable_tracker.metric.withheld import Withheld
+from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.poses import (
     YAW,
@@ -24,6 +25,7 @@ from cable_tracker.sequences.messages.poses import (
     pose_covariance,
     unit_quaternion,
 )
+from cable_tracker.sequences.node_topics import NodeTopic
 
 
 def read_camera_info(message: Message, *, is_rectified: bool) -> Calibration:
@@ -149,3 +151,22 @@ def make_cross_track(
     """
     known = pose_covariance((Y, YAW), covariance)
     return make_stamped_pose(factory, header, place, heading, known)
+
+
+def cross_track_messages(
+    factory: MessageFactory, header: Message, known: CrossTrack
+) -> dict[NodeTopic, Message]:
+    """Return the messages about a cable in metres, by topic: beside the vehicle, and ahead.
+
+    `header`: the time of the frame, in the vehicle's frame.
+    """
+    points = {
+        node_topics.CROSS_TRACK: (0.0, known.at_foot()),
+        node_topics.CROSS_TRACK_AHEAD: (known.look_ahead, known.ahead()),
+    }
+    return {
+        topic: make_cross_track(
+            factory, header, (ahead, offset, known.depth), known.heading, covariance
+        )
+        for topic, (ahead, (offset, covariance)) in points.items()
+    }

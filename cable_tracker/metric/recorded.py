@@ -85,6 +85,11 @@ class RecordedMetres:
             source is not None and Instrument.ODOMETRY in source.found.topics
         )
 
+    @property
+    def base_frame(self) -> str:
+        """Name of the vehicle's frame."""
+        return str(self._vehicle.values["base_frame"])
+
     def _first_sight(self) -> CableSight:
         """Return one that knows what is known before the recording begins."""
         vehicle = self._vehicle

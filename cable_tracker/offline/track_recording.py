@@ -15,7 +15,7 @@ from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.messages import report_metres
+from cable_tracker.metric.messages import cross_track_messages, report_metres
 from cable_tracker.metric.recorded import RecordedMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.frame_messages import FrameMessages
@@ -31,6 +31,7 @@ from cable_tracker.sequences.messages.cable import make_centreline, make_state, 
 from cable_tracker.sequences.messages.cable_markers import make_markers
 from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
 from cable_tracker.sequences.messages.frame_report import make_report
+from cable_tracker.sequences.messages.headers import make_header, stamp_of
 from cable_tracker.sequences.messages.images import make_compressed_image
 from cable_tracker.sequences.source import Source
 from cable_tracker.visualisation.overlay import draw_overlay
@@ -185,6 +186,8 @@ def _track_frame(
         known = metres.measure(estimate)
     if output is not None:
         output.write_estimate(estimate, grey, cloud, ms, known)
+        if metres is not None and isinstance(known, CrossTrack):
+            output.write_metres(known, metres.base_frame)
     row = row_of(frame, estimate, ms, known)
     results.add(frame, row, cloud, estimate.hypotheses, estimate.image_size[0])
 
@@ -236,3 +239,9 @@ class _CableMessages(FrameMessages):
         )
         jpeg = make_compressed_image(factory, encode_jpeg(overlay), header)
         self._write(node_topics.OVERLAY, jpeg)
+
+    def write_metres(self, known: CrossTrack, base_frame: str) -> None:
+        """Write where the cable is in metres, in the vehicle's frame of that name."""
+        header = make_header(self._factory, stamp_of(self._header), base_frame)
+        for topic, message in cross_track_messages(self._factory, header, known).items():
+            self._write(topic, message)

@@ -28,6 +28,8 @@ RECORDED = (
     node_topics.STATE,
     node_topics.FRAME_REPORT,
     node_topics.CENTRELINE,
+    node_topics.CROSS_TRACK,
+    node_topics.CROSS_TRACK_AHEAD,
     node_topics.PARTICLES,
     node_topics.MARKERS,
     node_topics.OVERLAY,

@@ -13,7 +13,7 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS, CableSight
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.messages import make_cross_track
+from cable_tracker.metric.messages import cross_track_messages
 from cable_tracker.metric.settings import MOUNTING_PARAMETERS, default_values
 from cable_tracker.metric.withheld import Reason, Withheld, newly_withheld
 from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
@@ -57,10 +57,10 @@ class MetricInputs(InstrumentInputs[CableSight]):
         self._factory = factory
         self._is_mounting_told = False
         self._result: CrossTrack | Withheld = Withheld(Reason.NOT_TRACKING, "no frame has come")
-        self._foot, self._ahead = (
-            publishers.create(PoseWithCovarianceStamped, topic.name, qos.RESULTS)
+        self._publishers = {
+            topic: publishers.create(PoseWithCovarianceStamped, topic.name, qos.RESULTS)
             for topic in (node_topics.CROSS_TRACK, node_topics.CROSS_TRACK_AHEAD)
-        )
+        }
 
     @property
     def result(self) -> CrossTrack | Withheld:
@@ -94,14 +94,8 @@ class MetricInputs(InstrumentInputs[CableSight]):
             return
         self._tell_of_mounting()
         own_header = make_header(self._factory, stamp_of(header), self.base_frame)
-        for publisher, ahead, (offset, covariance) in (
-            (self._foot, 0.0, result.at_foot()),
-            (self._ahead, result.look_ahead, result.ahead()),
-        ):
-            place = (ahead, offset, result.depth)
-            publisher.publish(
-                make_cross_track(self._factory, own_header, place, result.heading, covariance)
-            )
+        for topic, message in cross_track_messages(self._factory, own_header, result).items():
+            self._publishers[topic].publish(message)
 
     def _tell_of_mounting(self) -> None:
         """Warn with the first `cross_track` of a camera whose mounting nobody has given."""

@@ -6,8 +6,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from rosbags.highlevel import AnyReader
 
 from cable_tracker import cli
+from cable_tracker.offline.result_folder import BAG
 from cable_tracker.sequences.estimates import read_estimates
 from cable_tracker.simulation.survey_bag import write_survey_bag
 from cable_tracker.simulation.survey_dive import SurveyDiveSettings
@@ -34,5 +36,20 @@ def test_the_estimates_and_the_metres_are_the_same_with_ros_and_without(tmp_path
             return tmp_path / name / "estimates.csv"
 
     plain, over_ros = main("plain"), main("over_ros", "--ros")
-    assert any(row.metres is not None for row in read_estimates(plain))
+    rows = [row for row in read_estimates(plain) if row.metres is not None]
+    assert rows
     assert plain.read_text() == over_ros.read_text()
+    offline, live = (metres_in_bag(each.with_name(BAG)) for each in (plain, over_ros))
+    assert [len(stamps) for stamps in offline.values()] == [len(rows), len(rows)]
+    assert offline == live
+
+
+def metres_in_bag(bag: Path) -> dict[str, list[bytes]]:
+    """Return the serialised messages in metres, by the last part of their topics."""
+    found: dict[str, list[bytes]] = {"cross_track": [], "cross_track_ahead": []}
+    with AnyReader([bag]) as reader:
+        for connection, _, data in reader.messages():
+            name = connection.topic.rpartition("/")[2]
+            if name in found:
+                found[name].append(bytes(data))
+    return found
