@@ -128,11 +128,7 @@ def _one_pixel(message: Message, _rng: np.random.Generator) -> None:
 def _resize(message: Message, rng: np.random.Generator) -> None:
     """Cut the frame to a random size, from its beginning."""
     sizes = rng.integers(NARROWEST, (message.width, message.height))
-    cut_to(message, *(int(size) for size in sizes))
-
-
-def cut_to(message: Message, width: int, height: int) -> None:
-    """Cut the frame of an 8-bit sensor_msgs/Image to a size [px], from its beginning."""
+    width, height = (int(size) for size in sizes)
     rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
     step = width * (message.step // message.width)
     message.width, message.height, message.step = width, height, step

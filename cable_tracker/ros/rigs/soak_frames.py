@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
 from cable_tracker.sequences.convert import ImageFormat, in_format, write_bag
 from cable_tracker.sequences.frame import Frame, RawImage
@@ -58,7 +60,23 @@ class SoakFrames:
 
     def message(self, stamp: int) -> Message:
         """Return the present frame with any stamp [ns]."""
-        image = self._frames[self._number % len(self._frames)].image
+        return self._packed(self._frames[self._number % len(self._frames)], stamp)
+
+    def narrow_message(self, width: int) -> Message:
+        """Return a next frame of which the left `width` pixels are left."""
+        self.stamp += STEP
+        frame = self._raw[0]
+        assert isinstance(frame.image, RawImage)
+        step = width * (frame.image.step // frame.image.width)
+        rows = np.frombuffer(frame.image.data, np.uint8).reshape(frame.image.height, -1)
+        data = memoryview(rows[:, :step].tobytes())
+        narrow = replace(frame, image=replace(frame.image, width=width, step=step, data=data))
+        return self._packed(
+            in_format(narrow, ImageFormat.JPEG) if self.compressed else narrow, self.stamp
+        )
+
+    def _packed(self, frame: Frame, stamp: int) -> Message:
+        image = frame.image
         if isinstance(image, RawImage):
             return make_image(self._factory, image, self.header(stamp))
         return make_compressed_image(self._factory, image, self.header(stamp))

@@ -23,7 +23,6 @@ from cable_tracker.ros.rigs.soak_faults import (
     COMPRESSED_CHANGES,
     NARROWEST,
     Fault,
-    cut_to,
 )
 from cable_tracker.ros.rigs.soak_frames import SoakFrames
 from cable_tracker.ros.rigs.soak_record import MemorySample, SoakRecord, read_memory
@@ -271,11 +270,11 @@ class SoakRig:
         self._show_tallest()
 
     def _show_tallest(self) -> None:
-        """Send the frame that the network takes most memory for, of those that faults may send."""
-        if Fault.OTHER_SIZE in self.changes:
-            message = self.frames.next_message()
-            cut_to(message, NARROWEST, message.height)
-            self.exchange(message)
+        """Send the frame that the network takes most memory for, of those that faults may send.
+
+        A damaged JPEG may be one, too.
+        """
+        self.exchange(self.frames.narrow_message(NARROWEST))
 
     def replay(self, *, loop: bool) -> SoakedProcess:
         """Return the process of a replay of a few frames, which is not started yet."""
