@@ -62,11 +62,12 @@ class SoakFrames:
         """Return the present frame with any stamp [ns]."""
         return self._packed(self._frames[self._number % len(self._frames)], stamp)
 
-    def narrow_message(self, width: int) -> Message:
-        """Return a next frame of which the left `width` pixels are left."""
+    def tall_message(self) -> Message:
+        """Return a next frame that is cut to half as wide as it is high."""
         self.stamp += STEP
         frame = self._raw[0]
         assert isinstance(frame.image, RawImage)
+        width = frame.image.height // 2
         step = width * (frame.image.step // frame.image.width)
         rows = np.frombuffer(frame.image.data, np.uint8).reshape(frame.image.height, -1)
         data = memoryview(rows[:, :step].tobytes())

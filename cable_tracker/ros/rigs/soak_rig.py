@@ -18,12 +18,7 @@ from cable_tracker.errors import RosError
 from cable_tracker.ros.process.child_process import START_TIMEOUT, WARM_UP_TIMEOUT, NodeProcess
 from cable_tracker.ros.process.environment import local_environment
 from cable_tracker.ros.rigs.soak_camera import SoakCamera
-from cable_tracker.ros.rigs.soak_faults import (
-    CHANGES,
-    COMPRESSED_CHANGES,
-    NARROWEST,
-    Fault,
-)
+from cable_tracker.ros.rigs.soak_faults import CHANGES, COMPRESSED_CHANGES, Fault
 from cable_tracker.ros.rigs.soak_frames import SoakFrames
 from cable_tracker.ros.rigs.soak_record import MemorySample, SoakRecord, read_memory
 from cable_tracker.ros.rigs.soaked_node import SOAKED
@@ -274,7 +269,7 @@ class SoakRig:
 
         A damaged JPEG may be one, too.
         """
-        self.exchange(self.frames.narrow_message(NARROWEST))
+        self.exchange(self.frames.tall_message())
 
     def replay(self, *, loop: bool) -> SoakedProcess:
         """Return the process of a replay of a few frames, which is not started yet."""
