@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -66,23 +66,25 @@ class Outcome:
     reason: str = ""
 
 
-def fingerprint_of_files(path: Path) -> str:
-    """Return a text that changes when a file, or a file in a folder, is written to.
+def fingerprint_of_files(*paths: Path) -> str:
+    """Return a text that changes when one of some files, or a file in a folder, is written to.
 
     It is made of names, sizes and times of change; contents are not read.
     """
-    files = sorted(path.rglob("*")) if path.is_dir() else [path]
-    lines = []
-    for file in files:
+    lines = [line for path in paths for line in _facts_of_files(path)]
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+
+def _facts_of_files(path: Path) -> Iterator[str]:
+    for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
         try:
             if file.is_dir():
                 continue
             found = file.stat()
         except OSError:
-            lines.append(f"{file.name} missing")
+            yield f"{file.name} missing"
             continue
-        lines.append(f"{file.relative_to(path.parent)} {found.st_size} {found.st_mtime_ns}")
-    return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+        yield f"{file.relative_to(path.parent)} {found.st_size} {found.st_mtime_ns}"
 
 
 def is_done(task: FolderTask, folder: Path, version: str) -> bool:

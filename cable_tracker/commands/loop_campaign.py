@@ -92,7 +92,7 @@ class LoopTask:
 
     def fingerprint(self) -> str:
         """Return a text that changes with what is run, and with the files."""
-        return f"{self!r} {' '.join(map(fingerprint_of_files, self.files))}"
+        return f"{self!r} {fingerprint_of_files(*self.files)}"
 
     def run(self, folder: Path, advance: Callable[[int], None]) -> None:
         """Run it in processes of its own.

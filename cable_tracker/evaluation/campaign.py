@@ -85,7 +85,7 @@ class _Task:
         sheet = self.seed == self.campaign.seeds[0]
         tables = [Path(str(each.parameters.response_table)) for each in own.filters]
         files = [path for path in (*files_of(self.sequence), *tables) if path.exists()]
-        return f"{own!r} {sheet} {' '.join(map(fingerprint_of_files, files))}"
+        return f"{own!r} {sheet} {fingerprint_of_files(*files)}"
 
     def run(self, advance: Callable[[], None]) -> list[RunResult]:
         campaign = self.campaign

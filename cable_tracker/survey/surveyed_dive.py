@@ -18,6 +18,9 @@ from cable_tracker.survey.merging import PlacedRoute
 
 ROUTES, SUMMARY = "routes.npz", "dive.json"
 
+UNREADABLE = (OSError, EOFError, BadZipFile, zlib.error, KeyError, ValueError, TypeError)
+"""Raised by what reads these two files where they are damaged."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SurveyedDive:
@@ -94,10 +97,7 @@ def read_surveyed(folder: Path) -> SurveyedDive:
             bool(content["on_earth"]), tuple(content["notes"]), int(content["frames"]),
             int(content["tracked"]), float(content["seconds"]),
         )  # fmt: skip
-    except (
-        *(OSError, EOFError, BadZipFile, zlib.error),
-        *(KeyError, ValueError, TypeError),
-    ) as error:
+    except UNREADABLE as error:
         raise RecordingError(
             f"{folder}: holds no surveyed dive ({error}); survey the recording again"
         ) from error

@@ -165,7 +165,7 @@ class TargetTask:
 
     def fingerprint(self) -> str:
         """Return a text that changes with what is run, and with the recording."""
-        return f"{self!r} {' '.join(map(fingerprint_of_files, files_of(self.sequence)))}"
+        return f"{self!r} {fingerprint_of_files(*files_of(self.sequence))}"
 
     def run(self, advance: Callable[[], None]) -> list[RunFigures]:
         """Follow the target with every method."""

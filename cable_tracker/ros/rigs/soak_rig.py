@@ -259,16 +259,9 @@ class SoakRig:
         self._processes += 1
         self._answers_before = self.camera.answers
         self._await_first_answer()
-        # What draws pictures is loaded when first asked for, and the network takes the more memory
-        # the taller the tallest frame was so far: that is no growth.
+        # What draws pictures is loaded when first asked for, and the network keeps room for the
+        # largest picture so far: twice as high as wide, as a damaged JPEG may be. No growth either.
         self.view()
-        self._show_tallest()
-
-    def _show_tallest(self) -> None:
-        """Send the frame that the network takes most memory for, of those that faults may send.
-
-        A damaged JPEG may be one, too.
-        """
         self.exchange(self.frames.tall_message())
 
     def replay(self, *, loop: bool) -> SoakedProcess:
