@@ -5,7 +5,8 @@ from __future__ import annotations
 import shutil
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -159,18 +160,33 @@ def _run_on(
 ) -> None:
     advance, end = tell
     progress = _Progress(advance)
-    client.subscribe_topic(PROGRESS, lambda event: progress.tell(*event[1]))
     place = str(root.resolve())
-    futures = {
-        client.submit(_folder_in_worker, task, number, place, __version__, pure=False): number
-        for number, task in enumerate(tasks)
-    }
-    try:
-        for future in as_completed(futures):
-            number = futures[future]
+    calls = [(task, number, place, __version__) for number, task in enumerate(tasks)]
+    with closing(_as_they_end(client, _folder_in_worker, calls, progress)) as ended:
+        for number, future in ended:
             outcome, total = _outcome(future, tasks[number].name, root)
             progress.end(number, total)
             end(outcome)
+
+
+def _as_they_end(
+    client: Client,
+    work: Callable[..., Any],
+    calls: Sequence[tuple[Any, ...]],
+    progress: _Progress,
+) -> Generator[tuple[int, Any]]:
+    """Call `work` with each tuple of arguments; yield number and future of each that has ended.
+
+    When the generator is closed, what has not ended is given up.
+    """
+    client.subscribe_topic(PROGRESS, lambda event: progress.tell(*event[1]))
+    futures = {
+        client.submit(work, *arguments, pure=False): number
+        for number, arguments in enumerate(calls)
+    }
+    try:
+        for future in as_completed(futures):
+            yield futures[future], future
     finally:
         client.cancel(list(futures))
         client.unsubscribe_topic(PROGRESS)
@@ -237,23 +253,16 @@ def run_on_cluster(
     """Run tasks whose results come back; see `result_tasks.run_all`."""
     progress = _Progress(advance)
     results: dict[int, Result] = {}
-    with connected(settings.cluster) as client:
-        client.subscribe_topic(PROGRESS, lambda event: progress.tell(*event[1]))
-        numbers = {
-            client.submit(
-                _result_in_worker, task, number, __version__, settings.store, pure=False
-            ): number
-            for number, task in enumerate(tasks)
-        }
-        try:
-            for future in as_completed(numbers):
-                number = numbers[future]
-                _raise_what_stopped(future.exception())
-                results[number], total = future.result()
-                progress.end(number, total)
-        finally:
-            client.cancel(list(numbers))
-            client.unsubscribe_topic(PROGRESS)
+    store = settings.store
+    calls = [(task, number, __version__, store) for number, task in enumerate(tasks)]
+    with (
+        connected(settings.cluster) as client,
+        closing(_as_they_end(client, _result_in_worker, calls, progress)) as ended,
+    ):
+        for number, future in ended:
+            _raise_what_stopped(future.exception())
+            results[number], total = future.result()
+            progress.end(number, total)
     return [results[number] for number in range(len(tasks))]
 
 

@@ -64,7 +64,6 @@ class BorderLines:
 
 
 @compiled_inside
-@compiled_inside
 def turn_between(angle: Number, reference: Number) -> Number:
     """Return the turn from a reference to an angle, in [-pi, pi) [rad]."""
     turn: Number = (angle - reference + math.pi) % (2 * math.pi) - math.pi

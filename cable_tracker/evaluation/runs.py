@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-import cv2
-
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import FrameError
@@ -16,6 +14,7 @@ from cable_tracker.evaluation.evaluation_sequences import EvaluationFrame
 from cable_tracker.evaluation.methods import Method
 from cable_tracker.evaluation.metrics.run_metrics import RunMetrics, run_metrics
 from cable_tracker.evaluation.trace import FrameOutcome, Trace, trace_of
+from cable_tracker.sequences.encoded_pictures import jpeg_bytes
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.overlay import draw_overlay, with_presence
 from cable_tracker.visualisation.palette import status_colour
@@ -167,9 +166,7 @@ class MethodRun:
     def _encoded_sheet(self) -> bytes:
         if self._sheet is None:
             return b""
-        options = [cv2.IMWRITE_JPEG_QUALITY, SHEET_QUALITY]
-        _, encoded = cv2.imencode(".jpg", self._sheet.draw(), options)
-        return encoded.tobytes()
+        return jpeg_bytes(self._sheet.draw(), SHEET_QUALITY)
 
 
 def run_together(

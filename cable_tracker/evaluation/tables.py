@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_tracker.evaluation.metric_table import METRIC_TABLE, metric_spread
 from cable_tracker.evaluation.runs import RunResult
-from cable_tracker.sequences.csv_text import csv_text
+from cable_tracker.sequences.csv_tables import csv_text
 from cable_tracker.sequences.estimates import format_stamp
 
 FRAME_HEADINGS = (

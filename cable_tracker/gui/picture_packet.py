@@ -23,7 +23,7 @@ from cable_tracker.gui.picture_layers import (
 from cable_tracker.gui.session import AnySnapshot, Snapshot, TargetSnapshot
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.withheld import Withheld
-from cable_tracker.sequences.jpeg import encode_jpeg
+from cable_tracker.sequences.encoded_pictures import encode_jpeg
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.visualisation.palette import PARTICLES, css, status_colour
 

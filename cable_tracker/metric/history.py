@@ -10,6 +10,7 @@ import numpy as np
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.succession import LATE
 
 KEPT = 512
 """Measurements kept; some seconds of the fastest instruments."""
@@ -47,14 +48,19 @@ class History:
         """Stamp of the newest measurement [ns]; None before any."""
         return self._stamps[-1] if self._stamps else None
 
+    @property
+    def last_values(self) -> FloatArray | None:
+        """The newest measurement, shape (k,); None before any."""
+        return self._values[-1] if self._values else None
+
     def add(self, stamp: int, values: FloatArray) -> None:
         """Take a measurement, shape (k,).
 
-        A clock that jumps back makes everything before worthless; a stamp seen already replaces
-        nothing.
+        A clock that jumps back makes everything before worthless. A stamp seen already, or a little
+        older than the newest one, replaces nothing: that message was overtaken on its way.
         """
         if self._stamps and stamp <= self._stamps[-1]:
-            if stamp == self._stamps[-1]:
+            if self._stamps[-1] - stamp <= LATE * NANOSECONDS:
                 return
             self.clear()
         self._stamps.append(stamp)
@@ -86,6 +92,13 @@ class History:
         # Between two infinite values the result is NaN, which callers check for.
         with np.errstate(invalid="ignore"):
             return Reading(before + share * (self._values[after] - before), 0.0)
+
+    def around(self, stamp: int) -> list[FloatArray]:
+        """Return what `at` interpolates between: one measurement or two, shape (k,) each."""
+        after = bisect_right(self._stamps, stamp)
+        return [
+            self._values[place] for place in (after - 1, after) if 0 <= place < len(self._stamps)
+        ]
 
     def between(self, start: int, end: int) -> list[tuple[int, FloatArray]]:
         """Return the measurements with start <= stamp < end, stamps [ns] and values."""

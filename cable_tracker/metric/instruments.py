@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from cable_tracker.arrays import FloatArray
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.metric.altitude import Altimeter, Altitude
 from cable_tracker.metric.calibration import Calibration, camera_for
@@ -78,15 +79,13 @@ class Instruments:
         self._calibration = calibration
 
     def take_altitude(self, stamp: int, metres: float, limits: tuple[float, float]) -> None:
-        """Keep an altitude of a time [ns], with the altimeter's smallest and largest one [m].
-
-        An altitude that cannot be is kept as such: it must not be bridged by its neighbours.
-        """
+        """Keep an altitude of a time [ns], with the altimeter's smallest and largest one [m]."""
         self._altitudes.add(stamp, np.array([metres, *limits]))
 
     def take_attitude(self, stamp: int, attitude: Attitude) -> None:
         """Keep an attitude of a time [ns]."""
-        self._attitudes.add(stamp, np.array([attitude.roll, attitude.pitch, attitude.sigma]))
+        roll = _unwrapped(attitude.roll, self._attitudes.last_values)
+        self._attitudes.add(stamp, np.array([roll, attitude.pitch, attitude.sigma]))
 
     def cross_track(self, estimate: CableEstimate) -> CrossTrack | Withheld:
         """Return the cable of an estimate in metres, or why not."""
@@ -106,7 +105,7 @@ class Instruments:
         attitude = Attitude(*(float(value) for value in reading.values))
         if not attitude.is_finite():
             return Withheld(Reason.BAD_ATTITUDE, "roll or pitch is not finite; look at the imu")
-        return attitude
+        return replace(attitude, roll=math.remainder(attitude.roll, math.tau))
 
     def altitude_at(self, stamp: int, attitude: Attitude) -> Altitude | Withheld:
         """Return the altitude of base_link at a time [ns]."""
@@ -121,8 +120,13 @@ class Instruments:
         reading = self._altitudes.at(stamp)
         if reading is None or reading.age > settings.timeout:
             return Withheld(Reason.STALE_ALTITUDE, self._stale("altitude", reading is None))
-        metres, low, high = (float(value) for value in reading.values)
-        return settings.altimeter.read(metres, attitude, (low, high))
+        # An altitude that cannot be must not be bridged by its neighbours.
+        for values in (*self._altitudes.around(stamp), reading.values):
+            metres, low, high = (float(value) for value in values)
+            altitude = settings.altimeter.read(metres, attitude, (low, high))
+            if isinstance(altitude, Withheld):
+                return altitude
+        return altitude
 
     def overflight(self, estimate: CableEstimate) -> Overflight | Withheld:
         """Return where the camera was over the cable's plane in the frame of an estimate."""
@@ -146,3 +150,10 @@ class Instruments:
             f"the last on {topic} is more than {self._settings.timeout:g} s older than the image;"
             " look whether it still comes, and set all clocks alike"
         )
+
+
+def _unwrapped(roll: float, before: FloatArray | None) -> float:
+    """Return a roll [rad] within half a turn of the one before: it is interpolated as a number."""
+    if before is None or not math.isfinite(before[0]) or not math.isfinite(roll):
+        return roll
+    return roll + math.tau * round((float(before[0]) - roll) / math.tau)

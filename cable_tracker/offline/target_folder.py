@@ -11,7 +11,7 @@ import cv2
 from cable_tracker.arrays import Image
 from cable_tracker.offline.results import BAG, CONTACT_SHEET, ESTIMATES, VIDEO, Results
 from cable_tracker.offline.target_table import HEADER, METRES, METRES_HEADER, TargetRow
-from cable_tracker.sequences.csv_text import csv_text
+from cable_tracker.sequences.csv_tables import csv_text
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.visualisation.contact_sheet import ContactSheet
 from cable_tracker.visualisation.video import VideoWriter

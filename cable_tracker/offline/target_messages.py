@@ -12,8 +12,8 @@ from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.frame_messages import FrameMessages
 from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.encoded_pictures import encode_jpeg
 from cable_tracker.sequences.estimates import REFUSED
-from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header
 from cable_tracker.sequences.messages.images import make_compressed_image

@@ -23,10 +23,10 @@ from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.convert import write_truth
+from cable_tracker.sequences.encoded_pictures import encode_jpeg
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.estimates import REFUSED, EstimateRow, RowMetres
 from cable_tracker.sequences.frame import Frame
-from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
 from cable_tracker.sequences.messages.cable_markers import make_markers
 from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles

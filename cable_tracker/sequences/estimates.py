@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cable_tracker.cable.model.state import STATE_SIZE, STATE_SYMBOLS, CableState
 from cable_tracker.errors import RecordingError
+from cable_tracker.sequences.csv_tables import write_csv
 from cable_tracker.stamps import NANOSECONDS
 
 HEADER = (
@@ -132,10 +133,7 @@ def _format_row(row: EstimateRow) -> list[str]:
 
 def write_estimates(path: Path, rows: Iterable[EstimateRow]) -> None:
     """Write the table; numbers read back are equal to the last bit (`ms`: to the microsecond)."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(HEADER)
-        writer.writerows(_format_row(row) for row in rows)
+    write_csv(path, HEADER, map(_format_row, rows))
 
 
 def _parse_row(fields: Sequence[str]) -> EstimateRow:

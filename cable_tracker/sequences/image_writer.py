@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-import cv2
-
 from cable_tracker.arrays import Image, eight_bits
 from cable_tracker.atomic_output import output_folder
-from cable_tracker.errors import OutputError
-from cable_tracker.libraries import refusals_as
+from cable_tracker.sequences.encoded_pictures import png_bytes
 from cable_tracker.sequences.encodings import decode_bgr, decode_grey
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.sequence_file import Label, write_labels
@@ -35,17 +32,10 @@ def write_picture(path: Path, image: RawImage | CompressedImage) -> None:
 
     Raises
     ------
-    OutputError
-        It cannot be encoded.
     FrameError
-        It cannot be decoded.
+        It cannot be decoded or encoded.
     """
-    picture = _picture(image)
-    with refusals_as(OutputError, f"{path}: the picture cannot be encoded as PNG"):
-        encoded, data = cv2.imencode(".png", picture)
-    if not encoded:
-        raise OutputError(f"{path}: the picture cannot be encoded as PNG")
-    path.write_bytes(data.tobytes())
+    path.write_bytes(png_bytes(_picture(image)))
 
 
 def _write_all(folder: Path, frames: Iterable[Frame]) -> int:

@@ -23,6 +23,8 @@ class InstrumentErrors:
     ----------
     velocity, velocity_bias : float
         Standard deviations of noise and constant bias of each linear velocity [m/s].
+    velocity_scale : float
+        Standard deviation of the scale error of all linear velocities.
     turn, turn_bias : float
         Standard deviations of noise and constant bias of each angular velocity [rad/s].
     attitude : float
@@ -35,11 +37,19 @@ class InstrumentErrors:
 
     velocity: float = 0.02
     velocity_bias: float = 0.01
+    velocity_scale: float = 0.0
     turn: float = math.radians(0.2)
     turn_bias: float = math.radians(0.05)
     attitude: float = math.radians(0.2)
     acceleration: float = 0.02
     altitude: float = 0.01
+
+
+def scale_error(errors: InstrumentErrors, rng: np.random.Generator) -> float:
+    """Draw the factor on all linear velocities."""
+    if not errors.velocity_scale:
+        return 1.0
+    return 1.0 + errors.velocity_scale * float(rng.standard_normal())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,6 +118,7 @@ class InstrumentSet:
         biases = np.repeat([errors.velocity_bias, errors.turn_bias], 3)
         self._steps = steps
         self._biases = biases * rng.standard_normal(6)
+        self._scale = scale_error(errors, rng)
         self._twist_covariance = np.diag(steps**2 + biases**2)
         self._position = start.position.copy()
         self._seconds = 0.0
@@ -118,6 +129,7 @@ class InstrumentSet:
         `seconds` is the time since the reading before; 0 for the first.
         """
         twist = motion.twist + self._biases + self._steps * self._rng.standard_normal(6)
+        twist[:3] *= self._scale
         angles = self._angles(motion)
         self._position = self._position + rotation_of(angles) @ twist[:3] * seconds
         self._position[2] = motion.position[2]

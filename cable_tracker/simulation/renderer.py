@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, Image, eight_bits
+from cable_tracker.sequences.encoded_pictures import after_jpeg
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.clutter import Streak, draw_streak, streak_cover
 from cable_tracker.simulation.laid_cable import CableSkin, LaidCable
@@ -244,8 +245,7 @@ class SceneRenderer:
         picture = eight_bits(grey)
         if self._look.jpeg_quality is None:
             return picture
-        _, data = cv2.imencode(".jpg", picture, (cv2.IMWRITE_JPEG_QUALITY, self._look.jpeg_quality))
-        return np.asarray(cv2.imdecode(data, cv2.IMREAD_GRAYSCALE))
+        return after_jpeg(picture, self._look.jpeg_quality)
 
 
 def _blend_cable(ground: Image, sight: Sight, skin: CableSkin, pixel: Image) -> Image:

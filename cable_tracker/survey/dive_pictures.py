@@ -7,6 +7,7 @@ from pathlib import Path
 import cv2
 
 from cable_tracker.errors import FrameError, RecordingError
+from cable_tracker.sequences.encoded_pictures import jpeg_bytes
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.source import Source
@@ -46,5 +47,4 @@ def _write_thumbnail(path: Path, frame: Frame) -> None:
         return
     height = max(1, round(picture.shape[0] * THUMBNAIL / picture.shape[1]))
     small = cv2.resize(picture, (THUMBNAIL, height), interpolation=cv2.INTER_AREA)
-    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
-    path.write_bytes(cv2.imencode(".jpg", small, quality)[1].tobytes())
+    path.write_bytes(jpeg_bytes(small, JPEG_QUALITY))

@@ -11,6 +11,7 @@ import numpy as np
 from cable_tracker.arrays import Image
 from cable_tracker.atomic_output import write_bytes
 from cable_tracker.errors import OutputError, ParameterError
+from cable_tracker.sequences.encoded_pictures import png_bytes
 from cable_tracker.visualisation.palette import WHITE, Colour, to_bgr
 
 GAP = 4
@@ -128,8 +129,7 @@ class ContactSheet:
         OutputError
             No picture was added, or the file cannot be written.
         """
-        _, encoded = cv2.imencode(".png", self.draw())
-        write_bytes(path, encoded.tobytes())
+        write_bytes(path, png_bytes(self.draw()))
 
     @property
     def _caption_height(self) -> int:

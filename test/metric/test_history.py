@@ -44,6 +44,17 @@ def test_a_clock_that_jumps_back_makes_it_forget(history):
     assert history.last_stamp == 2 * SECOND
 
 
+def test_a_message_that_was_overtaken_changes_nothing(history):
+    history.add(13 * SECOND - SECOND // 10, np.array([9.0, 9.0]))
+    np.testing.assert_allclose(history.at(12 * SECOND).values, [3.0, -3.0])
+    assert len(history) == 3
+
+
+def test_the_measurements_about_a_time(history):
+    at = {second: [float(v[0]) for v in history.around(second * SECOND)] for second in (9, 10, 15)}
+    assert at == {9: [1.0], 10: [1.0, 3.0], 15: [3.0]}
+
+
 def test_the_same_stamp_counts_once(history):
     history.add(13 * SECOND, np.array([9.0, 9.0]))
     assert len(history) == 3

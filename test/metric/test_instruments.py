@@ -66,6 +66,15 @@ def test_an_impossible_altitude_is_told(instruments, estimate, metres):
     assert reason(instruments.cross_track(estimate)) is Reason.BAD_ALTITUDE
 
 
+@pytest.mark.parametrize("metres", [0.0, math.inf, 60.0])
+@pytest.mark.parametrize("second", [9.5, 10.5])
+def test_an_impossible_altitude_is_not_bridged_by_its_neighbours(instruments, second, metres):
+    for stamp, each in ((9, 2.0), (10, metres), (11, 2.0)):
+        instruments.take_altitude(stamp * SECOND, each, LIMITS)
+    told = instruments.altitude_at(int(second * SECOND), Attitude())
+    assert reason(told) is Reason.BAD_ALTITUDE
+
+
 @pytest.mark.parametrize("second", [8, 12])
 def test_an_altitude_of_another_time_is_stale(instruments, estimate, second):
     instruments.take_altitude(second * SECOND, 1.4, LIMITS)
@@ -94,6 +103,17 @@ def test_the_attitude_of_the_frames_time_counts(instruments, estimate):
     # Half of the roll is there at the time of the frame.
     assert after.offset - before.offset > 0.9 * 1.4 * math.tan(0.1)
     assert instruments.attitude_at(10 * SECOND) == Attitude(0.1, 0.0, 0.01)
+
+
+def test_a_vehicle_on_its_back_does_not_count_as_upright(instruments, estimate):
+    instruments.take_altitude(10 * SECOND, 1.4, LIMITS)
+    for tenths, degrees in ((98, 179.0), (101, -179.5), (104, 179.0)):
+        attitude = Attitude(math.radians(degrees), 0.0, 0.01)
+        instruments.take_attitude(tenths * SECOND // 10, attitude)
+    for tenths in (99, 100, 102, 103):
+        roll = instruments.attitude_at(tenths * SECOND // 10).roll
+        assert math.radians(178.9) <= abs(roll) <= math.pi
+    assert isinstance(instruments.cross_track(estimate), Withheld)
 
 
 def test_doubt_about_the_level_makes_the_offset_less_sure(calibrations, estimate):

@@ -1,12 +1,14 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from cable_tracker.simulation.instruments import GRAVITY, InstrumentErrors, InstrumentSet
 from cable_tracker.simulation.vehicle import VehicleState
 
-PERFECT = InstrumentErrors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+PERFECT = InstrumentErrors(*[0.0] * 8)
 
 
 def motion(x: float = 0.0) -> VehicleState:
@@ -55,3 +57,11 @@ def test_doubt_about_the_place_grows():
     for _ in range(100):
         last = real.odometry(motion(), 0.1).pose_covariance[0, 0]
     assert last > first
+
+
+def test_a_scale_error_stretches_the_velocities_and_not_the_turn():
+    stretched = instruments(replace(PERFECT, velocity_scale=0.1))
+    twists = [stretched.odometry(motion(), 0.1).twist for _ in range(2)]
+    assert np.array_equal(*twists)
+    assert twists[0][0] != motion().twist[0]
+    assert np.array_equal(twists[0][3:], motion().twist[3:])

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from cable_tracker.evaluation.closed_loop.loop_table import LoopSummary, format_cell, write_records
-from cable_tracker.sequences.csv_text import csv_text
+from cable_tracker.sequences.csv_tables import write_csv
 
 RUNS, METHODS_TABLE = "runs.csv", "methods.csv"
 
@@ -135,8 +135,7 @@ def write_runs(path: Path, outcomes: Sequence[LoopOutcome]) -> None:
             for name in names
         ]
         rows.append([outcome.method, outcome.seed, *cells, outcome.failure])
-    text = csv_text(["method", "seed", *names, "failure"], rows)
-    path.write_text(text, encoding="utf-8", newline="")
+    write_csv(path, ["method", "seed", *names, "failure"], rows)
 
 
 def write_methods(path: Path, totals: Sequence[MethodTotals]) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray
 from cable_tracker.errors import RecordingError
 from cable_tracker.evaluation.sample_statistics import percentile_of_size, root_mean_square
-from cable_tracker.sequences.csv_text import csv_text
+from cable_tracker.sequences.csv_tables import write_csv
 
 TABLE, SUMMARY = "loop.csv", "summary.csv"
 
@@ -224,7 +224,7 @@ def write_records(path: Path, kind: type, records: Sequence[object]) -> None:
     """Write dataclasses of one kind as CSV, a column for each field; what is not known is empty."""
     names = [field.name for field in fields(kind)]
     rows = ([format_cell(getattr(record, name)) for name in names] for record in records)
-    path.write_text(csv_text(names, rows), encoding="utf-8", newline="")
+    write_csv(path, names, rows)
 
 
 def read_summary(path: Path) -> LoopSummary:

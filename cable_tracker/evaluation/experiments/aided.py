@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
 
@@ -12,13 +12,14 @@ from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
-    InstrumentNoise,
+    EXPERIMENT_ERRORS,
     SimulatedVehicle,
     simulated_vehicle,
 )
 from cable_tracker.evaluation.methods import Method, ParticleFilterMethod
 from cable_tracker.metric.aiding import MotionAiding
 from cable_tracker.metric.motion import Odometry
+from cable_tracker.simulation.instruments import InstrumentErrors
 from cable_tracker.stamps import NANOSECONDS
 
 FAULT_AFTER = 1.0
@@ -136,17 +137,17 @@ class AidedFilter:
         Whose vehicle.
     fault : OdometryFault
         Fault of the odometry.
-    noise : InstrumentNoise
-        Noise of its instruments.
+    errors : InstrumentErrors
+        Errors of its instruments.
     """
 
     name: str
     parameters: TrackerParameters
     scenario: str
     fault: OdometryFault = OdometryFault.NONE
-    noise: InstrumentNoise = field(default_factory=InstrumentNoise)
+    errors: InstrumentErrors = EXPERIMENT_ERRORS
 
     def make(self, seed: int) -> Method:
         """Make a fresh tracker for the dive of a seed."""
-        vehicle = _same_vehicle(self.scenario, seed, self.noise)
+        vehicle = _same_vehicle(self.scenario, seed, self.errors)
         return AidedMethod(self.parameters.replaced({"seed": seed}), vehicle, self.fault)

@@ -17,8 +17,8 @@ from cable_tracker.evaluation.evaluation_sequences import THESIS_SEQUENCES, Scen
 from cable_tracker.evaluation.experiments.aided import AidedFilter
 from cable_tracker.evaluation.experiments.experiment_result import ExperimentResult, ResultTable
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
+    EXPERIMENT_ERRORS,
     LOOK_AHEAD,
-    InstrumentNoise,
     SimulatedVehicle,
     simulated_vehicle,
 )
@@ -29,6 +29,7 @@ from cable_tracker.evaluation.report import median_and_range
 from cable_tracker.evaluation.sample_statistics import mean, percentile_of_size, root_mean_square
 from cable_tracker.evaluation.spread import spread_of
 from cable_tracker.metric.cross_track import CrossTrack
+from cable_tracker.simulation.instruments import InstrumentErrors
 
 HEADINGS = (
     "sequence", "runs", "with metres [%]",
@@ -60,7 +61,7 @@ class _Dive:
 
     sequence: ScenarioSequence
     seed: int
-    noise: InstrumentNoise
+    errors: InstrumentErrors
     with_odometry: bool = False
 
     def run(self, advance: Callable[[], None]) -> FloatArray:
@@ -69,7 +70,7 @@ class _Dive:
         Errors of offset and offset ahead [share of the altitude] and heading [rad], those of offset
         and heading in standard deviations, and whether the estimate is on the cable, shape (N, 6).
         """
-        vehicle = simulated_vehicle(self.sequence.name, self.seed, self.noise)
+        vehicle = simulated_vehicle(self.sequence.name, self.seed, self.errors)
         method = self._maker().make(self.seed)
         rows = []
         for frame in self.sequence.frames(self.seed):
@@ -96,7 +97,7 @@ class _Dive:
         parameters = preset("default")
         if not self.with_odometry:
             return ConfiguredFilter("default", parameters)
-        return AidedFilter("aided", parameters, self.sequence.name, noise=self.noise)
+        return AidedFilter("aided", parameters, self.sequence.name, errors=self.errors)
 
     @staticmethod
     def _errors(result: CrossTrack, vehicle: SimulatedVehicle, index: int) -> FloatArray:
@@ -119,13 +120,13 @@ class MetresExperiment:
         Each makes another dive of the same kind.
     sequences : tuple of ScenarioSequence
         Sequences to run on.
-    noise : InstrumentNoise
-        Noise of altimeter and imu.
+    errors : InstrumentErrors
+        Errors of altimeter, imu and odometry.
     """
 
     seeds: tuple[int, ...]
     sequences: tuple[ScenarioSequence, ...] = tuple(map(ScenarioSequence, THESIS_SEQUENCES))
-    noise: InstrumentNoise = InstrumentNoise()  # noqa: RUF009
+    errors: InstrumentErrors = EXPERIMENT_ERRORS
 
     def frame_count(self) -> int | None:
         """Return how many frames there are to go through."""
@@ -135,7 +136,7 @@ class MetresExperiment:
     def run(self, workers: Workers, advance: Callable[[int], None]) -> ExperimentResult:
         """Run it; the results do not depend on the number of workers."""
         dives = [
-            _Dive(sequence, seed, self.noise, with_odometry)
+            _Dive(sequence, seed, self.errors, with_odometry)
             for sequence in self.sequences
             for seed in self.seeds
             for with_odometry in TABLES

@@ -168,7 +168,7 @@ class MotionExperiment:
             "*frames lost* are those of all runs together, and beside them those of the same dives"
             " without odometry; for each sequence, median over the runs (least – most). The other"
             " numbers: means over the sequences, of medians over the runs. The odometry is a twist"
-            " at 50 Hz with noise, biases and a scale error; see `InstrumentNoise`."
+            " at 50 Hz with noise, biases and a scale error; see `EXPERIMENT_ERRORS`."
         )
         return ResultTable(
             headings, rows, f"Preset `{name}`", f"{name}.csv", (note,), BRIEF_COLUMNS

@@ -17,6 +17,12 @@ from cable_tracker.metric.motion import TWIST
 from cable_tracker.simulation.camera import Camera
 from cable_tracker.simulation.dive import Dive
 from cable_tracker.simulation.flight import Flight, flight_at, twists_at
+from cable_tracker.simulation.instruments import (
+    LEAST_RANGE,
+    MOST_RANGE,
+    InstrumentErrors,
+    scale_error,
+)
 from cable_tracker.simulation.scenario import SCENARIO_SIZE, scenario_dive
 from cable_tracker.simulation.scenario_description import SCENARIO_RATE
 from cable_tracker.simulation.scenarios import find_scenario
@@ -34,31 +40,8 @@ TRUTH_REACH, TRUTH_STEP = 3.0, 0.02
 [m]."""
 
 
-@dataclass(frozen=True, slots=True)
-class InstrumentNoise:
-    """How wrong the instruments are: standard deviations.
-
-    Attributes
-    ----------
-    velocity, velocity_bias : float
-        Standard deviations of noise and constant bias of each linear velocity [m/s].
-    turn, turn_bias : float
-        Standard deviations of noise and constant bias of each angular velocity [rad/s].
-    scale : float
-        Standard deviation of the scale factor on all linear velocities.
-    altitude : float
-        Share of the altitude, for each measurement.
-    attitude : float
-        Standard deviation of each measured roll and pitch [rad].
-    """
-
-    velocity: float = 0.02
-    velocity_bias: float = 0.01
-    turn: float = math.radians(0.2)
-    turn_bias: float = math.radians(0.1)
-    scale: float = 0.01
-    altitude: float = 0.01
-    attitude: float = math.radians(0.2)
+EXPERIMENT_ERRORS = InstrumentErrors(turn_bias=math.radians(0.1), velocity_scale=0.01)
+"""How wrong the instruments are in experiments: worse than in the simulator's dives."""
 
 
 def cables_below(dive: Dive, flight: Flight) -> FloatArray:
@@ -121,7 +104,7 @@ class SimulatedVehicle:
     covariance: FloatArray
 
 
-def simulated_vehicle(scenario: str, seed: int, noise: InstrumentNoise) -> SimulatedVehicle:
+def simulated_vehicle(scenario: str, seed: int, errors: InstrumentErrors) -> SimulatedVehicle:
     """Return the vehicle of a scenario; the same seed gives the same errors of its instruments."""
     rng = np.random.default_rng([seed, 20])
     dive = scenario_dive(scenario, seed, SCENARIO_SIZE)
@@ -129,11 +112,11 @@ def simulated_vehicle(scenario: str, seed: int, noise: InstrumentNoise) -> Simul
     frame_times = np.arange(count) / SCENARIO_RATE
     flight = flight_at(dive, frame_times)
     twist_times = np.arange(0.0, frame_times[-1] + 1e-9, 1.0 / ODOMETRY_RATE)
-    twists, covariance = _disturbed(twists_at(dive, twist_times), noise, rng)
+    twists, covariance = _disturbed(twists_at(dive, twist_times), errors, rng)
     return SimulatedVehicle(
         truths=cables_below(dive, flight),
         altitudes=flight.positions[:, 2],
-        instruments=_instruments(dive, flight, noise, rng),
+        instruments=_instruments(dive, flight, errors, rng),
         twists=twists,
         twist_stamps=[_stamp(time) for time in twist_times],
         covariance=covariance,
@@ -145,11 +128,11 @@ def _stamp(time: float) -> int:
 
 
 def _disturbed(
-    twists: FloatArray, noise: InstrumentNoise, rng: np.random.Generator
+    twists: FloatArray, errors: InstrumentErrors, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray]:
-    steps = np.repeat([noise.velocity, noise.turn], 3)
-    biases = np.repeat([noise.velocity_bias, noise.turn_bias], 3)
-    scale = 1.0 + noise.scale * float(rng.standard_normal())
+    steps = np.repeat([errors.velocity, errors.turn], 3)
+    biases = np.repeat([errors.velocity_bias, errors.turn_bias], 3)
+    scale = scale_error(errors, rng)
     wrong = twists + biases * rng.standard_normal(TWIST)
     wrong += steps * rng.standard_normal(twists.shape)
     wrong[:, :3] *= scale
@@ -157,20 +140,20 @@ def _disturbed(
 
 
 def _instruments(
-    dive: Dive, flight: Flight, noise: InstrumentNoise, rng: np.random.Generator
+    dive: Dive, flight: Flight, errors: InstrumentErrors, rng: np.random.Generator
 ) -> Instruments:
     mounting = Mounting(pitch=math.pi / 2 - dive.camera.mounting)
     instruments = Instruments(
         InstrumentSettings(
             metric=MetricSettings(mounting, LOOK_AHEAD, dive.tube.height),
-            altimeter=Altimeter(is_vertical=True, relative_sigma=noise.altitude),
+            altimeter=Altimeter(is_vertical=True, relative_sigma=errors.altitude),
         )
     )
     instruments.take_calibration(calibration_of(dive.camera))
     for time, position, angles in zip(flight.times, flight.positions, flight.angles, strict=True):
-        altitude = float(position[2]) * (1.0 + noise.altitude * float(rng.standard_normal()))
-        roll, pitch = angles[:2] + noise.attitude * rng.standard_normal(2)
+        altitude = float(position[2]) * (1.0 + errors.altitude * float(rng.standard_normal()))
+        roll, pitch = angles[:2] + errors.attitude * rng.standard_normal(2)
         stamp = _stamp(float(time))
-        instruments.take_altitude(stamp, altitude, (0.1, 50.0))
-        instruments.take_attitude(stamp, Attitude(float(roll), float(pitch), noise.attitude))
+        instruments.take_altitude(stamp, altitude, (LEAST_RANGE, MOST_RANGE))
+        instruments.take_attitude(stamp, Attitude(float(roll), float(pitch), errors.attitude))
     return instruments

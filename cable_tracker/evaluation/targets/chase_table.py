@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cable_tracker.evaluation.sample_statistics import mean
-from cable_tracker.sequences.csv_text import csv_text
+from cable_tracker.sequences.csv_tables import write_csv
 
 TABLE, SUMMARY, PLOT = "chase.csv", "summary.yaml", "distance.png"
 
@@ -126,7 +126,7 @@ def write_chase(folder: Path, rows: Sequence[ChaseRow], summary: ChaseSummary) -
     """Write table, figures and a plot of the distance into a folder."""
     names = [field.name for field in fields(ChaseRow)]
     cells = ([str(getattr(row, name)).replace("nan", "") for name in names] for row in rows)
-    (folder / TABLE).write_text(csv_text(names, cells), encoding="utf-8", newline="")
+    write_csv(folder / TABLE, names, cells)
     text = yaml.safe_dump(asdict(summary), sort_keys=False)
     (folder / SUMMARY).write_text(text, encoding="utf-8")
     figure = Figure(figsize=(9.0, 3.2))

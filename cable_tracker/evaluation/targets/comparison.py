@@ -27,7 +27,7 @@ from cable_tracker.evaluation.targets.metrics import (
 )
 from cable_tracker.evaluation.targets.peers import PEERS, BoxTracker
 from cable_tracker.evaluation.targets.target_sequences import TargetEvaluationFrame, TargetSequence
-from cable_tracker.sequences.csv_text import csv_text
+from cable_tracker.sequences.csv_tables import write_csv
 from cable_tracker.target.model.estimate import Box
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
@@ -220,8 +220,7 @@ def write_figures(path: Path, results: Sequence[RunFigures]) -> None:
     for each in results:
         numbers = ["" if np.isnan(value) else f"{value:.4f}" for value in each.values]
         rows.append((each.scenario, each.seed, each.method, *numbers))
-    text = csv_text(("scenario", "seed", "method", *FIGURES), rows)
-    path.write_text(text, encoding="utf-8", newline="")
+    write_csv(path, ("scenario", "seed", "method", *FIGURES), rows)
 
 
 def markdown_table(results: Sequence[RunFigures], methods: Sequence[str], note: str) -> str:

@@ -10,7 +10,7 @@ from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.gui.labelling.label_file import write_atomically
 from cable_tracker.gui.labelling.labels import NO_CABLE, FrameLabel, Labels, flagged_label
-from cable_tracker.sequences.csv_text import csv_text
+from cable_tracker.sequences.csv_tables import csv_text
 
 HEADER = ("frame", "stamp", "flag", "d", "alpha", "w", "beta")
 SUFFIX = ".autosave"

@@ -19,7 +19,7 @@ from cable_tracker.gui.labelling.labels import (
     flagged_label,
 )
 from cable_tracker.gui.labelling.names import FrameNames
-from cable_tracker.sequences.csv_text import csv_text
+from cable_tracker.sequences.csv_tables import csv_text
 from cable_tracker.sequences.sequence_file import (
     Label,
     format_labels,

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.errors import FrameError
+from cable_tracker.sequences.encoded_pictures import encode_jpeg
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.frame_access import FrameAccess
-from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.sequences.recently_used import RecentlyUsed
 
 QUALITY = 92

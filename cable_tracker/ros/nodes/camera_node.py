@@ -5,11 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from builtin_interfaces.msg import Time
 from rclpy.clock import Clock, ClockType
-from rclpy.publisher import Publisher
 from std_msgs.msg import Header
 from std_srvs.srv import SetBool, Trigger
 
@@ -22,6 +21,7 @@ from cable_tracker.ros.health.diagnostics import FROZEN_INPUT, FrameStatistics
 from cable_tracker.ros.health.mismatch_report import MismatchReport
 from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
+from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.inputs.frame_hold import FrameHold
 from cable_tracker.ros.inputs.image_input import AnyImage, CameraFrame, ImageInput
 from cable_tracker.ros.inputs.input_watch import InputWatch
@@ -63,13 +63,35 @@ class FrameResult:
     event: str
 
 
+class FrameInstruments(Protocol):
+    """Instruments whose readings belong to the frames."""
+
+    @property
+    def wait(self) -> float:
+        """For how long a frame may be held back for them [s]."""
+        ...
+
+    def has_all_of(self, stamp: int) -> bool:
+        """Tell whether they have told of a time [ns]."""
+        ...
+
+
+class FrameOutputs(Protocol):
+    """Publishers of what is found in the frames."""
+
+    def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
+        """Publish that there is no estimate for a frame."""
+        ...
+
+
 class CameraNode(ProcessNode):
     """Answers each frame of a camera, and reports status and figures on /diagnostics.
 
     Holds what does not depend on what is tracked: the subscription of the camera, refused frames,
     stale and frozen input, the warm-up, `~/enable` and `~/reset`, quality of service that does not
-    fit, diagnostics. A subclass makes its own parts after this constructor, calls `begin` when it
-    is complete, and implements the methods of the section "to be implemented".
+    fit, diagnostics. A subclass makes its own parts after this constructor, `_metric` and
+    `_outputs` among them, calls `begin` when it is complete, and implements the methods of the
+    section "to be implemented".
 
     Parameters
     ----------
@@ -83,6 +105,9 @@ class CameraNode(ProcessNode):
     ParameterError
         A parameter given at start is not acceptable.
     """
+
+    _metric: FrameInstruments
+    _outputs: FrameOutputs
 
     def __init__(self, name: str, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__(name, **node_arguments)
@@ -98,8 +123,8 @@ class CameraNode(ProcessNode):
         self._input = ImageInput(
             self, str(start["image_transport"]), str(start["image_reliability"]), self._statistics
         )
-        self._hold = FrameHold(self._answer, self._has_all_of)
         self._mismatches = MismatchReport(self, self._input_profiles, self._output_profiles)
+        self._watched_publishers = WatchedPublishers(self, self._mismatches.on_event)
         self._diagnostics = CameraDiagnostics(
             self, self._statistics, self._watch, self._input, self._mismatches
         )
@@ -131,17 +156,9 @@ class CameraNode(ProcessNode):
         """
         raise NotImplementedError
 
-    def _answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
-        """Publish that there is no estimate for a frame."""
-        raise NotImplementedError
-
     def _restart(self) -> None:
         """Forget what was tracked; to be extended."""
         self._watch.forget()
-
-    def _result_publishers(self) -> dict[Publisher, Any]:
-        """Return the publishers of results, with their QoS profiles."""
-        raise NotImplementedError
 
     def _figures(self) -> dict[str, str]:
         """Return what diagnostics say beside the camera's figures, with units in the keys."""
@@ -160,19 +177,12 @@ class CameraNode(ProcessNode):
             return {}
         return {self._input.topic: InputProfile(self._input.profile, "image_reliability")}
 
-    def _instrument_wait(self) -> float:
-        """Return for how long a frame may be held back for the instruments [s]."""
-        return 0.0
-
-    def _has_all_of(self, stamp: int) -> bool:
-        """Tell whether the instruments have told of a time [ns]."""
-        return True
-
     def _on_switched_on(self) -> None:
         """Do what follows the restart when the node is enabled again."""
 
     def _output_profiles(self) -> dict[str, Any]:
-        return {each.topic_name: profile for each, profile in self._result_publishers().items()}
+        profiles = self._watched_publishers.profiles
+        return {each.topic_name: profile for each, profile in profiles.items()}
 
     # For callers and tests.
 
@@ -199,6 +209,7 @@ class CameraNode(ProcessNode):
 
     def begin(self) -> None:
         """Offer the services and warm up; the camera is subscribed when that is done."""
+        self._hold = FrameHold(self._answer, self._metric.has_all_of)
         self.create_service(Trigger, "~/reset", self.on_reset)
         self.create_service(SetBool, "~/enable", self.on_enable)
         # Simulated time may stand still while frames stay away: the watchdog needs a clock that
@@ -253,8 +264,8 @@ class CameraNode(ProcessNode):
 
     def _watchdog_period(self) -> float:
         shortest = min(self._watch.timeout, self._diagnostics.period)
-        if self._instrument_wait():
-            shortest = min(shortest, self._instrument_wait())
+        if self._metric.wait:
+            shortest = min(shortest, self._metric.wait)
         return min(max(shortest / 2, FASTEST_WATCH), SLOWEST_WATCH)
 
     # Frames.
@@ -276,7 +287,7 @@ class CameraNode(ProcessNode):
             self._note_refusal(str(error))
             return
         self._statistics.arrived(time.monotonic())
-        wait = self._instrument_wait()
+        wait = self._metric.wait
         if self._enabled and wait and frame.header.stamp:
             self._hold.take(frame, wait)
         else:
@@ -290,7 +301,7 @@ class CameraNode(ProcessNode):
         if not self._enabled or self._warm_up is not None:
             self._statistics.ignored += 1
             self._note_usable()
-            self._answer_without_estimate(header, self.status, "")
+            self._outputs.answer_without_estimate(header, self.status, "")
             return
         try:
             if not stamp:
@@ -302,7 +313,7 @@ class CameraNode(ProcessNode):
             outcome = self._use(header, stamp, picture, frame.arrival)
         except FrameError as error:
             self._note_refusal(str(error))
-            self._answer_without_estimate(header, REFUSED, str(error))
+            self._outputs.answer_without_estimate(header, REFUSED, str(error))
             return
         self._watch.note_frozen(is_frozen=False)
         self._note_usable()
@@ -320,7 +331,7 @@ class CameraNode(ProcessNode):
         """Claim nothing: a picture that stands still is no measurement."""
         self._statistics.frozen += 1
         self._note_usable()
-        self._answer_without_estimate(header, FROZEN_INPUT, "the picture stands still")
+        self._outputs.answer_without_estimate(header, FROZEN_INPUT, "the picture stands still")
         if self._watch.note_frozen(is_frozen=True):
             self.get_logger().error(
                 f"the camera has sent the same picture for {self._watch.same_for:.1f} s;"
@@ -399,4 +410,5 @@ class CameraNode(ProcessNode):
 
     def publish_diagnostics(self) -> None:
         """Publish status and figures on /diagnostics."""
-        self._diagnostics.publish(self.status, self._figures(), self._result_publishers())
+        publishers = self._watched_publishers.profiles
+        self._diagnostics.publish(self.status, self._figures(), publishers)

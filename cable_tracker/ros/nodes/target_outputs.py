@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PolygonStamped, PoseWithCovarianceStamped, Vector3Stamped
-from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
-from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+from sensor_msgs.msg import JointState, PointCloud2
 from visualization_msgs.msg import MarkerArray
 
 from cable_tracker.arrays import FloatArray
@@ -24,13 +23,11 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_report
 from cable_tracker.sequences.messages.headers import make_header, stamp_of
-from cable_tracker.sequences.messages.images import make_compressed_image, make_image
 from cable_tracker.sequences.messages.target import (
     make_bearing,
     make_polygon,
@@ -130,34 +127,19 @@ class TargetOutputs:
 
     Parameters
     ----------
-    node : Node
-        The node that publishes.
+    publishers : WatchedPublishers
+        Creates them.
     prefixes : sequence of str
         Prefixes of the topics of each target.
-    on_mismatch : callable
-        Called when a subscription is found that cannot hear us.
     """
 
-    def __init__(
-        self, node: Node, prefixes: Sequence[str], on_mismatch: Callable[[Any], None]
-    ) -> None:
+    def __init__(self, publishers: WatchedPublishers, prefixes: Sequence[str]) -> None:
         self._factory = RclpyMessages()
-        self._publishers = WatchedPublishers(node, on_mismatch)
-        self._targets = [OneTarget(self._publishers, prefix) for prefix in prefixes]
-        self._overlay = self._publishers.create(
-            Image, node_topics.RAW_OVERLAY.of_node("~"), qos.PICTURES
-        )
-        self._overlay_compressed = self._publishers.create(
-            CompressedImage, node_topics.TARGET_OVERLAY.of_node("~"), qos.PICTURES
-        )
-        self._report = self._publishers.create(
+        self._targets = [OneTarget(publishers, prefix) for prefix in prefixes]
+        self._overlay = OverlayPublisher(publishers, node_topics.TARGET_OVERLAY)
+        self._report = publishers.create(
             DiagnosticArray, node_topics.TARGET_REPORT.of_node("~"), qos.RESULTS
         )
-
-    @property
-    def publishers(self) -> dict[Publisher, Any]:
-        """All publishers, with their profiles."""
-        return self._publishers.profiles
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
         """Publish that there is no estimate for this frame; every frame gets an answer."""
@@ -197,20 +179,13 @@ class TargetOutputs:
         """Publish what people look at; `picture` is blue-green-red."""
         for target, answer in zip(self._targets, answers, strict=True):
             target.publish_pictures(header, answer)
-        raw_count = self._overlay.get_subscription_count()
-        jpeg_count = self._overlay_compressed.get_subscription_count()
-        if not raw_count and not jpeg_count:
+        if not self._overlay.is_wanted:
             return
         drawn = picture
         for line, answer in enumerate(answers):
             states = answer.particles.states if answer.particles is not None else None
             drawn = draw_target(drawn, answer.estimate, states, line=line)
-        if raw_count:
-            raw = raw_from_array(drawn, "bgr8")
-            self._overlay.publish(make_image(self._factory, raw, header))
-        if jpeg_count:
-            jpeg = make_compressed_image(self._factory, encode_jpeg(drawn), header)
-            self._overlay_compressed.publish(jpeg)
+        self._overlay.publish(header, drawn)
 
     def publish_states(
         self,

@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import PolygonStamped
-from rclpy.publisher import Publisher
 
 from cable_tracker.arrays import Image
 from cable_tracker.errors import FrameError, ParameterError
@@ -63,7 +62,7 @@ class TargetTrackerNode(CameraNode):
         self._mark_topics: list[str] = []
         self._declare_parameters()
         self._restart()
-        self._outputs = TargetOutputs(self, self._prefixes, self._mismatches.on_event)
+        self._outputs: TargetOutputs = TargetOutputs(self._watched_publishers, self._prefixes)
         self.begin()
 
     @property
@@ -85,7 +84,7 @@ class TargetTrackerNode(CameraNode):
         self._filter_parameters = values.replaced(given)
         self._begins = self._read_start(str(runtime["initial_target"]))
         self._group = TargetGroup(count, self._with_detector())
-        self._metric = TargetInputs(self, count)
+        self._metric: TargetInputs = TargetInputs(self, count)
         self._apply_runtime_values(runtime)
         specs = {spec.name: spec for spec in TARGET_RUNTIME_PARAMETERS} | FILTER_SPECS
         node_parameters.watch(self, specs, self._validate_parameters, self._apply_parameters)
@@ -161,15 +160,6 @@ class TargetTrackerNode(CameraNode):
         marks = dict.fromkeys(self._mark_topics, InputProfile(qos.RESULTS))
         return super()._input_profiles() | marks
 
-    def _result_publishers(self) -> dict[Publisher, Any]:
-        return self._outputs.publishers
-
-    def _instrument_wait(self) -> float:
-        return self._metric.wait
-
-    def _has_all_of(self, stamp: int) -> bool:
-        return self._metric.has_all_of(stamp)
-
     def _decode(self, image: AnyImage) -> Image:
         """Return the picture in colour, shape (H, W, 3)."""
         return decode_bgr(image)
@@ -219,9 +209,6 @@ class TargetTrackerNode(CameraNode):
         if event:
             self._statistics.last_event = event
             self.get_logger().warning(event)
-
-    def _answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
-        self._outputs.answer_without_estimate(header, status, reason)
 
     def _restart(self) -> None:
         super()._restart()

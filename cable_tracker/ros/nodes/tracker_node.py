@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from rclpy.publisher import Publisher
 
 from cable_tracker.arrays import Image
 from cable_tracker.cable.measure.response_table import load_table
@@ -31,10 +30,7 @@ from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.diagnostics import estimate_values
 from cable_tracker.ros.health.qos_mismatch import InputProfile
 from cable_tracker.ros.health.warm_up import WarmUp
-from cable_tracker.ros.health.watched_endpoints import (
-    WatchedPublishers,
-    create_watched_subscription,
-)
+from cable_tracker.ros.health.watched_endpoints import create_watched_subscription
 from cable_tracker.ros.nodes.camera_node import CameraNode, FrameResult
 from cable_tracker.ros.nodes.code_variants import few_particles, variant_of
 from cable_tracker.ros.nodes.frame_tracker import FrameTracker
@@ -63,14 +59,13 @@ class TrackerNode(CameraNode):
 
     def __init__(self, **node_arguments: Any) -> None:  # noqa: ANN401
         super().__init__("tracker", **node_arguments)
-        self._watched_publishers = WatchedPublishers(self, self._mismatches.on_event)
-        self._metric = MetricInputs(self, self._factory, self._watched_publishers)
+        self._metric: MetricInputs = MetricInputs(self, self._factory, self._watched_publishers)
         self._estimate: CableEstimate | None = None
         self._prior_while_disabled: GivenState | None = None
         self._prior_topic = ""
         self._declare_parameters()
         self._restart()
-        self._outputs = TrackerOutputs(self._watched_publishers)
+        self._outputs: TrackerOutputs = TrackerOutputs(self._watched_publishers)
         self.begin()
 
     @property
@@ -155,15 +150,6 @@ class TrackerNode(CameraNode):
             profiles[self._prior_topic] = InputProfile(qos.RESULTS)
         return profiles
 
-    def _result_publishers(self) -> dict[Publisher, Any]:
-        return self._watched_publishers.profiles
-
-    def _instrument_wait(self) -> float:
-        return self._metric.wait
-
-    def _has_all_of(self, stamp: int) -> bool:
-        return self._metric.has_all_of(stamp)
-
     def _use(self, header: Message, stamp: int, picture: Image, arrival: float) -> FrameResult:
         begin = time.perf_counter()
         seen = self._search.look(picture)
@@ -182,9 +168,6 @@ class TrackerNode(CameraNode):
         metres = report_metres(self._metric.result)
         self._outputs.publish_state(header, estimate, milliseconds, metres)
         return FrameResult(estimate.status.value, estimate.event)
-
-    def _answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
-        self._outputs.answer_without_estimate(header, status, reason)
 
     def _restart(self) -> None:
         super()._restart()

@@ -6,10 +6,9 @@ from collections.abc import Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from sensor_msgs.msg import CompressedImage, Image, JointState, PointCloud2
+from sensor_msgs.msg import JointState, PointCloud2
 from visualization_msgs.msg import MarkerArray
 
-from cable_tracker.arrays import FloatArray
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
@@ -17,15 +16,13 @@ from cable_tracker.particle_filter.particles import Particles
 from cable_tracker.ros import qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.ros.nodes.overlay_publisher import OverlayPublisher
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.jpeg import encode_jpeg
 from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
 from cable_tracker.sequences.messages.cable_markers import make_markers
 from cable_tracker.sequences.messages.cable_particles import cloud_of, make_particles
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import make_report
-from cable_tracker.sequences.messages.images import make_compressed_image, make_image
 from cable_tracker.visualisation.overlay import draw_overlay
 
 
@@ -52,10 +49,7 @@ class TrackerOutputs:
         )
         self._particles = create(PointCloud2, node_topics.PARTICLES.name, qos.PICTURES)
         self._markers = create(MarkerArray, node_topics.MARKERS.name, qos.PICTURES)
-        self._overlay = create(Image, node_topics.RAW_OVERLAY.of_node("~"), qos.PICTURES)
-        self._overlay_compressed = create(
-            CompressedImage, node_topics.OVERLAY.of_node("~"), qos.PICTURES
-        )
+        self._overlay = OverlayPublisher(publishers, node_topics.OVERLAY)
         self._report = create(DiagnosticArray, node_topics.FRAME_REPORT.of_node("~"), qos.RESULTS)
 
     def answer_without_estimate(self, header: Message, status: str, reason: str) -> None:
@@ -82,11 +76,17 @@ class TrackerOutputs:
             self._markers.publish(
                 make_markers(self._factory, header, claimed_state(estimate), estimate.image_size)
             )
-        if (
-            self._overlay.get_subscription_count()
-            or self._overlay_compressed.get_subscription_count()
-        ):
-            self._publish_overlay(header, estimate, particles, grey)
+        if self._overlay.is_wanted:
+            picture = draw_overlay(
+                grey,
+                state=claimed_state(estimate),
+                status=estimate.status.value,
+                sigma=estimate.standard_deviations()[:4],
+                cloud=cloud_of(particles) if particles is not None else None,
+                hypotheses=estimate.hypotheses,
+                presence=estimate.presence,
+            )
+            self._overlay.publish(header, picture)
 
     def publish_state(
         self,
@@ -105,23 +105,3 @@ class TrackerOutputs:
             self._report.publish(make_report(self._factory, header, estimate.status.value, values))
         sigma = estimate.standard_deviations()[:4]
         self._state.publish(make_state(self._factory, header, claimed_state(estimate), sigma))
-
-    def _publish_overlay(
-        self, header: Message, estimate: CableEstimate, particles: Particles | None, grey: Picture
-    ) -> None:
-        sigma: FloatArray = estimate.standard_deviations()[:4]
-        picture = draw_overlay(
-            grey,
-            state=claimed_state(estimate),
-            status=estimate.status.value,
-            sigma=sigma,
-            cloud=cloud_of(particles) if particles is not None else None,
-            hypotheses=estimate.hypotheses,
-            presence=estimate.presence,
-        )
-        if self._overlay.get_subscription_count():
-            raw = raw_from_array(picture, "bgr8")
-            self._overlay.publish(make_image(self._factory, raw, header))
-        if self._overlay_compressed.get_subscription_count():
-            jpeg = make_compressed_image(self._factory, encode_jpeg(picture), header)
-            self._overlay_compressed.publish(jpeg)

@@ -10,16 +10,13 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.context import Context
-from rclpy.node import Node
 from sensor_msgs.msg import CompressedImage, JointState
 
 from cable_tracker.errors import RosError
 from cable_tracker.evaluation.targets.chase_table import ChaseRow
-from cable_tracker.ros import qos
 from cable_tracker.ros.messages.announced_topics import target_topics
-from cable_tracker.ros.rigs.released_commands import ReleasedCommands
+from cable_tracker.ros.rigs.run_recorder import RunRecorder
 from cable_tracker.ros.rigs.silence import QuietWatch, SilenceWatch
-from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_bgr
 from cable_tracker.sequences.messages.headers import stamp_of
@@ -28,7 +25,7 @@ from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.visualisation.video import VideoWriter
 
 
-class ChaseRecorder(Node):  # type: ignore[misc]
+class ChaseRecorder(RunRecorder):
     """Keeps what is true and what is told of every frame.
 
     Parameters
@@ -40,15 +37,12 @@ class ChaseRecorder(Node):  # type: ignore[misc]
     """
 
     def __init__(self, context: Context, namespace: str) -> None:
-        super().__init__("chase_recorder", context=context, namespace=namespace)
+        super().__init__("chase_recorder", context, namespace)
         self.truths: dict[int, Any] = {}
         self.states: dict[int, Any] = {}
         self.places: dict[int, Any] = {}
         self.reports: dict[int, Any] = {}
-        self.heard = 0
         self.overlays: list[Any] = []
-        self._told = ToldReadiness()
-        self._commands = ReleasedCommands(self)
         self._open: list[int] = []
         self._recorded = 0
         pose = PoseWithCovarianceStamped
@@ -58,30 +52,10 @@ class ChaseRecorder(Node):  # type: ignore[misc]
             (pose, node_topics.RELATIVE_POSE, self.places),
             (DiagnosticArray, node_topics.TARGET_REPORT, self.reports),
         ):
-            self.create_subscription(kind, topic.name, self._keep(kept), qos.EVERYTHING)
-
-        def keep_overlay(message: Any) -> None:  # noqa: ANN401
-            self.heard += 1
-            self.overlays.append(message)
-
-        overlay = node_topics.TARGET_OVERLAY.name
-        self.create_subscription(CompressedImage, overlay, keep_overlay, qos.EVERYTHING)
-        self.create_subscription(
-            DiagnosticArray, node_topics.DIAGNOSTICS.name, self._on_diagnostics, qos.EVERYTHING
+            self._record(kind, topic, kept.__setitem__)
+        self._record(
+            CompressedImage, node_topics.TARGET_OVERLAY, lambda _, each: self.overlays.append(each)
         )
-
-    def _keep(self, kept: dict[int, Any]) -> Callable[[Any], None]:
-        # A plain function: rclpy wants to see a callback's signature.
-        def keep(message: Any) -> None:  # noqa: ANN401
-            self.heard += 1
-            kept[stamp_of(message.header)] = message
-
-        return keep
-
-    def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
-        for status in message.status:
-            if not is_guidance(status):
-                self._told.hear(status)
 
     def is_ready(self) -> bool:
         """Tell whether the tracker is warm, and knows both the follower and us."""

@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from rclpy.context import Context
-from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
 from cable_tracker.arrays import Image as Picture
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.closed_loop.loop_table import LoopRow
-from cable_tracker.ros import qos
-from cable_tracker.ros.rigs.released_commands import ReleasedCommands
-from cable_tracker.ros.rigs.told_readiness import ToldReadiness, is_guidance
+from cable_tracker.ros.rigs.run_recorder import RunRecorder
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.messages.frame_report import report_status
-from cable_tracker.sequences.messages.headers import stamp_of
 from cable_tracker.sequences.messages.images import read_image
 from cable_tracker.sequences.messages.poses import Y, yaw_of
 from cable_tracker.stamps import NANOSECONDS
@@ -97,7 +92,7 @@ class _Modes:
         return self.changes[max(known)] if known else "WAITING"
 
 
-class LoopRecorder(Node):  # type: ignore[misc]
+class LoopRecorder(RunRecorder):
     """Subscribes to all that a closed loop publishes.
 
     Parameters
@@ -111,16 +106,13 @@ class LoopRecorder(Node):  # type: ignore[misc]
     """
 
     def __init__(self, context: Context, namespace: str, *, with_images: bool = True) -> None:
-        super().__init__("loop_recorder", context=context, namespace=namespace)
+        super().__init__("loop_recorder", context, namespace)
         self._frames: dict[int, _Frame] = {}
         self._undrawn: dict[int, _Frame] = {}
         self._modes = _Modes()
         self._with_images = with_images
-        self._told = ToldReadiness()
         self._drawn = -1
         self._taken = 0
-        self.heard = 0
-        self._commands = ReleasedCommands(self)
         for kind, topic, name in (
             *([(Image, node_topics.IMAGE, "image")] if with_images else []),
             (JointState, node_topics.STATE, "state"),
@@ -129,28 +121,15 @@ class LoopRecorder(Node):  # type: ignore[misc]
             (PoseWithCovarianceStamped, node_topics.TRUE_CROSS_TRACK, "truth"),
             (PoseWithCovarianceStamped, node_topics.CROSS_TRACK, "cable"),
         ):
-            self.create_subscription(kind, topic.name, self._keep(name), qos.EVERYTHING)
-        self.create_subscription(
-            DiagnosticArray, node_topics.DIAGNOSTICS.name, self._on_diagnostics, qos.EVERYTHING
-        )
+            self._record(kind, topic, partial(self._keep, name))
 
-    def _keep(self, name: str) -> Callable[[Any], None]:
-        # A plain function: rclpy wants to see a callback's signature.
-        def keep(message: Any) -> None:  # noqa: ANN401
-            stamp = stamp_of(message.header)
-            self.heard += 1
-            if stamp not in self._frames:
-                self._frames[stamp] = self._undrawn[stamp] = _Frame()
-            setattr(self._frames[stamp], name, message)
+    def _keep(self, name: str, stamp: int, message: Message) -> None:
+        if stamp not in self._frames:
+            self._frames[stamp] = self._undrawn[stamp] = _Frame()
+        setattr(self._frames[stamp], name, message)
 
-        return keep
-
-    def _on_diagnostics(self, message: Any) -> None:  # noqa: ANN401
-        for status in message.status:
-            if is_guidance(status):
-                self._modes.changes[stamp_of(message.header)] = str(status.message)
-            else:
-                self._told.hear(status)
+    def _note_mode(self, stamp: int, mode: str) -> None:
+        self._modes.changes[stamp] = mode
 
     def is_connected(self) -> bool:
         """Tell whether the tracker knows both the controller and us; it says so in diagnostics."""

@@ -85,7 +85,7 @@ def _lockstep(rig: SoakRig) -> None:
     for _ in range(LOCKSTEP_FRAMES):
         if rig.rng.random() < rig.settings.fault_share:
             fault = draw_fault(rig.rng, rig.changes.keys() | ACTIONS.keys())
-            rig.record.faults[fault.value] += 1
+            rig.record.inject(fault.value)
             inject(rig, fault)
             if rig.good_frame():
                 rig.record.recoveries[fault.value] += 1
@@ -107,5 +107,5 @@ def _full_rate(rig: SoakRig) -> None:
         rig.camera.pass_time(FULL_RATE_PAUSE)
     recovered = rig.settle()
     for fault in faults:
-        rig.record.faults[fault.value] += 1
+        rig.record.inject(fault.value)
         rig.record.recoveries[fault.value] += recovered

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +38,8 @@ class MemorySample:
         Number of the process, from 0; each restart is a new one.
     private, shared : float
         Resident memory of its own, and of the middleware's shared ring buffers [MB].
+    faults : str
+        Faults since the sample before, separated by semicolons: what a step came with.
     """
 
     minutes: float
@@ -46,6 +47,7 @@ class MemorySample:
     process: int
     private: float
     shared: float
+    faults: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +116,17 @@ class SoakRecord:
     breaches: list[str] = field(default_factory=list)
     memory: list[MemorySample] = field(default_factory=list)
     latencies: list[tuple[float, float]] = field(default_factory=list)
+    _recent: list[str] = field(default_factory=list)
+
+    def inject(self, fault: str) -> None:
+        """Count a fault."""
+        self.faults[fault] += 1
+        self._recent.append(fault)
+
+    def look_at_memory(self, sample: MemorySample) -> None:
+        """Keep a sample, with the faults since the one before."""
+        self.memory.append(replace(sample, faults="; ".join(self._recent)))
+        self._recent.clear()
 
     def broken(self, promise: str) -> None:
         """Note a broken promise."""
@@ -165,16 +178,15 @@ class SoakRecord:
             "messages_checked": dict(sorted(self.messages.items())),
             "broken_promises": self.breaches,
             "memory_growth_mb": round(self.growth(), 3),
-            "latency": [
-                _rounded(window, LatencyWindow.__slots__) for window in self.latency_windows()
-            ],
-            "memory": [_rounded(sample, MemorySample.__slots__) for sample in self.memory],
+            "latency": [_rounded(window) for window in self.latency_windows()],
+            "memory": [_rounded(sample) for sample in self.memory],
         }
         return json.dumps(content, indent=1, allow_nan=False) + "\n"
 
 
-def _rounded(record: object, names: Sequence[str]) -> dict[str, float]:
-    return {name: round(float(getattr(record, name)), 3) for name in names}
+def _rounded(record: LatencyWindow | MemorySample) -> dict[str, float | str]:
+    values = asdict(record).items()
+    return {key: round(value, 3) if isinstance(value, float) else value for key, value in values}
 
 
 def _window(minutes: float, latencies: FloatArray) -> LatencyWindow:

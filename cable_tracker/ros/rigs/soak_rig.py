@@ -295,4 +295,4 @@ class SoakRig:
         private, shared = read_memory(self.tracker.pid)
         frames = self.camera.answers - self._answers_before
         sample = MemorySample(self.minutes(), frames, self._processes, private, shared)
-        self.record.memory.append(sample)
+        self.record.look_at_memory(sample)

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, Image
+from cable_tracker.sequences.encoded_pictures import after_jpeg
 from cable_tracker.simulation.worlds.world import Disturbance, Optics
 
 BAR_SHARES = (0.03, 0.16)
@@ -195,5 +196,4 @@ class LossyCodec:
 
     def _coded(self, picture: Image) -> Image:
         assert self._quality is not None
-        _, data = cv2.imencode(".jpg", picture, (cv2.IMWRITE_JPEG_QUALITY, self._quality))
-        return np.asarray(cv2.imdecode(data, cv2.IMREAD_GRAYSCALE))
+        return after_jpeg(picture, self._quality)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from pyogrio.errors import DataLayerError, DataSourceError
 
 from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import one_line
+from cable_tracker.sequences.csv_tables import write_csv
 from cable_tracker.sequences.estimates import format_stamp
 from cable_tracker.survey.events import Event
 from cable_tracker.survey.interpolation import interpolated
@@ -153,10 +153,7 @@ def event_rows(survey: SurveyMap) -> list[list[object]]:
 
 def write_events(path: Path, survey: SurveyMap) -> None:
     """Write `events.csv`."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(EVENT_COLUMNS)
-        writer.writerows(event_rows(survey))
+    write_csv(path, EVENT_COLUMNS, event_rows(survey))
 
 
 def write_geojson(path: Path, survey: SurveyMap) -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,8 +9,8 @@ import pytest
 from cable_tracker.cable.model.estimate import CableEstimate, TrackingStatus
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.evaluation.experiments.simulated_vehicle import (
+    EXPERIMENT_ERRORS,
     LOOK_AHEAD,
-    InstrumentNoise,
     flight_at,
     simulated_vehicle,
     twists_at,
@@ -18,12 +19,13 @@ from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.homography import homography, move_states
 from cable_tracker.metric.instruments import Instruments
 from cable_tracker.metric.motion import Odometry, PoseChange
+from cable_tracker.simulation.instruments import InstrumentErrors
 from cable_tracker.simulation.scenario import scenario_dive, scenario_states
 from cable_tracker.stamps import FIRST_STAMP
 
 pytestmark = pytest.mark.slow
 
-EXACT = InstrumentNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+EXACT = InstrumentErrors(*[0.0] * 8)
 FRAME = 40_000_000
 SCENARIOS = ("S1", "S3", "S6")
 
@@ -85,17 +87,16 @@ def test_twists_are_the_derivatives_of_poses():
 
 
 def test_the_instruments_of_a_seed_err_alike_each_time_and_otherwise_for_another():
-    noise = InstrumentNoise()
-    one, again, other = (simulated_vehicle("S6", seed, noise) for seed in (1, 1, 2))
+    one, again, other = (simulated_vehicle("S6", seed, EXPERIMENT_ERRORS) for seed in (1, 1, 2))
     np.testing.assert_array_equal(one.twists, again.twists)
     assert not np.array_equal(one.twists, other.twists)
     assert isinstance(one.instruments, Instruments)
 
 
 def test_the_stated_covariance_is_that_of_the_errors():
-    noise = InstrumentNoise(scale=0.0)
+    unscaled = replace(EXPERIMENT_ERRORS, velocity_scale=0.0)
     exact = simulated_vehicle("S6", 3, EXACT).twists
-    errors = np.concatenate([simulated_vehicle("S6", 3, noise).twists - exact])
-    stated = np.sqrt(np.diag(simulated_vehicle("S6", 3, noise).covariance))
+    errors = np.concatenate([simulated_vehicle("S6", 3, unscaled).twists - exact])
+    stated = np.sqrt(np.diag(simulated_vehicle("S6", 3, unscaled).covariance))
     spread = np.sqrt((errors**2).mean(axis=0))
     assert (spread < 2.0 * stated).all() and (spread > 0.5 * stated).all()

@@ -15,7 +15,7 @@ from cable_tracker.cable.model.initial_state_text import parse_initial_state
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.offline.track_recording import start_from
-from cable_tracker.ros.nodes import tracker_outputs
+from cable_tracker.ros.nodes import overlay_publisher, tracker_outputs
 from cable_tracker.sequences.messages.cable import read_state
 from cable_tracker.sequences.messages.cable_particles import read_particles
 from cable_tracker.sequences.messages.poses import UNKNOWN_VARIANCE
@@ -362,11 +362,15 @@ class TestTopics:
         image_message: Callable[..., Any],
     ) -> None:
         node = world.tracker()
-        builders = ["draw_overlay", "make_particles", "make_markers", "encode_jpeg"]
+        builders = {
+            "draw_overlay": tracker_outputs,
+            "make_particles": tracker_outputs,
+            "make_markers": tracker_outputs,
+            "encode_jpeg": overlay_publisher,
+        }
         built: list[str] = []
-        for name in builders:
-            function = getattr(tracker_outputs, name)
-            monkeypatch.setattr(tracker_outputs, name, spy(function, name, built))
+        for name, module in builders.items():
+            monkeypatch.setattr(module, name, spy(getattr(module, name), name, built))
         world.show(node, image_message())
         assert built == []
         topics = [(CompressedImage, "tracker/overlay/compressed"), (PointCloud2, "particles")]

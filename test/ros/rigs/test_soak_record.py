@@ -81,6 +81,16 @@ def test_the_json_holds_everything():
     assert [sample["private"] for sample in content["memory"]] == [100.0] * 3
 
 
+def test_a_sample_of_memory_names_the_faults_since_the_one_before():
+    record = SoakRecord()
+    record.inject("overload")
+    record.inject("no pixels")
+    for _ in range(2):
+        record.look_at_memory(MemorySample(0.1, 1, 1, 100.0, 1.0))
+    assert [sample.faults for sample in record.memory] == ["overload; no pixels", ""]
+    assert record.faults == {"overload": 1, "no pixels": 1}
+
+
 def test_breaches_do_not_fill_the_memory():
     record = SoakRecord()
     for _ in range(2 * MOST_BREACHES):

@@ -4,7 +4,7 @@ import io
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cable_tracker.sequences.csv_text import csv_text
+from cable_tracker.sequences.csv_tables import csv_text, write_csv
 
 CELLS = st.text(st.characters(exclude_characters="\r\0", exclude_categories=("Cs",)))
 
@@ -17,3 +17,9 @@ def test_any_cells_are_read_back(rows):
 
 def test_lines_end_with_a_line_feed_and_cells_with_commas_are_quoted():
     assert csv_text(("a", "b"), [(1, "x,y"), ("", 2.5)]) == 'a,b\n1,"x,y"\n,2.5\n'
+
+
+def test_a_file_holds_the_text_of_the_table(tmp_path):
+    path, rows = tmp_path / "table.csv", [(1, "x,y"), ("", "\u00e9")]
+    write_csv(path, ("a", "b"), iter(rows))
+    assert path.read_bytes() == csv_text(("a", "b"), rows).encode()

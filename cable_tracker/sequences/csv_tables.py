@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable
+from pathlib import Path
+from typing import TextIO
 
 
 def csv_text(headings: Iterable[object], rows: Iterable[Iterable[object]]) -> str:
@@ -14,7 +16,17 @@ def csv_text(headings: Iterable[object], rows: Iterable[Iterable[object]]) -> st
     marks or line feeds are quoted.
     """
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
+    _write(text, headings, rows)
+    return text.getvalue()
+
+
+def write_csv(path: Path, headings: Iterable[object], rows: Iterable[Iterable[object]]) -> None:
+    """Write a table into a file, row by row; see `csv_text`."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        _write(file, headings, rows)
+
+
+def _write(file: TextIO, headings: Iterable[object], rows: Iterable[Iterable[object]]) -> None:
+    writer = csv.writer(file, lineterminator="\n")
     writer.writerow(headings)
     writer.writerows(rows)
-    return text.getvalue()

@@ -5,11 +5,15 @@ import numpy as np
 import pytest
 
 from cable_tracker.errors import FrameError
-from cable_tracker.sequences.jpeg import encode_jpeg
+from cable_tracker.sequences.encoded_pictures import after_jpeg, encode_jpeg, jpeg_bytes, png_bytes
 
 
 def decoded(compressed) -> np.ndarray:
-    return cv2.imdecode(np.frombuffer(compressed.data, np.uint8), cv2.IMREAD_UNCHANGED)
+    return picture_of(compressed.data)
+
+
+def picture_of(data) -> np.ndarray:
+    return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
 
 
 @pytest.fixture
@@ -43,3 +47,20 @@ def test_what_cannot_be_encoded_is_refused_in_one_line(shape):
     with pytest.raises(FrameError, match="cannot be encoded as JPEG") as caught:
         encode_jpeg(np.zeros(shape, np.uint8))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("shape", [(5, 7), (5, 7, 3)])
+def test_a_png_keeps_every_pixel(shape):
+    picture = np.random.default_rng(0).integers(0, 256, shape).astype(np.uint8)
+    assert np.array_equal(picture_of(png_bytes(picture)), picture)
+
+
+def test_a_png_of_nothing_is_refused():
+    with pytest.raises(FrameError, match="cannot be encoded as PNG"):
+        png_bytes(np.zeros((0, 0), np.uint8))
+
+
+def test_what_jpeg_leaves_is_what_its_bytes_hold():
+    noise = np.random.default_rng(0).integers(0, 256, (64, 64)).astype(np.uint8)
+    assert np.array_equal(after_jpeg(noise, 30), picture_of(jpeg_bytes(noise, 30)))
+    assert not np.array_equal(after_jpeg(noise, 30), noise)

@@ -1,0 +1,47 @@
+"""The picture that people look at, raw and as JPEG, for those who subscribe."""
+
+from __future__ import annotations
+
+from sensor_msgs.msg import CompressedImage, Image
+
+from cable_tracker.arrays import Image as Picture
+from cable_tracker.ros import qos
+from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
+from cable_tracker.ros.messages.rclpy_messages import RclpyMessages
+from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.encoded_pictures import encode_jpeg
+from cable_tracker.sequences.encodings import raw_from_array
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.images import make_compressed_image, make_image
+from cable_tracker.sequences.node_topics import NodeTopic
+
+
+class OverlayPublisher:
+    """Publishes a node's overlay.
+
+    Parameters
+    ----------
+    publishers : WatchedPublishers
+        Creates the publishers.
+    compressed : NodeTopic
+        Topic of the JPEG.
+    """
+
+    def __init__(self, publishers: WatchedPublishers, compressed: NodeTopic) -> None:
+        self._factory = RclpyMessages()
+        self._raw = publishers.create(Image, node_topics.RAW_OVERLAY.of_node("~"), qos.PICTURES)
+        self._compressed = publishers.create(CompressedImage, compressed.of_node("~"), qos.PICTURES)
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether a node listens to either topic."""
+        return bool(self._raw.get_subscription_count() or self._compressed.get_subscription_count())
+
+    def publish(self, header: Message, picture: Picture) -> None:
+        """Publish a picture, blue-green-red, shape (H, W, 3), as it is subscribed to."""
+        if self._raw.get_subscription_count():
+            raw = raw_from_array(picture, "bgr8")
+            self._raw.publish(make_image(self._factory, raw, header))
+        if self._compressed.get_subscription_count():
+            jpeg = make_compressed_image(self._factory, encode_jpeg(picture), header)
+            self._compressed.publish(jpeg)
