@@ -126,6 +126,17 @@ class CameraModel:
     coefficients: tuple[float, ...] = ()
 
     @property
+    def is_bent(self) -> bool:
+        """Whether straight lines are seen bent.
+
+        A fisheye whose coefficients are all zero bends them: radii in its pictures are in
+        proportion to the angle from the axis. One without coefficients is a pinhole.
+        """
+        if self.model is DistortionModel.EQUIDISTANT:
+            return bool(self.coefficients)
+        return any(self.coefficients)
+
+    @property
     def matrix(self) -> FloatArray:
         """The camera matrix, shape (3, 3) [px]."""
         (fx, fy), (cx, cy) = self.focal, self.centre
@@ -158,14 +169,14 @@ class CameraModel:
         """
         pixels = image_to_pixel(points, self.image_size).reshape(-1, 2)
         plane = (pixels - self.centre) / self.focal
-        if not any(self.coefficients):
+        if not self.is_bent:
             directions = np.column_stack((plane, np.ones(len(plane))))
         elif self.model is DistortionModel.EQUIDISTANT:
             directions = _fisheye_directions(plane, self.coefficients)
         else:
             directions = self._straightened(pixels)
         rays = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
-        if any(self.coefficients):
+        if self.is_bent:
             offsets = np.abs(self._pixels(rays) - pixels).max(axis=-1)
             # Written so that NaN counts as not found.
             rays[~(offsets <= LARGEST_RESIDUAL)] = np.nan
@@ -193,11 +204,11 @@ class CameraModel:
 
     def _pixels(self, directions: FloatArray) -> FloatArray:
         """Return column and row where directions (N, 3) are seen, shape (N, 2)."""
-        if self.model is DistortionModel.EQUIDISTANT and any(self.coefficients):
+        if self.model is DistortionModel.EQUIDISTANT and self.is_bent:
             plane = _fisheye_plane(directions, self.coefficients)
             return np.asarray(plane * self.focal + self.centre)
         ahead = np.where(directions[:, 2:] > 0.0, directions, [0.0, 0.0, 1.0])
-        lens = self._lens() if any(self.coefficients) else np.zeros(5)
+        lens = self._lens() if self.is_bent else np.zeros(5)
         with refusals_as(MetricError, "no pixels can be computed with this calibration"):
             pixels, _ = cv2.projectPoints(
                 ahead.reshape(-1, 1, 3), np.zeros(3), np.zeros(3), self.matrix, lens

@@ -35,6 +35,10 @@ LONGEST_GAP = 5.0
 """Time without a frame after which the belief about the range begins anew [s]."""
 
 
+PIXEL_SIDES = np.array([[0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]])
+"""Middles of a pixel's sides: right, left, upper, lower [px]."""
+
+
 @dataclass(frozen=True, slots=True)
 class TargetSettings:
     """Settings that are known beforehand.
@@ -142,14 +146,22 @@ def line_of_sight(estimate: TargetEstimate, camera: CameraModel) -> FloatArray |
     return ray
 
 
+def solid_angle_of_pixel(camera: CameraModel, point: FloatArray) -> float:
+    """Return the solid angle that a pixel covers about a point (2,) of the image frame [sr].
+
+    0 where the lens of the calibration does not reach a pixel's sides.
+    """
+    right, left, up, down = camera.rays(point + PIXEL_SIDES)
+    solid_angle = float(np.linalg.norm(np.cross(right - left, up - down)))
+    return solid_angle if math.isfinite(solid_angle) else 0.0
+
+
 def sighting_of(
     estimate: TargetEstimate, camera: CameraModel, ray: FloatArray, mounting: Mounting
 ) -> TargetSighting:
     """Return what a frame says of bearing, elevation and size, in the axes of base_link."""
     ahead, left, up = mounting.rotation @ ray
-    # Away from the axis a solid angle fills more of the picture, by the cube of the cosine.
-    slant = max(float(ray[2]), 0.0)
-    angular_size = math.sqrt(estimate.area * slant**3 / (camera.focal[0] * camera.focal[1]))
+    angular_size = math.sqrt(estimate.area * solid_angle_of_pixel(camera, estimate.state[:2]))
     return TargetSighting(
         math.atan2(left, ahead), math.atan2(up, math.hypot(ahead, left)), angular_size,
         estimate.is_whole,

@@ -59,7 +59,7 @@ def test_without_a_lens_the_image_matrix_projects(camera_of):
 
 def test_a_fisheye_sees_beside_and_behind(camera_of):
     wide = dataclasses.replace(
-        PLAIN, model="equidistant", focal=(80.0, 80.0), coefficients=(1e-6, 0.0, 0.0, 0.0)
+        PLAIN, model="equidistant", focal=(80.0, 80.0), coefficients=(0.0, 0.0, 0.0, 0.0)
     )
     camera = camera_of(wide)
     aside = camera.rays(np.array([150.0, -2.5]))

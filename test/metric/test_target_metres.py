@@ -11,6 +11,7 @@ from cable_tracker.metric.target_metres import (
     TargetRange,
     TargetSettings,
     VehicleMotion,
+    solid_angle_of_pixel,
     turn_of_picture,
 )
 from cable_tracker.metric.withheld import Reason, Withheld
@@ -172,3 +173,31 @@ class TestVehicleMotion:
             unknown = motion.between(late, late + STEP)
             assert isinstance(unknown, NoMotion)
             assert unknown.why.startswith(f"the last {instrument} is more than")
+
+
+ZEROS = (0.0, 0.0, 0.0, 0.0)
+
+
+class TestTheSolidAngleOfAPixel:
+    def test_a_pinhole_sees_less_in_a_pixel_the_farther_from_its_axis(self):
+        camera = camera_for(
+            Calibration((640, 480), "plumb_bob", (200.0, 200.0), (319.5, 239.5)), (640, 480)
+        )
+        for x in (0.0, 100.0, 200.0):
+            cosine = math.cos(math.atan(x / 200.0))
+            seen = solid_angle_of_pixel(camera, np.array([x, 0.0]))
+            assert seen == pytest.approx(cosine**3 / 200.0**2, rel=1e-4)
+
+    def test_a_fisheye_sees_more_than_a_pinhole(self):
+        fisheye = Calibration((640, 480), "equidistant", (200.0, 200.0), (319.5, 239.5), ZEROS)
+        camera = camera_for(fisheye, (640, 480))
+        for x in (50.0, 100.0, 157.0):
+            angle = x / 200.0
+            seen = solid_angle_of_pixel(camera, np.array([0.0, x]))
+            assert seen == pytest.approx(math.sin(angle) / angle / 200.0**2, rel=1e-4)
+
+    def test_beyond_the_reach_of_the_lens_there_is_none(self):
+        folding = Calibration(
+            (640, 480), "plumb_bob", (200.0, 200.0), (319.5, 239.5), (-1.2, 0.0, 0.0, 0.0)
+        )
+        assert solid_angle_of_pixel(camera_for(folding, (640, 480)), np.array([310.0, 0.0])) == 0.0
