@@ -172,10 +172,17 @@ TARGET_OWN_START_PARAMETERS = (
 TARGET_START_PARAMETERS = (*TARGET_OWN_START_PARAMETERS, *CAMERA_START_PARAMETERS)
 """Read at start only."""
 
-MOUNTING_NAMES = ("camera_x", "camera_y", "camera_z", "camera_roll", "camera_yaw")
+MOUNTING_PARAMETERS = (
+    "camera_x", "camera_y", "camera_z", "camera_roll", "camera_pitch", "camera_yaw",
+)  # fmt: skip
+"""Parameters that say where the camera is in base_link, and how it is turned."""
 
 TARGET_METRIC_PARAMETERS = (
-    *(spec for spec in METRIC_PARAMETERS if spec.name in MOUNTING_NAMES),
+    *(
+        spec
+        for spec in METRIC_PARAMETERS
+        if spec.name in MOUNTING_PARAMETERS and spec.name != "camera_pitch"
+    ),
     number(
         "camera_pitch",
         0.0,

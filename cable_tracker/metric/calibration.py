@@ -89,6 +89,15 @@ class Calibration:
             image_size, model, (k[0], k[4]), (k[2], k[5]), tuple(float(c) for c in coefficients)
         )
 
+    @classmethod
+    def of_projection(
+        cls, image_size: tuple[int, int], projection_matrix: Sequence[float]
+    ) -> Calibration:
+        """Make that of rectified images from a projection matrix of 12 numbers, row by row."""
+        p = projection_matrix
+        rows = (p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10])
+        return cls.of_matrices(image_size, DistortionModel.PLUMB_BOB.value, rows, ())
+
     def cut(self, corner: tuple[int, int], size: tuple[int, int]) -> Calibration:
         """Return the calibration of a region of the image, by its first pixel and size [px]."""
         centre = (self.centre[0] - corner[0], self.centre[1] - corner[1])

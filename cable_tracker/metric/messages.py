@@ -41,9 +41,7 @@ def read_camera_info(message: Message, *, is_rectified: bool) -> Calibration:
     """
     size = (int(message.width), int(message.height))
     if is_rectified:
-        p = _matrix(message, "p")
-        rows = (p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10])
-        whole = Calibration.of_matrices(size, "plumb_bob", rows, ())
+        whole = Calibration.of_projection(size, _matrix(message, "p"))
     else:
         model = str(message.distortion_model)
         whole = Calibration.of_matrices(size, model, _matrix(message, "k"), _matrix(message, "d"))

@@ -162,7 +162,8 @@ class RecordedMetres:
 
 
 VEHICLE_FILE = "vehicle.yaml"
-"""Beside the storage files of a bag it is read without being asked for."""
+"""Beside the storage files of a bag it is read without being asked for, also where one of those is
+named instead of the bag's folder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,7 +229,9 @@ def recorded_vehicle(
         The vehicle file is not acceptable.
     """
     file = VehicleFile()
-    own = recording.path / VEHICLE_FILE
+    path = recording.path
+    is_in_bag = isinstance(recording, BagSource) and path.is_file()
+    own = (path.parent if is_in_bag else path) / VEHICLE_FILE
     if vehicle_file is not None or own.is_file():
         file = read_vehicle_file(vehicle_file or own)
     if not isinstance(recording, BagSource):

@@ -14,13 +14,8 @@ from cable_tracker.metric.cross_track import MetricSettings
 from cable_tracker.metric.frames import OPTICAL_IN_BODY, Mounting
 from cable_tracker.metric.instruments import InstrumentSettings
 from cable_tracker.metric.target_metres import TargetSettings
-from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
+from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, MOUNTING_PARAMETERS
 from cable_tracker.tracking.parameter_table import ParameterSpec
-
-MOUNTING_PARAMETERS = (
-    "camera_x", "camera_y", "camera_z", "camera_roll", "camera_pitch", "camera_yaw",
-)  # fmt: skip
-"""Parameters that say where the camera is in base_link, and how it is turned."""
 
 
 def default_values(specs: Iterable[ParameterSpec] = METRIC_PARAMETERS) -> dict[str, object]:

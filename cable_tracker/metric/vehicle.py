@@ -18,7 +18,7 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.calibration import Calibration
 from cable_tracker.metric.settings import camera_parameters, default_values
-from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
+from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, MOUNTING_PARAMETERS
 from cable_tracker.sequences.instrument_source import InstrumentSource
 from cable_tracker.sequences.instruments import Instrument
 from cable_tracker.sequences.static_transforms import place_in
@@ -27,7 +27,8 @@ from cable_tracker.tracking.parameter_files import read_parameter_file
 CALIBRATION_NAMES = (
     "image_width", "image_height", "distortion_model", "camera_matrix", "distortion_coefficients",
 )  # fmt: skip
-IGNORED_NAMES = ("camera_name", "rectification_matrix", "projection_matrix")
+PROJECTION = "projection_matrix"
+IGNORED_NAMES = ("camera_name", "rectification_matrix")
 
 TURNED = math.radians(1.0)
 """An imu that is turned by more against base_link cannot be read as if it were not [rad]."""
@@ -81,7 +82,7 @@ def read_vehicle_file(path: Path) -> VehicleFile:
     """
     content = read_parameter_file(path)
     specs = {spec.name: spec for spec in METRIC_PARAMETERS}
-    known = (*specs, *CALIBRATION_NAMES, *IGNORED_NAMES)
+    known = (*specs, *CALIBRATION_NAMES, PROJECTION, *IGNORED_NAMES)
     unknown = sorted(set(content) - set(known))
     if unknown:
         raise ParameterError(
@@ -94,10 +95,14 @@ def read_vehicle_file(path: Path) -> VehicleFile:
         except ParameterError as error:
             raise ParameterError(f"{path}: {error}") from error
     given = [name for name in CALIBRATION_NAMES if name in content]
-    return VehicleFile(values, _calibration(path, content) if given else None)
+    if not given:
+        return VehicleFile(values)
+    is_rectified = bool(values.get("image_is_rectified", False))
+    return VehicleFile(values, _calibration(path, content, is_rectified=is_rectified))
 
 
-def _calibration(path: Path, content: Mapping[str, object]) -> Calibration:
+def _calibration(path: Path, content: Mapping[str, object], *, is_rectified: bool) -> Calibration:
+    """Return the calibration of the images: raw ones, or rectified ones."""
     try:
         matrix, coefficients = (
             _numbers(content[name]) for name in ("camera_matrix", "distortion_coefficients")
@@ -111,7 +116,21 @@ def _calibration(path: Path, content: Mapping[str, object]) -> Calibration:
         ) from error
     if len(matrix) != 9:
         raise ParameterError(f"{path}: camera_matrix has {len(matrix)} numbers; it needs 9")
+    if is_rectified:
+        return Calibration.of_projection(size, _projection(path, content))
     return Calibration.of_matrices(size, model, matrix, coefficients)
+
+
+def _projection(path: Path, content: Mapping[str, object]) -> list[float]:
+    try:
+        numbers = _numbers(content[PROJECTION])
+    except (KeyError, TypeError, ValueError) as error:
+        raise ParameterError(
+            f"{path}: image_is_rectified needs the {PROJECTION} of the calibration ({error})"
+        ) from error
+    if len(numbers) != 12:
+        raise ParameterError(f"{path}: {PROJECTION} has {len(numbers)} numbers; it needs 12")
+    return numbers
 
 
 def _numbers(value: object) -> list[float]:
@@ -141,9 +160,20 @@ def describe_vehicle(
     if source is not None:
         said, notes = _from_frames(source, camera_frame)
     said |= file.values
+    if source is not None and source.found.topics and not notes:
+        notes += _note_on_mounting(said)
     return VehicleDescription(
         default_values() | said, file.calibration, tuple(notes), frozenset(said)
     )
+
+
+def _note_on_mounting(said: Mapping[str, object]) -> list[str]:
+    if any(name in said for name in MOUNTING_PARAMETERS):
+        return []
+    return [
+        "the mounting of the camera is not known: it counts as looking straight down at a cable, or"
+        f" ahead at a target; say so in vehicle.yaml ({', '.join(MOUNTING_PARAMETERS)})"
+    ]
 
 
 def _from_frames(

@@ -36,6 +36,19 @@ def test_what_the_file_does_not_say_is_as_always(tmp_path):
     assert vehicle.values["camera_pitch"] == 90.0
 
 
+def test_rectified_images_are_calibrated_by_the_projection(tmp_path):
+    projection = "projection_matrix: {data: [250, 0, 160, 0, 0, 251, 120, 0, 0, 0, 1, 0]}\n"
+    text = f"image_is_rectified: true\n{CALIBRATION}{projection}"
+    calibration = read_vehicle_file(written(tmp_path, text)).calibration
+    assert (calibration.focal, calibration.centre) == ((250.0, 251.0), (160.0, 120.0))
+    assert calibration.coefficients == ()
+
+
+def test_raw_images_need_no_projection(tmp_path):
+    text = f"image_is_rectified: false\n{CALIBRATION}projection_matrix: none\n"
+    assert read_vehicle_file(written(tmp_path, text)).calibration.focal == (280.0, 281.0)
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -44,6 +57,11 @@ def test_what_the_file_does_not_say_is_as_always(tmp_path):
         ("camera_pitch: steep\n", "camera_pitch"),
         ("image_width: 320\n", "calibration is not complete"),
         (CALIBRATION.replace("0, 0, 1]", "0]"), "camera_matrix has 7 numbers"),
+        (f"image_is_rectified: true\n{CALIBRATION}", "needs the projection_matrix"),
+        (
+            f"image_is_rectified: true\n{CALIBRATION}projection_matrix: [1.0, 2.0]\n",
+            "projection_matrix has 2 numbers",
+        ),
     ],
 )
 def test_a_wrong_file_is_refused_with_the_reason(tmp_path, text, words):

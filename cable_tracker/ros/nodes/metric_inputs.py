@@ -14,9 +14,9 @@ from cable_tracker.cable.model.motion_aid import MotionAid
 from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS, CableSight
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.messages import cross_track_messages
-from cable_tracker.metric.settings import MOUNTING_PARAMETERS, default_values
+from cable_tracker.metric.settings import default_values
 from cable_tracker.metric.withheld import Reason, Withheld, newly_withheld
-from cable_tracker.node_parameter_tables import METRIC_PARAMETERS
+from cable_tracker.node_parameter_tables import METRIC_PARAMETERS, MOUNTING_PARAMETERS
 from cable_tracker.ros import node_parameters, qos
 from cable_tracker.ros.health.watched_endpoints import WatchedPublishers
 from cable_tracker.ros.inputs.instrument_inputs import InstrumentInputs
