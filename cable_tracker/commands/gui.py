@@ -33,8 +33,7 @@ from cable_tracker.commands.serving import (
     announce,
     need_gui,
 )
-from cable_tracker.commands.target import chosen_target
-from cable_tracker.commands.tuning import chosen_parameters, chosen_start
+from cable_tracker.commands.tuning import chosen_parameters, chosen_start, chosen_target
 from cable_tracker.errors import GuiError
 from cable_tracker.target.model.start_text import WAIT
 from cable_tracker.target.parameters.presets import TARGET_PRESETS

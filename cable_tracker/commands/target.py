@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import ExitStack, nullcontext
 from enum import Enum
 from pathlib import Path
@@ -38,6 +37,7 @@ from cable_tracker.commands.results import (
 )
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, messages, print_files, progress_bar
+from cable_tracker.commands.tuning import chosen_target
 from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded_target import RecordedSight, node_values
 from cable_tracker.offline.target_folder import TargetFolder
@@ -46,8 +46,7 @@ from cable_tracker.sequences.instruments import NO_TOPIC
 from cable_tracker.sequences.source import ChosenRecording
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.model.start_text import DETECT
-from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.parameters.presets import TARGET_PRESETS, target_preset
+from cable_tracker.target.parameters.presets import TARGET_PRESETS
 from cable_tracker.target.tracker import TargetTracker
 from cable_tracker.tracking.parameter_files import read_parameter_file
 
@@ -151,21 +150,6 @@ def _chosen_start(init: str) -> TargetStart | None:
         return parse_start(init)
     except ParameterError as error:
         raise ParameterError(f"init: {error}") from error
-
-
-def chosen_target(
-    preset_name: str | None, values: Mapping[str, object], seed: int | None
-) -> TargetParameters:
-    """Return the parameters that options and the values of a file ask for.
-
-    Raises
-    ------
-    ParameterError
-        There is no such preset, or a value is not acceptable.
-    """
-    base = target_preset(preset_name or str(values.get("preset", "default")))
-    parameters = base.replaced({name: each for name, each in values.items() if name != "preset"})
-    return parameters if seed is None else parameters.replaced({"seed": seed})
 
 
 def _print(results: TargetFolder) -> None:

@@ -15,8 +15,9 @@ from cable_tracker.campaigns.result_store import move_store, stored_beside
 from cable_tracker.campaigns.result_tasks import run_all
 from cable_tracker.campaigns.settings import ClusterSettings
 from cable_tracker.commands.machine import machine, typed_command
-from cable_tracker.commands.target import NODE, chosen_target
+from cable_tracker.commands.target import NODE
 from cable_tracker.commands.terminal import advance, console, messages, print_files, progress_bar
+from cable_tracker.commands.tuning import chosen_target
 from cable_tracker.errors import ParameterError
 from cable_tracker.evaluation.targets.comparison import (
     TargetTask,

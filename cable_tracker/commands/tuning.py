@@ -13,12 +13,22 @@ from cable_tracker.cable.parameters.parameters import TrackerParameters
 from cable_tracker.cable.parameters.presets import preset
 from cable_tracker.commands.terminal import messages
 from cable_tracker.errors import ParameterError
-from cable_tracker.node_parameter_tables import TRACKER_NODE_PARAMETERS
+from cable_tracker.node_parameter_tables import (
+    METRIC_PARAMETERS,
+    TARGET_METRIC_PARAMETERS,
+    TARGET_NODE_PARAMETERS,
+    TRACKER_NODE_PARAMETERS,
+)
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.parameters.presets import target_preset
 from cable_tracker.tracking.parameter_files import (
     filter_parameters,
     parse_parameters,
     read_parameter_file,
 )
+from cable_tracker.tracking.parameter_table import Parameters, ParameterSpec
+
+VEHICLE_NAMES = {spec.name for spec in (*METRIC_PARAMETERS, *TARGET_METRIC_PARAMETERS)}
 
 ValueOption = Annotated[
     list[str] | None,
@@ -62,15 +72,44 @@ def given_values(file: Path | None, words: Iterable[str] | None) -> dict[str, ob
 def chosen_parameters(
     preset_name: str | None, values: dict[str, object], seed: int | None
 ) -> TrackerParameters:
-    """Combine preset, values of the user, and seed; options win over a file."""
-    node_only = {spec.name for spec in TRACKER_NODE_PARAMETERS}
+    """Combine preset, values of the user, and seed; options win over a file.
+
+    Raises
+    ------
+    ParameterError
+        There is no such preset, a name is unknown, or a value is not acceptable.
+    """
     base = preset(preset_name or str(values.get("preset", "default")))
-    parameters = filter_parameters(base, values, node_only)
-    if seed is not None:
-        parameters = parameters.replaced({"seed": seed})
+    parameters = _tuned(base, values, seed, TRACKER_NODE_PARAMETERS)
     for remark in parameters.remarks():
         messages.print(f"note: {remark}", soft_wrap=True)
     return parameters
+
+
+def chosen_target(
+    preset_name: str | None, values: dict[str, object], seed: int | None
+) -> TargetParameters:
+    """Combine preset, values and seed for a target; see `chosen_parameters`."""
+    base = target_preset(preset_name or str(values.get("preset", "default")))
+    return _tuned(base, values, seed, TARGET_NODE_PARAMETERS)
+
+
+def _tuned(
+    base: Parameters,
+    values: dict[str, object],
+    seed: int | None,
+    of_node: Iterable[ParameterSpec],
+) -> Parameters:
+    """Return a preset with values and seed; a note says which of the node's do nothing here."""
+    parameters = filter_parameters(base, values, {spec.name for spec in of_node})
+    of_vehicle = sorted(values.keys() & VEHICLE_NAMES)
+    if of_vehicle:
+        messages.print(
+            f"note: {', '.join(of_vehicle)}: only nodes read the vehicle's parameters here; for a"
+            " recording they belong in vehicle.yaml",
+            soft_wrap=True,
+        )
+    return parameters if seed is None else parameters.replaced({"seed": seed})
 
 
 def chosen_start(init: str | None, values: dict[str, object]) -> str:

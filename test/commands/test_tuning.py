@@ -2,7 +2,12 @@ from pathlib import Path
 
 import pytest
 
-from cable_tracker.commands.tuning import chosen_parameters, given_values, parse_value
+from cable_tracker.commands.tuning import (
+    chosen_parameters,
+    chosen_target,
+    given_values,
+    parse_value,
+)
 from cable_tracker.errors import ParameterError
 
 
@@ -54,3 +59,12 @@ def test_a_search_for_what_is_not_followed_is_noted(capsys, values, note):
 def test_a_search_within_the_limits_is_not_noted(capsys):
     chosen_parameters(None, {"initial_width_maximum": 160.0, "initial_width_minimum": 8.0}, None)
     assert "note" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("choose", [chosen_parameters, chosen_target])
+def test_what_only_a_node_reads_is_passed_over_and_what_is_of_the_vehicle_noted(choose, capsys):
+    plain = choose(None, {}, None)
+    assert choose(None, {"image_transport": "compressed"}, None) == plain
+    assert "note" not in capsys.readouterr().err
+    assert choose(None, {"camera_pitch": 70.0}, None) == plain
+    assert "camera_pitch: only nodes read" in capsys.readouterr().err.replace("\n", " ")
