@@ -25,6 +25,7 @@ from cable_tracker.metric.motion import NoMotion, Odometry
 from cable_tracker.metric.sea_bed_texture import SeaBedTexture, TextureMotion
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.stamps import NANOSECONDS
+from cable_tracker.tracking.succession import is_out_of_order
 
 UNMODELLED = np.array([0.6, np.deg2rad(0.2), 0.5, np.deg2rad(0.1)])
 """Standard deviations of the motion of d, alpha, w, beta in one frame of the reference rate that
@@ -269,6 +270,9 @@ class MotionAiding:
             return None
 
     def _motion(self, stamp: int, image: Image) -> PlaneMotion | None:
+        if self._before is not None and is_out_of_order(self._before.stamp, stamp):
+            # The filter refuses it: the next frame follows the one before.
+            return None
         rests = 0 <= self._texture_due - stamp <= self._texture_pause and self._texture_pause > 0
         prediction = self._predict(stamp, rests)
         predicted = prediction if isinstance(prediction, PlaneMotion) else None

@@ -31,7 +31,6 @@ class RelativeColumn(IntEnum):
 
 
 STATE_SIZE = len(RelativeColumn)
-MEASURED = (RelativeColumn.BEARING, RelativeColumn.ELEVATION, RelativeColumn.LOG_RANGE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +83,8 @@ GUESSED_RANGE = 5.0
 DIFFERENCE = 1e-5
 """Step of numerical derivatives [rad, log m]."""
 
-LEAST_RANGE = 0.01
-"""Smallest range of a target [m]."""
+LEAST_RANGE, MOST_RANGE = 0.01, 1e4
+"""Smallest and largest range of a target [m]: no camera sees farther through water or air."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -158,19 +157,17 @@ class RelativeState:
         covariance: FloatArray = jacobian @ self.covariance[:3, :3] @ jacobian.T
         return covariance
 
-    def predicted(self, dt: float, turn: tuple[float, float] = (0.0, 0.0)) -> RelativeState:
+    def predicted(self, dt: float) -> RelativeState:
         """Return the belief `dt` seconds later.
 
-        `turn` is by how much the camera has turned meanwhile, to the left and up [rad]: bearing and
-        elevation shrink by it.
+        A target that is not seen for long does not go on to where no number reaches.
         """
         transition = np.eye(STATE_SIZE)
         transition[[0, 1, 2], [3, 4, 5]] = dt
         keep = math.exp(-dt / self.noise.bias_time)
         transition[6, 6] = keep
         mean = transition @ self.mean
-        mean[0] -= turn[0]
-        mean[1] -= turn[1]
+        mean[2] = min(max(mean[2], math.log(LEAST_RANGE)), math.log(MOST_RANGE))
         densities = [self.noise.angular_acceleration] * 2 + [self.noise.range_acceleration]
         added = np.zeros((STATE_SIZE, STATE_SIZE))
         for row, density in enumerate(densities):

@@ -110,12 +110,14 @@ class SeaBedTexture:
         starts, predicted = _corners(before, zoom @ mapping @ np.linalg.inv(zoom))
         if len(starts) < FEWEST_CORNERS:
             return None
-        length = float(np.median(np.hypot(*(predicted - starts).T)))
+        # A narrow picture is not enlarged.
+        unit = REFERENCE_WIDTH / now.shape[1]
+        length = unit * float(np.median(np.hypot(*(predicted - starts).T)))
         ends, is_found = _found_again(before, now, starts, predicted)
         if 2 * is_found.sum() < FEWEST_CORNERS:
             return TextureMotion(np.inf, length)
         errors = np.hypot(*(ends - predicted)[is_found].T)
-        return TextureMotion(float(np.median(errors)), length)
+        return TextureMotion(unit * float(np.median(errors)), length)
 
 
 def _reduced(image: Image) -> Image:

@@ -82,6 +82,11 @@ def succession(before: FrameMark | None, now: FrameMark, maximum_gap: float) -> 
     return Succession(dt, event)
 
 
+def is_out_of_order(before: int, now: int) -> bool:
+    """Tell whether `succession` refuses a frame of a stamp [ns] after one of the stamp `before`."""
+    return -LATE * NANOSECONDS <= now - before < SHORTEST
+
+
 def _reason_to_start_anew(before: FrameMark, now: FrameMark, maximum_gap: float) -> str:
     if now.size != before.size:
         old, new = (f"{width}x{height}" for width, height in (before.size, now.size))

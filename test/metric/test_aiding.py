@@ -325,3 +325,11 @@ class TestWithTexture:
         assert used[12:] == [None] * 18
         used = self.driven(drive, bottom, Drive.SWAY, CALM_PICTURES + 4, first=42)
         assert used[-1] is not None
+
+    def test_a_frame_that_was_overtaken_changes_nothing(self, drive, bottom):
+        self.driven(drive, bottom, Drive.SWAY, 4)
+        late = SECOND + 2 * FRAME
+        assert drive.aiding.motion(late, bottom(0)) is None
+        used = self.driven(drive, bottom, Drive.SWAY, 2, first=4)
+        assert all(motion is not None for motion in used)
+        assert drive.aiding.seen.error < 0.3

@@ -74,9 +74,15 @@ def test_the_gate_refuses_jumps_and_opens_again():
     assert refused.mean[0] == pytest.approx(1.0, abs=0.02)
 
 
-def test_turns_of_the_camera_are_compensated():
-    state = begin_relative_state(sighting(0.2, 5.0), SIZE)
-    assert state.predicted(DT, turn=(0.15, -0.1)).mean[:2] == pytest.approx([0.05, 0.1])
+def test_a_target_that_leaves_and_is_not_seen_for_hours_has_a_range_still():
+    state = begin_relative_state(sighting(0.0, 5.0), SIZE)
+    for number in range(100):
+        state = state.predicted(DT).updated(sighting(0.0, 5.0 * math.exp(0.5 * DT * number)))
+    for _ in range(10_000):
+        state = state.seen_from(np.eye(3), np.array([0.01, 0.0, 0.0])).predicted(1.0)
+    assert math.isfinite(state.range)
+    assert np.isfinite(state.position_covariance()).all()
+    assert state.range_sigma > state.range
 
 
 def test_the_position_is_ahead_to_the_left_and_up():

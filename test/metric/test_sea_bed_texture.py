@@ -118,3 +118,10 @@ def test_without_a_picture_before_or_a_prediction_nothing_is_known(bottom):
 
 def test_pictures_of_another_size_are_not_compared(bottom):
     assert seen(bottom, bottom[:200], STILL) is None
+
+
+def test_errors_and_ways_in_a_narrow_picture_are_those_of_the_reference_width(bottom):
+    narrow = bottom[::2, ::2]
+    motion = seen(narrow, moved(narrow, shift(4.0, 0.0)), shift(1.0, 0.0))
+    assert motion.error == pytest.approx(2.0 * 3.0, abs=0.4)
+    assert motion.length == pytest.approx(2.0 * 1.0, abs=0.01)

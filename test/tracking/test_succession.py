@@ -1,7 +1,9 @@
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from cable_tracker.errors import FrameError
-from cable_tracker.tracking.succession import FrameMark, Succession, succession
+from cable_tracker.tracking.succession import FrameMark, Succession, is_out_of_order, succession
 
 FIRST = FrameMark((320, 240), 1_000_000_000)
 
@@ -49,3 +51,17 @@ def test_stamps_in_other_units_than_nanoseconds_are_refused(step):
 def test_a_frame_that_was_overtaken_is_refused(seconds):
     with pytest.raises(FrameError, match="out of order"):
         following(seconds)
+
+
+@given(st.integers(-300_000_000, 300_000_000))
+@example(-200_000_000)
+@example(1000)
+def test_what_is_out_of_order_is_what_is_refused(step):
+    def is_refused() -> bool:
+        try:
+            succession(FIRST, FrameMark(FIRST.size, FIRST.stamp + step), maximum_gap=5.0)
+        except FrameError:
+            return True
+        return False
+
+    assert is_out_of_order(FIRST.stamp, FIRST.stamp + step) == is_refused()
