@@ -13,7 +13,7 @@ from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.terminal import messages
 from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
-from cable_tracker.sequences.instruments import Instrument, InstrumentChoice
+from cable_tracker.sequences.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.sequences.source import ChosenRecording, Source
 
 
@@ -111,9 +111,9 @@ def chosen_instruments(
     altitude: str | None = None,
     imu: str | None = None,
     odometry: str | None = None,
-    fix: str | None = None,
+    fix: str | None = NO_TOPIC,
 ) -> InstrumentChoice:
-    """Return which topics the user named for the instruments."""
+    """Return which topics the user named for the instruments; None: found by their type."""
     named = (camera_info, altitude, imu, odometry, fix)
     pairs = zip(Instrument, named, strict=True)
     return InstrumentChoice({instrument: topic for instrument, topic in pairs if topic is not None})

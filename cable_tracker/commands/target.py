@@ -112,7 +112,7 @@ def target(  # noqa: PLR0917
     start = _chosen_start(init)
     folder = output if output is not None else folder_beside(source, "target")
     chosen = ChosenRecording(source, topic, rate, None, skip_bad_frames, allow_outside)
-    choice = chosen_instruments(camera_info_topic, NO_TOPIC, imu_topic, odometry_topic, NO_TOPIC)
+    choice = chosen_instruments(camera_info_topic, NO_TOPIC, imu_topic, odometry_topic)
     with ExitStack() as stack:
         recording = stack.enter_context(open_recording(chosen))
         results = stack.enter_context(

@@ -12,8 +12,9 @@ from cable_tracker.arrays import FloatArray
 from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.tracking.succession import LATE
 
-KEPT = 512
-"""Measurements kept; some seconds of the fastest instruments."""
+KEPT = 2048
+"""Measurements kept: two seconds of an imu at 1 kHz. In a recording some are known that are half a
+second younger than the picture."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

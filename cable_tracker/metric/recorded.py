@@ -16,7 +16,7 @@ from typing import Self
 from cable_tracker.arrays import Image
 from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.cable.model.motion_aid import MotionAid
-from cable_tracker.metric.cable_sight import CableSight
+from cable_tracker.metric.cable_sight import CABLE_INSTRUMENTS, CableSight
 from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.instrument_feed import InstrumentFeed
 from cable_tracker.metric.instruments import Instruments
@@ -194,7 +194,8 @@ class RecordedVehicle:
     @property
     def has_instruments(self) -> bool:
         """Whether there is anything that metres could be made of."""
-        found = self.source is not None and bool(self.source.found.topics)
+        topics = {} if self.source is None else self.source.found.topics
+        found = any(instrument in topics for instrument in CABLE_INSTRUMENTS)
         return found or self.vehicle.calibration is not None
 
     @property

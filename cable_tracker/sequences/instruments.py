@@ -113,7 +113,7 @@ def find_instruments(
             option = instrument.value.replace("_", "-")
             notes.append(
                 f"several topics for {instrument.value}, none of them is read; choose one with"
-                f" --{option}-topic: {', '.join(candidates)}"
+                f" --{option}-topic (node: {instrument.value}_topic): {', '.join(candidates)}"
             )
     return FoundInstruments(topics, tuple(notes))
 

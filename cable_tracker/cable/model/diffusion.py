@@ -13,6 +13,9 @@ from cable_tracker.cable.parameters.parameters import (
     TrackerParameters,
 )
 
+ALMOST_UNDAMPED = 1e-3
+"""Logarithm of the damping over a gap, below which the sums of its powers are rounded away."""
+
 
 def variances_per_frame(
     parameters: TrackerParameters, image_width: int
@@ -66,19 +69,17 @@ def _kept_by_rates(frames: float, damping: float) -> float:
 def _carried_by_rates(frames: float, damping: float) -> float:
     """Return the variance of the pose from rates that changed after the first of some frames.
 
-    The integral of ((1 - a^s) / (1 - a))^2 over s from 0 to frames - 1; s^2 without damping.
+    The sum of ((1 - a^k) / (1 - a))^2 over k from 1 to frames - 1, k^2 without damping, in a form
+    that also holds between whole frames.
     """
     later = max(frames - 1.0, 0.0)
-    if damping == 1.0:
-        return later**3 / 3.0
     if damping == 0.0:
         return later
     decay = -math.log(damping)
-    if decay * later < 1e-3:
-        return later**3 / 3.0
-    integral = (
-        later
-        + 2.0 * math.expm1(-decay * later) / decay
-        - math.expm1(-2.0 * decay * later) / (2.0 * decay)
+    if decay * later < ALMOST_UNDAMPED:
+        return later * (later + 1.0) * (2.0 * later + 1.0) / 6.0
+    once, twice = (
+        math.exp(-power * decay) * math.expm1(-power * decay * later) / math.expm1(-power * decay)
+        for power in (1, 2)
     )
-    return integral / (1.0 - damping) ** 2
+    return (later - 2.0 * once + twice) / (1.0 - damping) ** 2
