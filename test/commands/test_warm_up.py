@@ -1,9 +1,27 @@
 from typer.testing import CliRunner
 
+from cable_tracker.cable.parameters.parameters import PARAMETER_TABLE
+from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.cli import app
+from cable_tracker.commands.warm_up import variants
 
 
 def test_it_compiles_and_says_so():
     result = CliRunner().invoke(app, ["warm-up"])
     assert result.exit_code == 0
     assert "the inner loops are compiled" in result.output
+
+
+def test_every_word_that_a_parameter_may_have_comes():
+    every = [parameters.as_mapping() for parameters in variants(PRESETS.values())]
+    for spec in PARAMETER_TABLE:
+        assert {values[spec.name] for values in every} >= set(spec.choices)
+    filters = {(values["filter"], values["observation"]) for values in every}
+    assert ("bootstrap", "likelihood_ratio") in filters
+
+
+def test_none_comes_twice_of_one_preset():
+    preset = PRESETS["thesis"]
+    every = list(variants([preset]))
+    assert every.count(preset) == 1
+    assert len(every) == len(set(every))
