@@ -33,7 +33,7 @@ def effective_time(parameters: TrackerParameters, dt: float) -> float:
     cover 1 + a + ... + a^(k-1) = (1 - a^k) / (1 - a) of it. Without damping this is dt.
     """
     damping = parameters.rate_damping
-    if damping == 1.0:
+    if damping == 1.0 or dt == 0.0:
         return dt
     # expm1, for a damping next to one would be rounded away in 1 - a^k.
     frames = dt * REFERENCE_RATE

@@ -88,6 +88,7 @@ def test_within_a_frame_places_spread_in_proportion_to_the_time():
 @pytest.mark.parametrize("damping", [0.0, 0.9, 1.0])
 def test_no_time_spreads_nothing(damping):
     assert (variances(0.0, damping) == 0.0).all()
+    assert effective_time(SOME.replaced({"rate_damping": damping}), 0.0) == 0.0
 
 
 @given(st.floats(0.0, 1.0), st.floats(1e-3, 3600.0), st.floats(1.01, 10.0))
