@@ -18,7 +18,7 @@ from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.stored_message import StoredMessage
-from cable_tracker.sequences.unpacking import deserialise, is_packed
+from cable_tracker.sequences.unpacking import beginning, deserialise
 from cable_tracker.sequences.video_stream import (
     VIDEO_TYPES,
     DecodedPicture,
@@ -127,8 +127,8 @@ def stamp_of_picture(message: StoredMessage) -> int:
 
     Its header comes first, and the time first in it: seconds and nanoseconds of 4 bytes each.
     """
-    data = message.data
-    if is_packed(data) or len(data) < HEADER_END:
+    data = beginning(message.data, HEADER_END)
+    if len(data) < HEADER_END:
         return 0
     seconds, nanoseconds = struct.unpack_from("<iI" if data[1] & 1 else ">iI", data, 4)
     return int(seconds) * NANOSECONDS + int(nanoseconds)

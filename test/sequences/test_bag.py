@@ -3,6 +3,8 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import sqlite3
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -123,6 +125,36 @@ def test_without_a_header_stamp_the_receive_time_counts(make_bag, state, first_s
     frames = read(make_bag(stamped=False))
     assert [frame.stamp for frame in frames[:2]] == [first_stamp + 1000, first_stamp + 40_001_000]
     assert frames[2].truth == state(2)
+
+
+@pytest.mark.parametrize(("storage", "compression"), STORAGES)
+@pytest.mark.parametrize("compressed_images", [False, True])
+def test_frames_are_chosen_by_their_stamps_however_the_bag_is_compressed(
+    make_bag, first_stamp, *, storage, compression, compressed_images
+):
+    path = make_bag(storage=storage, compression=compression, compressed_images=compressed_images)
+    asked = []
+    with BagSource(path) as source:
+        chosen = source.chosen_frames(lambda stamp: asked.append(stamp) or len(asked) in {2, 4})
+        assert [frame.index for frame in chosen] == [1, 3]
+    assert asked == [first_stamp + index * 40_000_000 for index in range(5)]
+
+
+def test_a_packed_picture_whose_beginning_is_damaged_is_asked_about_by_its_receive_time(
+    make_bag, first_stamp
+):
+    path = make_bag(storage="sqlite3", compression="message")
+    with closing(sqlite3.connect(path / "bag.db3")) as database, database:
+        damaged = b"\x28\xb5\x2f\xfd" + bytes(20)
+        database.execute(
+            "UPDATE messages SET data = ? WHERE timestamp = ? AND topic_id ="
+            " (SELECT id FROM topics WHERE name = '/camera/image')",
+            (damaged, first_stamp + 1000),
+        )
+    asked = []
+    with BagSource(path, skip_bad_frames=True) as source:
+        assert not list(source.chosen_frames(lambda stamp: bool(asked.append(stamp))))
+    assert asked[:2] == [first_stamp + 1000, first_stamp + 40_000_000]
 
 
 @pytest.mark.parametrize("name", ["/left/image", "left/image", "left/image/"])
