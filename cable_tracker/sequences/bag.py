@@ -328,7 +328,7 @@ class BagSource(Source):
                     packet = read_packet(self._deserialise(message), message.time)
                 # Deserialising foreign bytes raises what the parser happens to raise.
                 except Exception as error:  # noqa: BLE001
-                    nothing = Packet(message.time, "camera", "", b"")
+                    nothing = Packet(message.time, "camera", "", b"", message.time)
                     yield DecodedPicture(nothing, None, f"damaged message: {one_line(error)}")
                     continue
                 yield from decoder.take(packet)
@@ -340,7 +340,7 @@ class BagSource(Source):
             return UnreadableFrame(index, packet.stamp, decoded.reason)
         image = raw_from_array(decoded.picture, "bgr8")
         truth = self._truth.get(packet.stamp)
-        return Frame(index, packet.stamp, image, packet.frame_id, truth, packet.stamp)
+        return Frame(index, packet.stamp, image, packet.frame_id, truth, packet.received)
 
     def _frame(self, index: int, message: StoredMessage) -> Frame | UnreadableFrame:
         try:
