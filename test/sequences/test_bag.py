@@ -11,7 +11,7 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.sequences.bag import BagSource
+from cable_tracker.sequences.bag import BagSource, read_bag_truth
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 
@@ -289,6 +289,37 @@ def test_only_joint_states_are_ground_truth(tmp_path, maker, picture, first_stam
     source = BagSource(tmp_path / "b")
     assert not source.has_truth
     assert len(list(source.frames())) == 1
+
+
+@pytest.fixture
+def half_labelled(tmp_path, maker, picture, state, first_stamp):
+    """Bag of two pictures, of which the second has a label that cannot be decoded."""
+    path = tmp_path / "half_labelled"
+    with Writer(path, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        image, truth = (
+            writer.add_connection(topic, f"sensor_msgs/msg/{kind}", typestore=maker.store)
+            for topic, kind in (("/image", "Image"), ("/ground_truth", "JointState"))
+        )
+        for index, data in enumerate(
+            (maker.serialise(maker.truth(first_stamp, state(0))), b"\0\1\0\0\1")
+        ):
+            stamp = first_stamp + index
+            writer.write(image, stamp, maker.serialise(maker.image(stamp, picture(index))))
+            writer.write(truth, stamp, data)
+    return path
+
+
+def test_a_label_that_cannot_be_decoded_is_left_out_and_said(half_labelled, state):
+    with BagSource(half_labelled) as source:
+        assert "/ground_truth: 1 of its messages cannot be read and are left out" in source.note
+        assert [frame.truth for frame in source.frames()] == [state(0), None]
+    with BagSource(half_labelled, with_truth=False) as source:
+        assert not source.note
+
+
+def test_where_only_labels_are_asked_for_all_must_be_decodable(half_labelled):
+    with pytest.raises(RecordingError, match="ground truth on /ground_truth cannot be read"):
+        read_bag_truth(half_labelled)
 
 
 @pytest.mark.parametrize(
