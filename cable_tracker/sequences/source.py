@@ -244,6 +244,11 @@ def _label_from_bag(source: Source, truth: Path) -> None:
     """Attach the ground truth of a bag: by time to a bag, by order to what has no time."""
     labels = read_bag_truth(truth)
     if isinstance(source, BagSource):
+        if not source.has_frame_at(labels):
+            raise RecordingError(
+                f"{truth}: not one of its {len(labels)} labels has the time of a frame of"
+                f" {source.path}; give the truth that belongs to this recording"
+            )
         source.label_by_stamp(labels)
         return
     if len(labels) != source.frame_count:

@@ -150,6 +150,20 @@ def test_truth_of_a_bag_is_attached_to_a_bag_by_time_and_to_others_by_order(tmp_
         open_source(tmp_path / "four", truth=tmp_path / "truth")
 
 
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_truth_of_another_dive_is_refused(tmp_path, make_bag, storage):
+    other = list(simulate(SimulationSettings(2, image_size=(64, 48))))
+    write_bag(tmp_path / "other", other)
+    with pytest.raises(RecordingError, match=r"other: not one of its 2 labels .* frame of .*bag"):
+        open_source(make_bag(storage=storage), truth=tmp_path / "other")
+
+
+def test_truth_of_a_dive_is_its_own_however_late_it_begins(tmp_path, make_bag, make_ros1_bag):
+    write_bag(tmp_path / "late", list(open_source(make_bag()).frames())[4:])
+    for path in (make_bag("again", truth=False), make_ros1_bag(truth=False)):
+        assert list(labelled(open_source(path, truth=tmp_path / "late"))) == [4]
+
+
 def test_a_bag_without_truth_is_no_truth(tmp_path, make_bag):
     dive = simulate(SimulationSettings(2, image_size=(64, 48)))
     write_bag(tmp_path / "other", [replace(frame, truth=None) for frame in dive])
