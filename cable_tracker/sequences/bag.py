@@ -14,7 +14,7 @@ import numpy as np
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
+from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
@@ -135,16 +135,6 @@ def stamp_of_picture(message: StoredMessage) -> int:
     return int(seconds) * NANOSECONDS + int(nanoseconds)
 
 
-def _open(path: Path) -> BagStorage:
-    try:
-        return open_storage(path)
-    except (RecordingError, OSError) as error:
-        raise RecordingError(
-            f"{path}: not one frame can be read ({one_line(error)}); check that the"
-            " recording is a bag and was copied completely"
-        ) from error
-
-
 @dataclass(slots=True)
 class _RecordedTruth:
     """Ground truth on a topic of a bag, as far as it can be read.
@@ -215,7 +205,7 @@ def read_bag_truth(path: Path) -> dict[int, CableState]:
     RecordingError
         The bag or a label in it cannot be read, or it holds no ground truth.
     """
-    with closing(_open(path)) as storage:
+    with closing(open_bag(path)) as storage:
         topic = _truth_topic(storage.topics, "")
         if topic is None:
             raise RecordingError(
@@ -272,7 +262,7 @@ class BagSource(Source):
     ) -> None:
         super().__init__(path, skip_bad_frames=skip_bad_frames)
         self._is_ros1 = is_ros1(path)
-        self.storage = _open(path)
+        self.storage = open_bag(path)
         self.topic = _choose_topic(path, self.storage.topics, topic)
         chosen = self.storage.topics[self.topic]
         self.frame_count = chosen.count

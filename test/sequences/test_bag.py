@@ -353,7 +353,7 @@ def test_a_topic_without_a_name_in_the_metadata_is_found_out_from_the_messages(m
 def test_garbage_is_refused(tmp_path, name, length):
     path = tmp_path / name
     path.write_bytes(np.random.default_rng(length).bytes(length))
-    with pytest.raises(RecordingError, match=r"x\.\w+: not one frame can be read") as caught:
+    with pytest.raises(RecordingError, match=r"x\.\w+: not one message can be read") as caught:
         BagSource(path)
     assert "\n" not in str(caught.value)
 
