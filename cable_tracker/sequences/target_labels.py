@@ -179,7 +179,7 @@ def own_boxes(source: Source) -> BoxTruth:
 def _numbered(
     source: Source, boxes: Mapping[str, Box | None], truth: Path
 ) -> dict[int, Box | None]:
-    """Return boxes by the numbers of the frames."""
+    """Return boxes by the numbers of the frames; one frame may have several names."""
     numbers: dict[str, int] = {}
     if isinstance(source, ImageFolderSource):
         numbers = {picture.name: index for index, picture in enumerate(source.pictures)}
@@ -192,6 +192,10 @@ def _numbered(
         if number is None or (count is not None and number >= count):
             raise RecordingError(
                 f"{truth}: labels {name}, which is no frame of {source.path}; remove the line"
+            )
+        if number in found:
+            raise RecordingError(
+                f"{truth}: labels frame {number} again, as {name}; remove one of the lines"
             )
         found[number] = box
     return found

@@ -79,6 +79,8 @@ def test_a_text_file_labels_a_bag_by_number(tmp_path):
         ("0.png 5 2 3 9", "no area"),
         ("0.png 1 2 x 9", "malformed"),
         ("0.png none\n0.png none", "labels 0.png again"),
+        ("0 1 2 3 4\n00 2 3 4 5", "labels frame 0 again, as 00"),
+        ("0.png 1 2 3 4\n0 none", "labels frame 0 again, as 0"),
         ("# nothing else", "no labels"),
         ("7.png 1 2 3 4", "no frame of"),
         ("7 1 2 3 4", "no frame of"),
