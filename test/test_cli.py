@@ -329,6 +329,18 @@ def test_a_dive_is_simulated_as_a_bag_or_a_sequence(run):
         (("--survey", "50", "--photographs", "p"), "--photographs covers the bottom of a scenario"),
         (("--survey", "50", "--format", "sequence"), "leave --format out"),
         (("--live", "--target", "buoy"), "--live and --target"),
+        (
+            ("--scenario", "S1", "--frames", "9", "--rate", "5"),
+            "--frames and --rate can do nothing",
+        ),
+        (("--scenario", "S1", "--clutter", "0"), "--clutter can do nothing with --scenario"),
+        (("--target", "buoy", "--clutter", "0.5"), "--clutter can do nothing with --target"),
+        (("--survey", "50", "--frames", "300"), "--frames can do nothing with --survey"),
+        (("--survey", "50", "--clutter", "0.1"), "--clutter can do nothing with --survey"),
+        (("--live", "--frames", "300"), "--frames can do nothing with --live; leave it out"),
+        (("--live", "--clutter", "0.1"), "--clutter can do nothing with --live"),
+        (("--cable-seed", "0"), "--cable-seed can do nothing without --survey"),
+        (("--scenario", "S1", "--cable-seed", "2"), "--cable-seed can do nothing with --scenario"),
     ],
 )
 def test_a_dive_that_cannot_be_simulated_is_refused(run, options, words):

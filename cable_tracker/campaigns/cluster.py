@@ -45,6 +45,8 @@ def connected(settings: ClusterSettings) -> Iterator[Client]:
     with dask.config.set(quiet):
         if settings.scheduler is None:
             with _local(settings) as cluster, Client(cluster) as client:
+                if settings.dashboard:
+                    settings.tell_dashboard(cluster.dashboard_link)
                 check_versions(client)
                 yield client
             return

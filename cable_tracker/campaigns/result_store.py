@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import pickle
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -15,12 +16,17 @@ from typing import Any
 
 from cable_tracker import __version__
 from cable_tracker.atomic_output import atomic_file
+from cable_tracker.campaigns.folder_tasks import MARKER
 from cable_tracker.campaigns.settings import CampaignSettings, ClusterSettings
 from cable_tracker.campaigns.stopping import saying_what_stays
-from cable_tracker.errors import write_failure
+from cable_tracker.errors import OutputError, write_failure
 
 STORE = "tasks"
 """Folder with the results of single tasks, in the folder of a campaign."""
+
+_RESULT_FILE = re.compile(r"[0-9a-f]{64}|\.[0-9a-f]{64}\.[0-9]+\.part")
+_PARTIAL_FOLDER = re.compile(r"\..+\.partial")
+"""Names of what tasks leave: results, whole and unfinished, and folders that are unfinished."""
 
 ARRAYS = {
     ("numpy", "ndarray"),
@@ -113,15 +119,41 @@ def stored_beside(
 ) -> Iterator[CampaignSettings]:
     """Give settings with which results lie beside an output folder until that is complete.
 
-    Then `move_store` puts them into it. A campaign that goes on finds them in either place.
+    Then `move_store` puts them into it. A campaign that goes on finds them in either place; one
+    that does not removes those of an earlier campaign that was ended.
+
+    Raises
+    ------
+    OutputError
+        Such results are to be removed, and something else lies among them.
     """
     store = output.with_name(f"{output.name}.{STORE}")
     if not resume:
-        shutil.rmtree(store, ignore_errors=True)
+        _remove(store)
     elif (output / STORE).is_dir():
         shutil.copytree(output / STORE, store, dirs_exist_ok=True)
     with saying_what_stays(store):
         yield CampaignSettings(cluster, store.absolute(), resume)
+
+
+def _remove(store: Path) -> None:
+    """Remove what an earlier campaign has left, but nothing else."""
+    if not store.is_dir():
+        return
+    foreign = sorted(each.name for each in store.iterdir() if not _is_left(each))
+    if foreign:
+        raise OutputError(
+            f"{store}: is to be replaced, but holds {foreign[0]}, which is no result of a task;"
+            " move it away, or choose another output"
+        )
+    shutil.rmtree(store, ignore_errors=True)
+
+
+def _is_left(path: Path) -> bool:
+    """Tell whether a campaign puts a file or folder of such a name and content into its store."""
+    if path.is_dir():
+        return (path / MARKER).is_file() or _PARTIAL_FOLDER.fullmatch(path.name) is not None
+    return _RESULT_FILE.fullmatch(path.name) is not None
 
 
 def move_store(settings: CampaignSettings, folder: Path) -> None:

@@ -88,6 +88,8 @@ def run_campaign(
 ) -> list[Outcome]:
     """Run tasks, each of which leaves a folder with its name; one that fails ends no other.
 
+    An earlier result stays until the new one is complete; where its task fails now, it is removed.
+
     Parameters
     ----------
     root : Path
@@ -122,8 +124,13 @@ def run_campaign(
     except OSError as error:
         raise write_failure(root, error) from error
     outcomes: dict[str, Outcome] = {}
+    earlier: dict[str, tuple[FolderTask, _Identity]] = {}
 
     def end(outcome: Outcome) -> None:
+        if outcome.state is TaskState.DONE and outcome.name in earlier:
+            outcome = _checked(outcome, root, *earlier[outcome.name])
+        if outcome.state is TaskState.FAILED:
+            shutil.rmtree(root / outcome.name, ignore_errors=True)
         outcomes[outcome.name] = outcome
         finished(outcome)
 
@@ -131,9 +138,11 @@ def run_campaign(
     for task in tasks:
         if resume and is_done(task, root / task.name, __version__):
             end(Outcome(task.name, TaskState.KEPT))
-        else:
-            shutil.rmtree(root / task.name, ignore_errors=True)
-            left.append(task)
+            continue
+        left.append(task)
+        identity = _identity(root / task.name)
+        if identity is not None:
+            earlier[task.name] = task, identity
     if settings.is_here(len(left)):
         for task in left:
             end(_do_here(task, root, advance))
@@ -143,12 +152,35 @@ def run_campaign(
     return [outcomes[name] for name in names]
 
 
+_Identity = tuple[int, int]
+"""Device and number of a folder on it."""
+
+
+def _identity(folder: Path) -> _Identity | None:
+    try:
+        found = folder.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _checked(outcome: Outcome, root: Path, task: FolderTask, earlier: _Identity) -> Outcome:
+    """Return what came of a task; it has failed if what is there is still the earlier result."""
+    folder = root / task.name
+    if _identity(folder) != earlier or is_done(task, folder, __version__):
+        return outcome
+    return Outcome(task.name, TaskState.FAILED, _not_here(root))
+
+
 def _do_here(task: FolderTask, root: Path, advance: Callable[[int], None]) -> Outcome:
     try:
         with one_thread():
             run_in_folder(task, root, __version__, advance)
     except CableTrackerError as error:
         return Outcome(task.name, TaskState.FAILED, str(error))
+    # One that fails ends no other, whatever goes wrong; so it is with workers.
+    except Exception as error:  # noqa: BLE001
+        return Outcome(task.name, TaskState.FAILED, _unexpected(error))
     return Outcome(task.name, TaskState.DONE)
 
 
@@ -199,12 +231,20 @@ def _outcome(future: Any, name: str, root: Path) -> tuple[Outcome, int]:  # noqa
     if isinstance(error, KilledWorker):
         reason = "its worker was ended several times, perhaps for want of memory; give more memory"
     elif error is not None:
-        reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        reason = _unexpected(error)
     else:
         reason, total = future.result()
     if not reason and not (root / name).is_dir():
-        reason = f"its result is not in {root}; workers on other machines must share this folder"
+        reason = _not_here(root)
     return Outcome(name, TaskState.FAILED if reason else TaskState.DONE, reason), total
+
+
+def _unexpected(error: BaseException) -> str:
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"
+
+
+def _not_here(root: Path) -> str:
+    return f"its result is not in {root}; workers on other machines must share this folder"
 
 
 def _result_in_worker(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.errors import ParameterError
@@ -11,6 +12,10 @@ LARGEST_WORKER_COUNT = 256
 
 DASHBOARD = "127.0.0.1:8787"
 """Address at which Dask serves its pages, if it is asked to."""
+
+
+def _say_nothing(_address: str) -> None:
+    pass
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +32,8 @@ class ClusterSettings:
         Most memory of each worker, as "2 GiB"; it is restarted when it takes more.
     dashboard : bool
         Serve Dask's pages at `DASHBOARD`.
+    tell_dashboard : callable
+        Told the address of Dask's pages once they are served.
 
     Raises
     ------
@@ -38,6 +45,7 @@ class ClusterSettings:
     scheduler: str | None = None
     memory: str = "4 GiB"
     dashboard: bool = False
+    tell_dashboard: Callable[[str], None] = field(default=_say_nothing, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not 1 <= self.workers <= LARGEST_WORKER_COUNT:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.campaigns.settings import DASHBOARD, ClusterSettings
+from cable_tracker.campaigns.settings import DASHBOARD, LARGEST_WORKER_COUNT, ClusterSettings
 from cable_tracker.commands.terminal import messages
 from cable_tracker.errors import ParameterError
 
@@ -31,7 +31,7 @@ SchedulerOption = Annotated[
 ]
 MemoryOption = Annotated[str, typer.Option(help="Most memory of each worker.")]
 DashboardOption = Annotated[
-    bool, typer.Option("--dashboard", help=f"Serve Dask's pages at {DASHBOARD}.")
+    bool, typer.Option("--dashboard", help=f"Serve Dask's pages at {DASHBOARD} while workers run.")
 ]
 ResumeOption = Annotated[
     bool, typer.Option("--resume", help="Do only what is missing or has changed.")
@@ -41,19 +41,29 @@ ResumeOption = Annotated[
 def chosen_cluster(
     workers: int | None, scheduler: str | None, memory: str, dashboard: bool
 ) -> ClusterSettings:
-    """Return where tasks run, and say where Dask's pages are.
+    """Return where tasks run; where Dask's pages are is said when they are served.
 
     Raises
     ------
     ParameterError
-        The number of workers is out of range.
+        The number of workers is out of range, or pages are asked for that would not be served.
     """
     if workers is None:
-        workers = os.cpu_count() or 1
-    settings = ClusterSettings(workers, scheduler, memory, dashboard)
-    if dashboard:
-        messages.print(f"Dask's pages: http://{DASHBOARD}/status")
-    return settings
+        workers = min(os.cpu_count() or 1, LARGEST_WORKER_COUNT)
+    if dashboard and scheduler is not None:
+        raise ParameterError(
+            "dashboard: a scheduler that is running serves its own pages; leave out --dashboard"
+        )
+    if dashboard and workers == 1:
+        raise ParameterError(
+            "dashboard: one worker needs no Dask, which would serve it; give --workers 2 or more,"
+            " or leave out --dashboard"
+        )
+    return ClusterSettings(workers, scheduler, memory, dashboard, _say_where)
+
+
+def _say_where(dashboard: str) -> None:
+    messages.print(f"Dask's pages: {dashboard}", soft_wrap=True)
 
 
 def seeds_from(count: int, first: int = 0) -> tuple[int, ...]:

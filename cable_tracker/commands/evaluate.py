@@ -28,6 +28,7 @@ from cable_tracker.commands.options import (
     SkipOption,
     TopicOption,
     TruthOption,
+    refuse_without_effect,
 )
 from cable_tracker.commands.target_campaign import (
     TargetCampaign,
@@ -129,6 +130,14 @@ def evaluate(  # noqa: PLR0917
         raise ParameterError("--source takes the place of --scenario and --frames; leave those out")
     if source is None and truth is not None:
         raise ParameterError("--truth labels a recording; give it with --source")
+    if source is None:
+        of_recordings = {
+            "--unlabelled-is-empty": unlabelled_is_empty,
+            "--topic": topic,
+            "--skip-bad-frames": skip_bad_frames,
+            "--allow-outside": allow_outside,
+        }
+        refuse_without_effect(of_recordings, "can only do something for a recording, --source")
     if targets and (param or table or init is not Start.TRUTH):
         raise ParameterError("--targets goes without --param, --table and --init; leave those out")
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)

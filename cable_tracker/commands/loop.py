@@ -28,7 +28,7 @@ from cable_tracker.commands.campaign_options import (
     seeds_from,
 )
 from cable_tracker.commands.loop_campaign import MOST_WORKERS, LoopCampaign, run_loops
-from cable_tracker.commands.options import ForceOption
+from cable_tracker.commands.options import ForceOption, refuse_without_effect
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.simulate import parse_size
 from cable_tracker.commands.terminal import advance, console, print_facts, print_files, progress_bar
@@ -93,8 +93,9 @@ def loop(  # noqa: PLR0917
         typer.Option("--video/--no-video", help="Write a video.  [default: of a single run]"),
     ] = None,
     workers: Annotated[
-        int, typer.Option(help="So many runs at once, each of them four processes.")
-    ] = 1,
+        int | None,
+        typer.Option(help="So many runs at once, each of them four processes.  [default: 1]"),
+    ] = None,
     scheduler: SchedulerOption = None,
     memory: MemoryOption = MEMORY,
     dashboard: DashboardOption = False,
@@ -114,9 +115,17 @@ def loop(  # noqa: PLR0917
     methods = tuple(dict.fromkeys(method or ("default",)))
     _check_methods(methods, is_tuned=params is not None or detector is not None)
     chosen = seeds_from(seeds, seed) if seed >= 0 else (seed,)
+    several = len(chosen) * len(methods) > 1
+    if not several:
+        of_several = {
+            "--workers": workers,
+            "--scheduler": scheduler,
+            "--dashboard": dashboard,
+            "--resume": resume,
+        }
+        refuse_without_effect(of_several, "can only do something for several runs")
     ros = need_ros("rigs.loop")
     sand = min(5.0, length / 4) if buried is None else buried
-    several = len(chosen) * len(methods) > 1
     request = ros.LoopRequest(
         world=LiveSettings(seed, length, sand, altitude, current, parse_size(size), rate),
         method=methods[0],
@@ -129,6 +138,7 @@ def loop(  # noqa: PLR0917
     if not several:
         _run_one(ros, request, output if output is not None else Path(f"loop_{seed}"), force)
         return
+    workers = 1 if workers is None else workers
     if not 1 <= workers <= MOST_WORKERS:
         raise ParameterError(f"workers is {workers}: give 1 to {MOST_WORKERS}")
     cluster = chosen_cluster(workers, scheduler, memory, dashboard)

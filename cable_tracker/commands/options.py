@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -12,6 +12,7 @@ import typer
 from cable_tracker.cable.parameters.presets import PRESETS
 from cable_tracker.commands.terminal import messages
 from cable_tracker.detection.baselines.detectors import DETECTORS
+from cable_tracker.errors import ParameterError
 from cable_tracker.metric.recorded import RecordedVehicle, recorded_vehicle
 from cable_tracker.sequences.instruments import NO_TOPIC, Instrument, InstrumentChoice
 from cable_tracker.sequences.source import ChosenRecording, Source
@@ -126,6 +127,27 @@ def find_vehicle(
     found = recorded_vehicle(source, choice, vehicle_file)
     print_notes(source.path, found.notes)
     return found
+
+
+def refuse_without_effect(given: Mapping[str, object], why: str) -> None:
+    """Refuse options that would have no effect.
+
+    Parameters
+    ----------
+    given : mapping of str to object
+        Values of such options by name; None or False: it was not given.
+    why : str
+        Why they have none, to follow their names.
+
+    Raises
+    ------
+    ParameterError
+        One of them was given.
+    """
+    names = [name for name, value in given.items() if value is not None and value is not False]
+    if names:
+        word = "it" if len(names) == 1 else "them"
+        raise ParameterError(f"{' and '.join(names)} {why}; leave {word} out")
 
 
 def open_recording(recording: ChosenRecording) -> Source:

@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from cable_tracker.commands.options import ForceOption, Storage
+from cable_tracker.commands.options import ForceOption, Storage, refuse_without_effect
 from cable_tracker.commands.ros_part import need_ros
 from cable_tracker.commands.terminal import advance, console, counted, progress_bar
 from cable_tracker.errors import ParameterError
@@ -42,6 +42,18 @@ from cable_tracker.simulation.targets.scenarios import TARGET_SCENARIOS
 from cable_tracker.simulation.targets.sequence import find_target_scenario, simulate_target
 from cable_tracker.simulation.worlds.catalogue import WORLDS, simulate_world
 
+FRAMES, RATE, CLUTTER = 300, 25.0, 0.5
+"""Unless the user names others."""
+
+NUMBERS_OF = {
+    "": ("--frames", "--rate", "--clutter"),
+    "--live": ("--rate",),
+    "--target": ("--frames", "--rate"),
+    "--survey": ("--rate", "--cable-seed"),
+    "--scenario": (),
+}
+"""Options that describe what is simulated, by the option that says what that is."""
+
 
 class SimulationFormat(str, Enum):
     """Format that `simulate` writes."""
@@ -58,18 +70,26 @@ def simulate_command(  # noqa: PLR0917
         SimulationFormat,
         typer.Option("--format", help="A ROS 2 bag, or PNGs with a sequence file."),
     ] = SimulationFormat.BAG,
-    frames: Annotated[int, typer.Option(help="Number of frames.")] = 300,
-    rate: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
+    frames: Annotated[
+        int | None, typer.Option(help=f"Number of frames.  [default: {FRAMES}]")
+    ] = None,
+    rate: Annotated[
+        float | None, typer.Option(help=f"Frames per second.  [default: {RATE:g}]")
+    ] = None,
     size: Annotated[str, typer.Option(help="Width and height in px.")] = "320x240",
     clutter: Annotated[
-        float, typer.Option(help="How overgrown, buried and distracting it is, 0 to 1.")
-    ] = 0.5,
+        float | None,
+        typer.Option(
+            help=f"How overgrown, buried and distracting it is, 0 to 1.  [default: {CLUTTER:g}]"
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option(help="Seed: the same one gives the same frames.")] = 0,
     scenario: Annotated[
         str | None,
         typer.Option(
             help=f"A scenario of the evaluation instead ({', '.join(SCENARIOS)}), or a world"
-            " (tune_* or report_*, see docs/simulation.md); it has its own length and clutter."
+            " (tune_* or report_*, see docs/simulation.md); it has its own length, rate and"
+            " clutter."
         ),
     ] = None,
     target: Annotated[
@@ -91,8 +111,11 @@ def simulate_command(  # noqa: PLR0917
         ),
     ] = None,
     cable_seed: Annotated[
-        int, typer.Option(help="With --survey: seed of the cable, the same for several dives.")
-    ] = 0,
+        int | None,
+        typer.Option(
+            help="With --survey: seed of the cable, the same for several dives.  [default: 0]"
+        ),
+    ] = None,
     storage: Annotated[Storage, typer.Option(help="Format of the bag.")] = Storage.MCAP,
     force: ForceOption = False,
     live: Annotated[
@@ -104,7 +127,17 @@ def simulate_command(  # noqa: PLR0917
 ) -> None:
     """Simulate a cable or a target, with exact ground truth."""
     image_size = parse_size(size)
-    _check_one_kind(live, target, survey, scenario, photographs)
+    kind = _only_kind(live, target, survey, scenario)
+    _check_photographs(kind, photographs)
+    numbers = {
+        "--frames": frames, "--rate": rate, "--clutter": clutter, "--cable-seed": cable_seed,
+    }  # fmt: skip
+    unused = {name: value for name, value in numbers.items() if name not in NUMBERS_OF[kind]}
+    refuse_without_effect(
+        unused, f"can do nothing with {kind}" if kind else "can do nothing without --survey"
+    )
+    frames = FRAMES if frames is None else frames
+    rate = RATE if rate is None else rate
     if live:
         _run_live(output, seed, image_size, rate)
         return
@@ -117,7 +150,7 @@ def simulate_command(  # noqa: PLR0917
     if survey is not None:
         if output_format is not SimulationFormat.BAG:
             raise ParameterError("--survey writes a bag, for the instruments; leave --format out")
-        usual = usual_survey(survey, seed, cable_seed)
+        usual = usual_survey(survey, seed, cable_seed or 0)
         inspection = replace(usual, rate=rate, image_size=image_size)
         _simulate_survey(output, inspection, storage, force)
         return
@@ -126,20 +159,18 @@ def simulate_command(  # noqa: PLR0917
     else:
         cable = _own_frames(
             SimulationSettings(
-                frame_count=frames, rate=rate, image_size=image_size, clutter=clutter, seed=seed
+                frame_count=frames,
+                rate=rate,
+                image_size=image_size,
+                clutter=CLUTTER if clutter is None else clutter,
+                seed=seed,
             )
         )
     _write_cable(output, cable, seed, output_format, storage=storage, force=force)
 
 
-def _check_one_kind(
-    live: bool,
-    target: str | None,
-    survey: float | None,
-    scenario: str | None,
-    photographs: Path | None,
-) -> None:
-    """See that one thing is simulated, and photographs only cover what they can."""
+def _only_kind(live: bool, target: str | None, survey: float | None, scenario: str | None) -> str:
+    """Return the option that says what is simulated; empty: a cable of the user's own settings."""
     kinds = {
         "--live": live or None,
         "--target": target,
@@ -149,11 +180,16 @@ def _check_one_kind(
     chosen = [name for name, value in kinds.items() if value is not None]
     if len(chosen) > 1:
         raise ParameterError(f"{' and '.join(chosen)}: give one of these")
-    if photographs is None or chosen == ["--scenario"]:
+    return chosen[0] if chosen else ""
+
+
+def _check_photographs(kind: str, photographs: Path | None) -> None:
+    """See that photographs only cover what they can."""
+    if photographs is None or kind == "--scenario":
         return
-    if chosen:
+    if kind:
         raise ParameterError(
-            f"--photographs covers the bottom of a scenario, not of {chosen[0]}; leave it out"
+            f"--photographs covers the bottom of a scenario, not of {kind}; leave it out"
         )
     raise ParameterError("photographs cover the bottom of a scenario; name one with --scenario")
 

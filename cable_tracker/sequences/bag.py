@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
 
@@ -13,12 +14,12 @@ import numpy as np
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences import node_topics
-from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_storage
+from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_bag
 from cable_tracker.sequences.encodings import raw_from_array
 from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
 from cable_tracker.sequences.stored_message import StoredMessage
-from cable_tracker.sequences.unpacking import deserialise, is_packed
+from cable_tracker.sequences.unpacking import beginning, deserialise
 from cable_tracker.sequences.video_stream import (
     VIDEO_TYPES,
     DecodedPicture,
@@ -127,44 +128,73 @@ def stamp_of_picture(message: StoredMessage) -> int:
 
     Its header comes first, and the time first in it: seconds and nanoseconds of 4 bytes each.
     """
-    data = message.data
-    if is_packed(data) or len(data) < HEADER_END:
+    data = beginning(message.data, HEADER_END)
+    if len(data) < HEADER_END:
         return 0
     seconds, nanoseconds = struct.unpack_from("<iI" if data[1] & 1 else ">iI", data, 4)
     return int(seconds) * NANOSECONDS + int(nanoseconds)
 
 
-def _open(path: Path) -> BagStorage:
-    try:
-        return open_storage(path)
-    except (RecordingError, OSError) as error:
-        raise RecordingError(
-            f"{path}: not one frame can be read ({one_line(error)}); check that the"
-            " recording is a bag and was copied completely"
-        ) from error
+@dataclass(slots=True)
+class _RecordedTruth:
+    """Ground truth on a topic of a bag, as far as it can be read.
+
+    Attributes
+    ----------
+    topic : str
+        Name of the topic.
+    states : dict of int to CableState
+        By stamp [ns].
+    unreadable : int
+        Number of messages that cannot be decoded.
+    reason : str
+        Reason for the first of them.
+    is_whole : bool
+        Whether it could be read to its end.
+    """
+
+    topic: str
+    states: dict[int, CableState] = field(default_factory=dict)
+    unreadable: int = 0
+    reason: str = ""
+    is_whole: bool = True
+
+    def notes(self) -> list[str]:
+        """Return what the user should be told about it."""
+        notes = []
+        if self.unreadable:
+            notes.append(
+                f"{self.topic}: {self.unreadable} of its messages cannot be read and are left out"
+                f" (the first: {self.reason}); check how the bag was recorded"
+            )
+        if not self.is_whole:
+            notes.append(f"the ground truth on {self.topic} is damaged: {len(self.states)} read")
+        return notes
 
 
-def _truths(path: Path, storage: BagStorage, topic: str) -> tuple[dict[int, CableState], bool]:
-    """Read the ground truth by stamp, and whether it could be read to its end."""
-    truth: dict[int, CableState] = {}
+def _read_truth(path: Path, storage: BagStorage, topic: str) -> _RecordedTruth:
+    truth = _RecordedTruth(topic)
     try:
         with closing(storage.messages([topic])) as messages:
             for message in messages:
-                joints = cast(
-                    "sensor_msgs__msg__JointState", deserialise(message, is_ros1=is_ros1(path))
-                )
-                state = _state_from_joints(joints)
-                if state is not None:
-                    truth[_stamp(joints, message.time)] = state
+                _add_truth(truth, message, is_ros1(path))
     except RecordingError:
-        return truth, False
+        truth.is_whole = False
+    return truth
+
+
+def _add_truth(truth: _RecordedTruth, message: StoredMessage, from_ros1: bool) -> None:
+    try:
+        joints = cast("sensor_msgs__msg__JointState", deserialise(message, is_ros1=from_ros1))
+        state = _state_from_joints(joints)
+        stamp = _stamp(joints, message.time)
     # Deserialising foreign bytes raises what the parser happens to raise.
-    except Exception as error:
-        raise RecordingError(
-            f"{path}: the ground truth on {topic} cannot be read ({one_line(error)});"
-            " record it again"
-        ) from error
-    return truth, True
+    except Exception as error:  # noqa: BLE001
+        truth.unreadable += 1
+        truth.reason = truth.reason or one_line(error)
+        return
+    if state is not None:
+        truth.states[stamp] = state
 
 
 def read_bag_truth(path: Path) -> dict[int, CableState]:
@@ -173,19 +203,25 @@ def read_bag_truth(path: Path) -> dict[int, CableState]:
     Raises
     ------
     RecordingError
-        The bag cannot be read, or holds no ground truth.
+        The bag or a label in it cannot be read, or it holds no ground truth.
     """
-    storage = _open(path)
-    topic = _truth_topic(storage.topics, "")
-    if topic is None:
+    with closing(open_bag(path)) as storage:
+        topic = _truth_topic(storage.topics, "")
+        if topic is None:
+            raise RecordingError(
+                f"{path}: the bag holds no {_TRUTH} ({_JOINT_STATE}) to take labels from, only"
+                f" {_listing(storage.topics)}"
+            )
+        truth = _read_truth(path, storage, topic)
+    if truth.unreadable:
         raise RecordingError(
-            f"{path}: the bag holds no {_TRUTH} ({_JOINT_STATE}) to take labels from, only"
-            f" {_listing(storage.topics)}"
+            f"{path}: the ground truth on {topic} cannot be read ({truth.reason}); record it again"
         )
-    truth, is_whole = _truths(path, storage, topic)
-    if not is_whole:
-        raise RecordingError(f"{path}: {topic} is damaged after {len(truth)} labels; copy it again")
-    return truth
+    if not truth.is_whole:
+        raise RecordingError(
+            f"{path}: {topic} is damaged after {len(truth.states)} labels; copy it again"
+        )
+    return truth.states
 
 
 class BagSource(Source):
@@ -226,7 +262,7 @@ class BagSource(Source):
     ) -> None:
         super().__init__(path, skip_bad_frames=skip_bad_frames)
         self._is_ros1 = is_ros1(path)
-        self.storage = _open(path)
+        self.storage = open_bag(path)
         self.topic = _choose_topic(path, self.storage.topics, topic)
         chosen = self.storage.topics[self.topic]
         self.frame_count = chosen.count
@@ -239,7 +275,7 @@ class BagSource(Source):
             raise RecordingError(f"{path}: topic {self.topic} holds no images; record it again")
         if self.storage.note:
             self.note = f"{self.storage.note} ({chosen.count} frames)"
-        self._truth = self._read_truth() if with_truth else {}
+        self._truth = self._find_truth() if with_truth else {}
         self.has_truth = bool(self._truth)
 
     def __exit__(self, *error: object) -> None:
@@ -256,15 +292,14 @@ class BagSource(Source):
     def _deserialise(self, message: StoredMessage) -> object:
         return deserialise(message, is_ros1=self._is_ros1)
 
-    def _read_truth(self) -> dict[int, CableState]:
+    def _find_truth(self) -> dict[int, CableState]:
         """Read the ground truth by stamp; what is damaged is said when the frames are read."""
         topic = _truth_topic(self.storage.topics, self.topic)
         if topic is None:
             return {}
-        truth, is_whole = _truths(self.path, self.storage, topic)
-        if not is_whole:
-            self.note = self.note or f"the ground truth on {topic} is damaged: {len(truth)} read"
-        return truth
+        truth = _read_truth(self.path, self.storage, topic)
+        self.note = "; ".join(note for note in (self.note, *truth.notes()) if note)
+        return truth.states
 
     def _read(self, start: int) -> Generator[Frame | UnreadableFrame]:
         if self._is_video:
@@ -328,7 +363,7 @@ class BagSource(Source):
                     packet = read_packet(self._deserialise(message), message.time)
                 # Deserialising foreign bytes raises what the parser happens to raise.
                 except Exception as error:  # noqa: BLE001
-                    nothing = Packet(message.time, "camera", "", b"")
+                    nothing = Packet(message.time, "camera", "", b"", message.time)
                     yield DecodedPicture(nothing, None, f"damaged message: {one_line(error)}")
                     continue
                 yield from decoder.take(packet)
@@ -340,7 +375,7 @@ class BagSource(Source):
             return UnreadableFrame(index, packet.stamp, decoded.reason)
         image = raw_from_array(decoded.picture, "bgr8")
         truth = self._truth.get(packet.stamp)
-        return Frame(index, packet.stamp, image, packet.frame_id, truth, packet.stamp)
+        return Frame(index, packet.stamp, image, packet.frame_id, truth, packet.received)
 
     def _frame(self, index: int, message: StoredMessage) -> Frame | UnreadableFrame:
         try:

@@ -364,3 +364,20 @@ def open_storage(path: Path) -> BagStorage:
         return SalvagedStorage(files, damage)
     storage.note = _unmerged_log(path)
     return storage
+
+
+def open_bag(path: Path) -> BagStorage:
+    """Open a bag as `open_storage` does; an error names it, and says what to do.
+
+    Raises
+    ------
+    RecordingError
+        Not one message can be read.
+    """
+    try:
+        return open_storage(path)
+    except (RecordingError, OSError) as error:
+        raise RecordingError(
+            f"{path}: not one message can be read ({one_line(error)}); check that the"
+            " recording is a bag and was copied completely"
+        ) from error

@@ -17,8 +17,6 @@ from cable_tracker.errors import OutputError, write_failure
 from cable_tracker.sequences.bag_storage import METADATA
 from cable_tracker.sequences.typestores import typestore
 
-__all__ = ["BagWriter", "typestore"]
-
 _PLUGINS = {"sqlite3": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
 _LATEST_STAMP = 2**63 - 1
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Generator, Iterator, Mapping
-from contextlib import closing
+from collections.abc import Callable, Container, Generator, Iterator, Mapping
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -91,6 +91,12 @@ class Source(ABC):
         self.label({})
         self._labels_by_stamp = labels
         self.has_truth = bool(labels)
+
+    def has_frame_at(self, stamps: Container[int]) -> bool:
+        """Tell whether a frame has one of some times [ns]; read up to the first, or to damage."""
+        with closing(self._read_chosen(stamps.__contains__)) as items, suppress(RecordingError):
+            return next(items, None) is not None
+        return False
 
     def frames(self, start: int = 0) -> Iterator[Frame]:
         """Read the frames from the beginning, or from a later one on.

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cable_tracker.errors import RecordingError, one_line
-from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_storage
+from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_bag
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice, find_instruments
 from cable_tracker.sequences.messages.factory import Message
 from cable_tracker.sequences.static_transforms import TF_STATIC, StaticTransform, read_transform
@@ -82,7 +82,7 @@ class InstrumentSource:
     ) -> None:
         self.path = path
         self._is_ros1 = is_ros1(path)
-        self._storage = storage or open_storage(path)
+        self._storage = storage or open_bag(path)
         try:
             self.found = find_instruments(self._storage, image_topic, choice or InstrumentChoice())
         except RecordingError as error:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import os.path
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError, RecordingError, read_failure
@@ -21,6 +22,9 @@ from cable_tracker.sequences.sequence_file import (
 from cable_tracker.sequences.video import VIDEO_SUFFIXES, VideoSource
 
 __all__ = ["ChosenRecording", "Source", "is_bag", "open_source"]
+
+_IN_ANOTHER, _MAY_BE_IN_FOLDER, _IN_FOLDER = range(3)
+"""How surely a labelled file lies in a folder, see `_nearness`."""
 
 
 def is_bag(path: Path) -> bool:
@@ -75,11 +79,52 @@ def _open_unlabelled(  # noqa: PLR0917
     return _file_source(path, rate, skip_bad_frames, allow_outside)
 
 
+def _own_labels(labels: list[Label], truth: Path, folder: Path) -> list[Label]:
+    """Return the labels of files in a folder, of labels that are called like such files.
+
+    A label names its file relative to the folder of the label file, or to another one if either
+    has been moved. Where the same names come in several folders, those of the nearest count.
+
+    Raises
+    ------
+    RecordingError
+        Two labelled files have one name, and nothing tells which of them is meant.
+    """
+    parents = {PurePath(label.filename).parent for label in labels}
+    near = {parent: _nearness(parent, truth, folder) for parent in parents}
+    least = min(_MAY_BE_IN_FOLDER, max(near.values(), default=_IN_ANOTHER))
+    candidates: dict[str, dict[int, list[Label]]] = {}
+    for label in labels:
+        name = PurePath(label.filename)
+        if near[name.parent] >= least:
+            by_nearness = candidates.setdefault(name.name, {})
+            by_nearness.setdefault(near[name.parent], []).append(label)
+    own: list[Label] = []
+    for by_nearness in candidates.values():
+        nearest = max(by_nearness)
+        names = sorted({label.filename for label in by_nearness[nearest]})
+        if nearest < _IN_FOLDER and len(names) > 1:
+            raise RecordingError(
+                f"{truth}: labels {names[0]} and {names[1]}, either of which may be that of"
+                f" {folder}; give a file with labels of one folder"
+            )
+        own += by_nearness[nearest]
+    return own
+
+
+def _nearness(parent: PurePath, truth: Path, folder: Path) -> int:
+    """Tell how surely a folder, as a label names it, is a folder of a recording."""
+    real = os.path.realpath(folder)
+    if os.path.realpath(truth.parent / parent) == real:
+        return _IN_FOLDER
+    return _MAY_BE_IN_FOLDER if parent.name in ("", PurePath(real).name) else _IN_ANOTHER
+
+
 def _labels_of(source: Source, labels: list[Label], truth: Path) -> list[Label]:
     """Return the labels that speak of this source, of all the labels in a file."""
-    own = [label for label in labels if Path(label.filename).name == source.path.name]
+    own = [label for label in labels if PurePath(label.filename).name == source.path.name]
     if own:
-        return own
+        return _own_labels(own, truth, source.path.parent)
     names = {label.filename for label in labels}
     if len(names) > 1:
         raise RecordingError(
@@ -101,10 +146,13 @@ def _numbered_labels(source: Source, labels: list[Label], truth: Path) -> dict[i
     return numbered
 
 
-def _picture_labels(source: ImageFolderSource, labels: list[Label]) -> dict[int, Label]:
+def _picture_labels(
+    source: ImageFolderSource, labels: list[Label], truth: Path
+) -> dict[int, Label]:
     numbers = {picture.name: index for index, picture in enumerate(source.pictures)}
-    named = ((numbers.get(Path(label.filename).name), label) for label in labels)
-    return {number: label for number, label in named if number is not None}
+    named = [label for label in labels if PurePath(label.filename).name in numbers]
+    own = _own_labels(named, truth, source.path)
+    return {numbers[PurePath(label.filename).name]: label for label in own}
 
 
 def _entry_labels(source: SequenceFileSource, labels: list[Label]) -> dict[int, Label]:
@@ -117,7 +165,7 @@ def _labels_by_frame(source: Source, truth: Path, allow_outside: bool) -> dict[i
     labels = read_labels(truth, allow_outside=allow_outside)
     found: dict[int, Label] = {}
     if isinstance(source, ImageFolderSource):
-        found = _picture_labels(source, labels)
+        found = _picture_labels(source, labels, truth)
     elif isinstance(source, SequenceFileSource):
         found = _entry_labels(source, labels)
     if not found:
@@ -196,6 +244,11 @@ def _label_from_bag(source: Source, truth: Path) -> None:
     """Attach the ground truth of a bag: by time to a bag, by order to what has no time."""
     labels = read_bag_truth(truth)
     if isinstance(source, BagSource):
+        if not source.has_frame_at(labels):
+            raise RecordingError(
+                f"{truth}: not one of its {len(labels)} labels has the time of a frame of"
+                f" {source.path}; give the truth that belongs to this recording"
+            )
         source.label_by_stamp(labels)
         return
     if len(labels) != source.frame_count:

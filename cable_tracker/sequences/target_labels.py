@@ -20,7 +20,7 @@ from cable_tracker.atomic_output import output_folder
 from cable_tracker.errors import RecordingError, one_line, read_failure
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag import BagSource
-from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_storage
+from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_bag
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.convert import write_frame
 from cable_tracker.sequences.frame import Frame
@@ -142,7 +142,10 @@ def find_boxes(source: Source, truth: Path | None = None) -> BoxTruth:
             raise RecordingError(
                 f"{truth}: labels by time, which {source.path} has not; give a text file"
             )
-        return BoxTruth(by_stamp=_read_bag(truth))
+        if truth == source.path:
+            return BoxTruth(by_stamp=_read_bag(source.storage, truth))
+        with closing(open_bag(truth)) as storage:
+            return BoxTruth(by_stamp=_read_bag(storage, truth))
     if not truth.is_file() or truth == source.path:
         raise RecordingError(
             f"{source.path}: has no boxes to judge by; give them with --truth FILE, lines of the"
@@ -168,7 +171,7 @@ def own_boxes(source: Source) -> BoxTruth:
     path = _own_labels(source)
     if path != source.path:
         return find_boxes(source, path)
-    if isinstance(source, BagSource) and _box_topic(_storage(path)):
+    if isinstance(source, BagSource) and _box_topic(source.storage):
         return find_boxes(source)
     return BoxTruth()
 
@@ -176,7 +179,7 @@ def own_boxes(source: Source) -> BoxTruth:
 def _numbered(
     source: Source, boxes: Mapping[str, Box | None], truth: Path
 ) -> dict[int, Box | None]:
-    """Return boxes by the numbers of the frames."""
+    """Return boxes by the numbers of the frames; one frame may have several names."""
     numbers: dict[str, int] = {}
     if isinstance(source, ImageFolderSource):
         numbers = {picture.name: index for index, picture in enumerate(source.pictures)}
@@ -190,15 +193,12 @@ def _numbered(
             raise RecordingError(
                 f"{truth}: labels {name}, which is no frame of {source.path}; remove the line"
             )
+        if number in found:
+            raise RecordingError(
+                f"{truth}: labels frame {number} again, as {name}; remove one of the lines"
+            )
         found[number] = box
     return found
-
-
-def _storage(path: Path) -> BagStorage:
-    try:
-        return open_storage(path)
-    except OSError as error:
-        raise read_failure(path, error) from error
 
 
 def _box_topic(storage: BagStorage) -> str:
@@ -212,10 +212,9 @@ def _box_topic(storage: BagStorage) -> str:
     return topics[0] if topics else ""
 
 
-def _read_bag(path: Path) -> dict[int, Box | None]:
+def _read_bag(storage: BagStorage, path: Path) -> dict[int, Box | None]:
     """Read the boxes of a bag by stamp [ns]."""
-    storage, wanted = _storage(path), node_topics.TRUE_BOX
-    topic = _box_topic(storage)
+    wanted, topic = node_topics.TRUE_BOX, _box_topic(storage)
     if not topic:
         raise RecordingError(
             f"{path}: the bag holds no {wanted.name} ({wanted.type_name}); give boxes with --truth"
@@ -231,8 +230,10 @@ def _boxes_of(storage: BagStorage, path: Path, topic: str) -> dict[int, Box | No
                 message = deserialise(stored, is_ros1=is_ros1(path))
                 corners = [(float(each.x), float(each.y)) for each in message.polygon.points]
                 boxes[stamp_of(message.header) or stored.time] = _around(corners)
-    except RecordingError:
-        raise
+    except RecordingError as error:
+        raise RecordingError(
+            f"{path}: {topic} is damaged after {len(boxes)} boxes ({error}); copy it again"
+        ) from error
     # Deserialising foreign bytes raises what the parser happens to raise.
     except Exception as error:
         raise RecordingError(

@@ -25,14 +25,27 @@ def deserialise(message: StoredMessage, *, is_ros1: bool) -> Message:
         The bytes are no such message; the parser raises what it happens to raise.
     """
     data = message.data
-    if is_packed(data):
+    if _is_packed(data):
         data = unpack_zstd(data, _unpacked_size(data))
     if is_ros1:
         return ros1_typestore().deserialize_ros1(data, message.msgtype)
     return deserialise_cdr(data, message.msgtype)
 
 
-def is_packed(data: bytes) -> bool:
+def beginning(data: bytes, length: int) -> bytes:
+    """Return the first bytes of a stored message, as it was before a bag compressed it.
+
+    There may be more of them than `length`, and fewer where the message is short or damaged.
+    """
+    if not _is_packed(data):
+        return data
+    try:
+        return unpack_zstd(data, length)
+    except zstandard.ZstdError:
+        return b""
+
+
+def _is_packed(data: bytes) -> bool:
     """Tell whether a message was compressed by itself."""
     return data.startswith(_ZSTD_MAGIC)
 

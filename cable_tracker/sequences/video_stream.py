@@ -63,6 +63,8 @@ class Packet:
         Codec, as named in the message.
     data : bytes
         One access unit.
+    received : int
+        Time of reception by the recorder [ns].
     count : int
         Number of the picture as its sender counts; 0 for all: it does not.
     """
@@ -71,6 +73,7 @@ class Packet:
     frame_id: str
     format: str
     data: bytes
+    received: int
     count: int = 0
 
 
@@ -105,7 +108,7 @@ def read_packet(message: Message, received: int) -> Packet:
     coding = str(coding).split(";")[0].strip().lower()
     data = np.asarray(message.data, np.uint8).tobytes()
     count = int(getattr(message, "pts", 0))
-    return Packet(stamp or received, str(frame_id) or "camera", coding, data, count)
+    return Packet(stamp or received, str(frame_id) or "camera", coding, data, received, count)
 
 
 class StreamDecoder:

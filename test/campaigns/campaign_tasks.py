@@ -52,6 +52,14 @@ class Failing(Square):
 
 
 @dataclass(frozen=True)
+class Erring(Square):
+    """Has a bug."""
+
+    def run(self, folder: Path, advance: Callable[[int], None]) -> None:
+        raise ZeroDivisionError("division\nby zero")
+
+
+@dataclass(frozen=True)
 class KillsItsWorkerOnce(Square):
     """Ends its own process the first time that it is done."""
 
@@ -76,3 +84,8 @@ class SquareResult:
             raise RecordingError("a negative number")
         advance()
         return self.number**2
+
+
+def done_elsewhere(*_arguments: object) -> tuple[str, int]:
+    """Stand for a worker on a machine that does not share the folder of the results."""
+    return "", 1

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import urllib.request
 
 import pytest
 
@@ -21,6 +22,19 @@ def test_workers_that_are_started_here_keep_freed_memory():
     with connected(ClusterSettings(workers=1)) as client:
         (found,) = client.run(lambda: dict(os.environ)).values()
     assert {name: int(found[name]) for name in KEPT_MEMORY} == KEPT_MEMORY
+
+
+def test_where_the_pages_are_is_told_while_they_are_served():
+    told = []
+
+    def fetch(address):
+        with urllib.request.urlopen(address) as answer:
+            told.append(answer.status)
+
+    with connected(ClusterSettings(workers=1, dashboard=True, tell_dashboard=fetch)):
+        assert told == [200]
+    with connected(ClusterSettings(workers=1, tell_dashboard=fetch)):
+        assert told == [200]
 
 
 def test_other_variables_of_dask_stay_as_they_are_set():

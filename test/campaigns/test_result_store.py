@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from campaign_tasks import Square
 
 from cable_tracker.cable.model.estimate import TrackingStatus
+from cable_tracker.campaigns.folder_tasks import run_in_folder
 from cable_tracker.campaigns.result_store import (
     STORE,
     fingerprint_of,
@@ -131,6 +133,32 @@ def test_results_lie_beside_an_output_until_it_is_complete_and_in_it_then(tmp_pa
     assert (output / STORE / fingerprint_of(task)).is_file()
     with stored_beside(output, ClusterSettings(), resume=True) as settings:
         assert kept_result(task, settings.store) == (1,)
+
+
+def test_what_an_earlier_campaign_has_left_is_removed(tmp_path):
+    store = tmp_path / f"out.{STORE}"
+    keep_result(Counting(1, tmp_path / "notes"), 1, store)
+    result = fingerprint_of(Counting(1, tmp_path / "notes"))
+    (store / f".{result}.4711.part").write_bytes(b"half a res")
+    (store / ".default_7.partial" / "default_7").mkdir(parents=True)
+    run_in_folder(Square(3), store, "1.0", lambda count: None)
+    with stored_beside(tmp_path / "out", ClusterSettings(), resume=False):
+        assert not store.exists()
+
+
+@pytest.mark.parametrize("name", ["thesis.tex", "photos/1.jpg", ".hidden"])
+def test_a_folder_of_the_name_of_a_store_that_holds_anything_else_is_left_alone(tmp_path, name):
+    store = tmp_path / f"out.{STORE}"
+    keep_result(Counting(1, tmp_path / "notes"), 1, store)
+    (store / name).parent.mkdir(exist_ok=True)
+    (store / name).write_text("my own")
+    with (
+        pytest.raises(OutputError, match=r"out\.tasks: is to be replaced, but holds .*; move it"),
+        stored_beside(tmp_path / "out", ClusterSettings(), resume=False),
+    ):
+        pass
+    assert (store / name).read_text() == "my own"
+    assert kept_result(Counting(1, tmp_path / "notes"), store) == (1,)
 
 
 class Attack:

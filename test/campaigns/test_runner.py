@@ -14,7 +14,14 @@ import pytest
 pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("default")
 
-from campaign_tasks import Failing, KillsItsWorkerOnce, Square, SquareResult  # noqa: E402
+from campaign_tasks import (  # noqa: E402
+    Erring,
+    Failing,
+    KillsItsWorkerOnce,
+    Square,
+    SquareResult,
+    done_elsewhere,
+)
 from distributed import Client, LocalCluster  # noqa: E402
 
 from cable_tracker.campaigns.folder_tasks import TaskState  # noqa: E402
@@ -73,6 +80,43 @@ def test_what_fails_is_a_row_that_says_why(both, tmp_path):
     assert states(outcomes) == [TaskState.DONE, TaskState.FAILED, TaskState.DONE]
     assert outcomes[1].reason == "number_2: holds no frames"
     assert not (tmp_path / "number_2").exists()
+
+
+@pytest.mark.parametrize("where", [ALONE, "both"])
+def test_an_error_that_is_not_foreseen_ends_no_other_task_either(request, tmp_path, where):
+    settings = request.getfixturevalue(where) if isinstance(where, str) else where
+    outcomes = run_campaign([Square(1), Erring(2), Square(3)], tmp_path, settings)
+    assert states(outcomes) == [TaskState.DONE, TaskState.FAILED, TaskState.DONE]
+    assert outcomes[1].reason == "ZeroDivisionError: division by zero"
+
+
+class Stopped(Square):
+    def run(self, folder, advance):
+        raise KeyboardInterrupt
+
+
+def test_an_earlier_result_stays_until_the_new_one_is_complete(tmp_path):
+    run_campaign([Square(1), Square(2)], tmp_path, ALONE)
+    with pytest.raises(KeyboardInterrupt):
+        run_campaign([Stopped(1), Square(2, parameter="another")], tmp_path, ALONE)
+    assert [(tmp_path / f"number_{n}/square.txt").read_text() for n in (1, 2)] == ["1", "4"]
+
+
+@pytest.mark.parametrize("task", [Failing(1), Erring(1)])
+def test_a_task_that_fails_now_leaves_no_earlier_result(tmp_path, task):
+    run_campaign([Square(1)], tmp_path, ALONE)
+    assert states(run_campaign([task], tmp_path, ALONE)) == [TaskState.FAILED]
+    assert not (tmp_path / "number_1").exists()
+
+
+def test_an_earlier_result_is_not_taken_for_that_of_a_worker_that_does_not_share_the_folder(
+    both, tmp_path, monkeypatch
+):
+    run_campaign([Square(1)], tmp_path, ALONE)
+    monkeypatch.setattr("cable_tracker.campaigns.runner._folder_in_worker", done_elsewhere)
+    (outcome,) = run_campaign([Square(1, parameter="another")], tmp_path, both)
+    assert outcome.state is TaskState.FAILED
+    assert "workers on other machines must share this folder" in outcome.reason
 
 
 def test_tasks_of_a_killed_worker_are_done_by_others(both, tmp_path):

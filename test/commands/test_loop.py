@@ -38,6 +38,16 @@ def test_what_cannot_be_run_is_refused(tmp_path, option, value, words):
 
 
 @pytest.mark.parametrize(
+    "options",
+    [("--workers", "2"), ("--resume",), ("--scheduler", "tcp://host:8786"), ("--dashboard",)],
+)
+def test_options_for_several_runs_are_refused_for_one(tmp_path, options):
+    words = f"{options[0]} can only do something for several runs; leave it out"
+    with pytest.raises(ParameterError, match=words):
+        run("loop", *options, "--output", str(tmp_path / "loop"))
+
+
+@pytest.mark.parametrize(
     ("rms", "words"),
     [
         (0.0612, "within the goal: RMS 0.061 m, goal 0.15 m."),

@@ -244,7 +244,7 @@ def run_video_stream(data: bytes) -> None:
         length = int.from_bytes(data[place : place + 2], "little")
         unit = data[place + 2 : place + 2 + length]
         place += 2 + length
-        check_pictures(decoder.take(Packet(STAMP + number, "eye", coding, unit)))
+        check_pictures(decoder.take(Packet(STAMP + number, "eye", coding, unit, STAMP + number)))
     check_pictures(decoder.end())
 
 

@@ -3,13 +3,15 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import sqlite3
+from contextlib import closing
 
 import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from cable_tracker.errors import FrameError, RecordingError
-from cable_tracker.sequences.bag import BagSource
+from cable_tracker.sequences.bag import BagSource, read_bag_truth
 from cable_tracker.sequences.encodings import decode_grey
 from cable_tracker.sequences.frame import CompressedImage, RawImage
 
@@ -123,6 +125,36 @@ def test_without_a_header_stamp_the_receive_time_counts(make_bag, state, first_s
     frames = read(make_bag(stamped=False))
     assert [frame.stamp for frame in frames[:2]] == [first_stamp + 1000, first_stamp + 40_001_000]
     assert frames[2].truth == state(2)
+
+
+@pytest.mark.parametrize(("storage", "compression"), STORAGES)
+@pytest.mark.parametrize("compressed_images", [False, True])
+def test_frames_are_chosen_by_their_stamps_however_the_bag_is_compressed(
+    make_bag, first_stamp, *, storage, compression, compressed_images
+):
+    path = make_bag(storage=storage, compression=compression, compressed_images=compressed_images)
+    asked = []
+    with BagSource(path) as source:
+        chosen = source.chosen_frames(lambda stamp: asked.append(stamp) or len(asked) in {2, 4})
+        assert [frame.index for frame in chosen] == [1, 3]
+    assert asked == [first_stamp + index * 40_000_000 for index in range(5)]
+
+
+def test_a_packed_picture_whose_beginning_is_damaged_is_asked_about_by_its_receive_time(
+    make_bag, first_stamp
+):
+    path = make_bag(storage="sqlite3", compression="message")
+    with closing(sqlite3.connect(path / "bag.db3")) as database, database:
+        damaged = b"\x28\xb5\x2f\xfd" + bytes(20)
+        database.execute(
+            "UPDATE messages SET data = ? WHERE timestamp = ? AND topic_id ="
+            " (SELECT id FROM topics WHERE name = '/camera/image')",
+            (damaged, first_stamp + 1000),
+        )
+    asked = []
+    with BagSource(path, skip_bad_frames=True) as source:
+        assert not list(source.chosen_frames(lambda stamp: bool(asked.append(stamp))))
+    assert asked[:2] == [first_stamp + 1000, first_stamp + 40_000_000]
 
 
 @pytest.mark.parametrize("name", ["/left/image", "left/image", "left/image/"])
@@ -259,6 +291,37 @@ def test_only_joint_states_are_ground_truth(tmp_path, maker, picture, first_stam
     assert len(list(source.frames())) == 1
 
 
+@pytest.fixture
+def half_labelled(tmp_path, maker, picture, state, first_stamp):
+    """Bag of two pictures, of which the second has a label that cannot be decoded."""
+    path = tmp_path / "half_labelled"
+    with Writer(path, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        image, truth = (
+            writer.add_connection(topic, f"sensor_msgs/msg/{kind}", typestore=maker.store)
+            for topic, kind in (("/image", "Image"), ("/ground_truth", "JointState"))
+        )
+        for index, data in enumerate(
+            (maker.serialise(maker.truth(first_stamp, state(0))), b"\0\1\0\0\1")
+        ):
+            stamp = first_stamp + index
+            writer.write(image, stamp, maker.serialise(maker.image(stamp, picture(index))))
+            writer.write(truth, stamp, data)
+    return path
+
+
+def test_a_label_that_cannot_be_decoded_is_left_out_and_said(half_labelled, state):
+    with BagSource(half_labelled) as source:
+        assert "/ground_truth: 1 of its messages cannot be read and are left out" in source.note
+        assert [frame.truth for frame in source.frames()] == [state(0), None]
+    with BagSource(half_labelled, with_truth=False) as source:
+        assert not source.note
+
+
+def test_where_only_labels_are_asked_for_all_must_be_decodable(half_labelled):
+    with pytest.raises(RecordingError, match="ground truth on /ground_truth cannot be read"):
+        read_bag_truth(half_labelled)
+
+
 @pytest.mark.parametrize(
     "text", ["", "{", "rosbag2_bagfile_information: 3", "- 1\n- 2", "\0\1", "a: &a [*a"]
 )
@@ -290,7 +353,7 @@ def test_a_topic_without_a_name_in_the_metadata_is_found_out_from_the_messages(m
 def test_garbage_is_refused(tmp_path, name, length):
     path = tmp_path / name
     path.write_bytes(np.random.default_rng(length).bytes(length))
-    with pytest.raises(RecordingError, match=r"x\.\w+: not one frame can be read") as caught:
+    with pytest.raises(RecordingError, match=r"x\.\w+: not one message can be read") as caught:
         BagSource(path)
     assert "\n" not in str(caught.value)
 

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from cable_tracker.errors import RecordingError
 from cable_tracker.sequences.bag_writer import BagWriter
 from cable_tracker.sequences.instrument_source import InstrumentSource
 from cable_tracker.sequences.instruments import (
@@ -64,3 +65,9 @@ def test_the_mounting_is_read_from_tf_static(bag):
     rotation, place = place_in(transforms, "camera", "base_link")
     np.testing.assert_allclose(rotation, optical_rotation(0.3), atol=1e-12)
     np.testing.assert_allclose(place, 0.0)
+
+
+def test_a_bag_that_cannot_be_opened_is_named(tmp_path):
+    (tmp_path / "broken.mcap").write_bytes(b"\x89MCAP0\r\n")
+    with pytest.raises(RecordingError, match=r"broken\.mcap: not one message can be read"):
+        InstrumentSource(tmp_path / "broken.mcap", "/image")

@@ -150,6 +150,20 @@ def test_truth_of_a_bag_is_attached_to_a_bag_by_time_and_to_others_by_order(tmp_
         open_source(tmp_path / "four", truth=tmp_path / "truth")
 
 
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_truth_of_another_dive_is_refused(tmp_path, make_bag, storage):
+    other = list(simulate(SimulationSettings(2, image_size=(64, 48))))
+    write_bag(tmp_path / "other", other)
+    with pytest.raises(RecordingError, match=r"other: not one of its 2 labels .* frame of .*bag"):
+        open_source(make_bag(storage=storage), truth=tmp_path / "other")
+
+
+def test_truth_of_a_dive_is_its_own_however_late_it_begins(tmp_path, make_bag, make_ros1_bag):
+    write_bag(tmp_path / "late", list(open_source(make_bag()).frames())[4:])
+    for path in (make_bag("again", truth=False), make_ros1_bag(truth=False)):
+        assert list(labelled(open_source(path, truth=tmp_path / "late"))) == [4]
+
+
 def test_a_bag_without_truth_is_no_truth(tmp_path, make_bag):
     dive = simulate(SimulationSettings(2, image_size=(64, 48)))
     write_bag(tmp_path / "other", [replace(frame, truth=None) for frame in dive])
@@ -163,6 +177,61 @@ def test_labels_are_attached_to_pictures_by_name(pictures, write_truth, state):
         3: resting(state(0)),
         0: resting(state(1)),
     }
+
+
+@pytest.fixture
+def days(tmp_path, picture):
+    """Two folders, each with pictures of the same names."""
+    folders = [tmp_path / "dives" / name for name in ("day1", "day2")]
+    for folder in folders:
+        folder.mkdir(parents=True)
+        for index in range(2):
+            cv2.imwrite(str(folder / f"{index}.png"), picture(index))
+    return folders
+
+
+@pytest.mark.parametrize("place", ["dives/", "", "elsewhere/"])
+def test_of_labels_for_several_folders_the_own_ones_count(
+    tmp_path, days, write_truth, place, state
+):
+    truth = write_truth(
+        ("day1/0.png", None), ("day2/0.png", None), ("day1/1.png", None), ("day3/1.png", None)
+    )
+    (tmp_path / place).mkdir(exist_ok=True)
+    moved = truth.replace(tmp_path / place / "truth.txt")
+    day1, day2 = (labelled(open_source(folder, truth=moved)) for folder in days)
+    assert day1 == {0: resting(state(0)), 1: resting(state(2))}
+    assert day2 == {0: resting(state(1))}
+
+
+def test_a_folder_is_known_by_its_place_before_its_name(days, write_truth, state):
+    truth = write_truth(("old/day1/0.png", None), ("dives/day1/0.png", None))
+    assert labelled(open_source(days[0], truth=truth)) == {0: resting(state(1))}
+
+
+def test_labels_of_other_folders_that_could_both_be_meant_are_refused(days, write_truth):
+    truth = write_truth(("a/0.png", None), ("b/0.png", None))
+    with pytest.raises(RecordingError, match=r"labels a/0\.png and b/0\.png, either of which"):
+        open_source(days[0], truth=truth)
+
+
+def test_labels_of_a_folder_that_was_renamed_are_attached_by_name(days, write_truth, state):
+    truth = write_truth(("a/0.png", None), ("a/1.png", None))
+    assert labelled(open_source(days[0], truth=truth)) == {
+        0: resting(state(0)),
+        1: resting(state(1)),
+    }
+
+
+def test_of_labels_for_videos_of_one_name_those_of_the_own_folder_count(
+    make_video, write_truth, state
+):
+    video = make_video()
+    truth = write_truth(("other/dive.avi", 2), ("dive.avi", 2))
+    assert labelled(open_source(video, truth=truth)) == {2: resting(state(1))}
+    truth = write_truth(("other/dive.avi", 2), ("third/dive.avi", 2))
+    with pytest.raises(RecordingError, match="either of which"):
+        open_source(video, truth=truth)
 
 
 def test_labels_are_attached_to_pictures_by_number(pictures, write_truth, state):

@@ -1,5 +1,8 @@
 """Boxes around targets, in files and bags."""
 
+import os
+import shutil
+
 import cv2
 import numpy as np
 import pytest
@@ -14,6 +17,7 @@ from cable_tracker.sequences.source import open_source
 from cable_tracker.sequences.target_labels import (
     find_boxes,
     format_boxes,
+    own_boxes,
     read_boxes,
     write_target_bag,
     write_target_pictures,
@@ -75,6 +79,8 @@ def test_a_text_file_labels_a_bag_by_number(tmp_path):
         ("0.png 5 2 3 9", "no area"),
         ("0.png 1 2 x 9", "malformed"),
         ("0.png none\n0.png none", "labels 0.png again"),
+        ("0 1 2 3 4\n00 2 3 4 5", "labels frame 0 again, as 00"),
+        ("0.png 1 2 3 4\n0 none", "labels frame 0 again, as 0"),
         ("# nothing else", "no labels"),
         ("7.png 1 2 3 4", "no frame of"),
         ("7 1 2 3 4", "no frame of"),
@@ -97,3 +103,30 @@ def test_a_bag_of_a_cable_has_no_boxes(tmp_path):
     write_bag(tmp_path / "dive", (frame for frame, _ in labelled()))
     with pytest.raises(RecordingError, match="ground_truth/box"):
         found_in(tmp_path / "dive")
+
+
+def test_a_bag_with_boxes_that_cannot_be_opened_is_named(tmp_path):
+    write_target_bag(tmp_path / "dive", labelled())
+    broken = tmp_path / "broken.mcap"
+    shutil.copy(tmp_path / "dive" / "dive.mcap", broken)
+    os.truncate(broken, 20)
+    with pytest.raises(RecordingError, match=r"broken\.mcap: not one message can be read"):
+        found_in(tmp_path / "dive", broken)
+
+
+def test_a_bag_whose_boxes_break_off_is_named(tmp_path):
+    write_target_bag(tmp_path / "dive", labelled(), storage="sqlite3")
+    write_target_bag(tmp_path / "broken", list(labelled()) * 20, storage="sqlite3")
+    file = tmp_path / "broken" / "broken.db3"
+    os.truncate(file, int(0.6 * file.stat().st_size))
+    with pytest.raises(RecordingError, match=r"broken: \S+ is damaged after \d+ boxes"):
+        found_in(tmp_path / "dive", tmp_path / "broken")
+
+
+def test_the_boxes_of_a_recording_are_read_from_the_bag_that_is_open(tmp_path):
+    write_target_bag(tmp_path / "dive", labelled())
+    with open_source(tmp_path / "dive") as source:
+        # A reader that opened it again would find nothing.
+        (tmp_path / "dive" / "dive.mcap").unlink()
+        assert list(own_boxes(source).by_stamp.values()) == BOXES
+        assert list(find_boxes(source).by_stamp.values()) == BOXES

@@ -73,11 +73,11 @@ def ffmpeg(stamp: int, data: bytes, coding: str):
     )  # fmt: skip
 
 
-def bag_of(path, coded, coding="h264", kind=FOXGLOVE):
+def bag_of(path, coded, coding="h264", kind=FOXGLOVE, first_stamp=FIRST):
     make = foxglove if kind == FOXGLOVE else ffmpeg
     with BagWriter(path) as bag:
         for number, (index, data) in enumerate(coded):
-            message = make(FIRST + index * STEP, data, coding)
+            message = make(first_stamp + index * STEP, data, coding)
             bag.write("/video", kind, message, FIRST + number * STEP)
     return path
 
@@ -115,6 +115,25 @@ def test_every_picture_comes_with_the_stamp_of_its_packet(tmp_path, kind):
     assert is_as_coded(shown(path), range(COUNT))
 
 
+OUT_OF_ORDER = {"preset": "medium", "x264-params": "bframes=2:b-adapt=0:repeat-headers=1"}
+
+
+@pytest.mark.parametrize("kind", [FOXGLOVE, FFMPEG])
+@pytest.mark.parametrize("options", [H264, OUT_OF_ORDER])
+def test_a_picture_was_received_when_its_packet_was_whatever_the_clock_of_the_camera(
+    tmp_path, kind, options
+):
+    coded = packets("libx264", **options)
+    path = bag_of(tmp_path / "bag", coded, "h264", kind, first_stamp=100_000_000_000)
+    received = {index: FIRST + number * STEP for number, (index, _) in enumerate(coded)}
+    with BagSource(path) as source:
+        frames = list(source.frames())
+    assert [frame.stamp for frame in frames] == [
+        100_000_000_000 + index * STEP for index in range(COUNT)
+    ]
+    assert [frame.received for frame in frames] == [received[index] for index in range(COUNT)]
+
+
 @pytest.mark.parametrize(
     ("encoder", "coding"),
     [("libx265", "h265"), ("libvpx-vp9", "vp9"), ("libsvtav1", "av1"), ("libaom-av1", "av1")],
@@ -140,8 +159,7 @@ def test_a_picture_of_too_many_pixels_is_not_decoded(tmp_path, monkeypatch, enco
 
 
 def test_pictures_that_are_coded_out_of_order_come_in_order(tmp_path):
-    options = {"preset": "medium", "x264-params": "bframes=2:b-adapt=0:repeat-headers=1"}
-    coded = packets("libx264", **options)
+    coded = packets("libx264", **OUT_OF_ORDER)
     assert [index for index, _ in coded] != sorted(index for index, _ in coded)
     assert is_as_coded(shown(bag_of(tmp_path / "bag", coded)), range(COUNT))
 
