@@ -7,17 +7,18 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, cast
-
-import numpy as np
 
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.bag_storage import BagStorage, Topic, is_ros1, open_bag
 from cable_tracker.sequences.encodings import raw_from_array
-from cable_tracker.sequences.frame import CompressedImage, Frame, RawImage
+from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.frame_source import Source, UnreadableFrame, damage
+from cable_tracker.sequences.messages.cable import read_state
+from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import stamp_or_received
+from cable_tracker.sequences.messages.images import read_compressed_image, read_image
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.unpacking import beginning, deserialise
 from cable_tracker.sequences.video_stream import (
@@ -29,26 +30,12 @@ from cable_tracker.sequences.video_stream import (
 )
 from cable_tracker.stamps import NANOSECONDS
 
-if TYPE_CHECKING:
-    from rosbags.typesys.stores.ros2_jazzy import (
-        sensor_msgs__msg__CompressedImage,
-        sensor_msgs__msg__Image,
-        sensor_msgs__msg__JointState,
-        std_msgs__msg__Header,
-    )
-
-    class _Stamped(Protocol):
-        header: std_msgs__msg__Header
-
-
 _IMAGE = "sensor_msgs/msg/Image"
 _COMPRESSED = "sensor_msgs/msg/CompressedImage"
 _JOINT_STATE = node_topics.GROUND_TRUTH.type_name
 _TRUTH = node_topics.GROUND_TRUTH.name
 HEADER_END = 12
 """End of the stamp in a serialised picture [bytes]."""
-
-_TRUTH_NAMES = ("d", "alpha", "w", "beta")
 
 
 def _listing(topics: dict[str, Topic]) -> str:
@@ -97,30 +84,6 @@ def _truth_topic(topics: dict[str, Topic], image_topic: str) -> str | None:
         if topic.msgtype == _JOINT_STATE and name.rpartition("/")[2] == _TRUTH and topic.count
     )
     return candidates[0][1] if candidates else None
-
-
-def _state_from_joints(joints: sensor_msgs__msg__JointState) -> CableState | None:
-    """Read d, alpha, w, beta and, if there are any, their rates."""
-    position = dict(zip(joints.name, (float(value) for value in joints.position), strict=False))
-    if not all(name in position for name in _TRUTH_NAMES):
-        return None
-    velocity = dict(zip(joints.name, (float(value) for value in joints.velocity), strict=False))
-    state = CableState(
-        distance=position["d"],
-        angle=position["alpha"],
-        width=position["w"],
-        skew=position["beta"],
-        distance_rate=velocity.get("d", 0.0),
-        angle_rate=velocity.get("alpha", 0.0),
-        width_rate=velocity.get("w", 0.0),
-        skew_rate=velocity.get("beta", 0.0),
-    )
-    return state if state.is_finite() else None
-
-
-def _stamp(message: _Stamped, receive_time: int) -> int:
-    stamp = message.header.stamp
-    return (int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)) or receive_time
 
 
 def stamp_of_picture(message: StoredMessage) -> int:
@@ -185,15 +148,14 @@ def _read_truth(path: Path, storage: BagStorage, topic: str) -> _RecordedTruth:
 
 def _add_truth(truth: _RecordedTruth, message: StoredMessage, from_ros1: bool) -> None:
     try:
-        joints = cast("sensor_msgs__msg__JointState", deserialise(message, is_ros1=from_ros1))
-        state = _state_from_joints(joints)
-        stamp = _stamp(joints, message.time)
+        joints = deserialise(message, is_ros1=from_ros1)
+        state, stamp = read_state(joints), stamp_or_received(joints, message.time)
     # Deserialising foreign bytes raises what the parser happens to raise.
     except Exception as error:  # noqa: BLE001
         truth.unreadable += 1
         truth.reason = truth.reason or one_line(error)
         return
-    if state is not None:
+    if state is not None and state.is_finite():
         truth.states[stamp] = state
 
 
@@ -289,7 +251,7 @@ class BagSource(Source):
             first = next((item for item in items if isinstance(item, Frame)), None)
         return first.frame_id if first is not None else "camera"
 
-    def _deserialise(self, message: StoredMessage) -> object:
+    def _deserialise(self, message: StoredMessage) -> Message:
         return deserialise(message, is_ros1=self._is_ros1)
 
     def _find_truth(self) -> dict[int, CableState]:
@@ -380,35 +342,10 @@ class BagSource(Source):
     def _frame(self, index: int, message: StoredMessage) -> Frame | UnreadableFrame:
         try:
             content = self._deserialise(message)
-            if self.compressed:
-                return self._compressed_frame(
-                    index, message.time, cast("sensor_msgs__msg__CompressedImage", content)
-                )
-            return self._raw_frame(index, message.time, cast("sensor_msgs__msg__Image", content))
+            image = read_compressed_image(content) if self.compressed else read_image(content)
+            stamp = stamp_or_received(content, message.time)
+            frame_id = content.header.frame_id or "camera"
+            return Frame(index, stamp, image, frame_id, self._truth.get(stamp), message.time)
         # Deserialising foreign bytes raises what the parser happens to raise.
         except Exception as error:  # noqa: BLE001
             return UnreadableFrame(index, message.time, f"damaged message: {one_line(error)}")
-
-    def _compressed_frame(
-        self, index: int, time: int, content: sensor_msgs__msg__CompressedImage
-    ) -> Frame:
-        image = CompressedImage(content.format, np.asarray(content.data).data)
-        return self._stamped(index, time, image, content)
-
-    def _raw_frame(self, index: int, time: int, content: sensor_msgs__msg__Image) -> Frame:
-        image = RawImage(
-            encoding=content.encoding,
-            height=int(content.height),
-            width=int(content.width),
-            step=int(content.step),
-            is_bigendian=bool(content.is_bigendian),
-            data=np.asarray(content.data).data,
-        )
-        return self._stamped(index, time, image, content)
-
-    def _stamped(
-        self, index: int, time: int, image: RawImage | CompressedImage, content: _Stamped
-    ) -> Frame:
-        stamp = _stamp(content, time)
-        frame_id = content.header.frame_id or "camera"
-        return Frame(index, stamp, image, frame_id, self._truth.get(stamp), time)

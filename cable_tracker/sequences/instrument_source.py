@@ -11,10 +11,10 @@ from cable_tracker.errors import RecordingError, one_line
 from cable_tracker.sequences.bag_storage import BagStorage, is_ros1, open_bag
 from cable_tracker.sequences.instruments import Instrument, InstrumentChoice, find_instruments
 from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import stamp_or_received
 from cable_tracker.sequences.static_transforms import TF_STATIC, StaticTransform, read_transform
 from cable_tracker.sequences.stored_message import StoredMessage
 from cable_tracker.sequences.unpacking import deserialise
-from cable_tracker.stamps import NANOSECONDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +119,10 @@ class InstrumentSource:
         own = {topic: (pauses or {}).get(each, 0) for topic, each in instruments.items()}
         for stored, message in self._read(list(instruments), own, start):
             yield InstrumentMessage(
-                instruments[stored.topic], message, _stamp_of(message, stored.time), stored.time
+                instruments[stored.topic],
+                message,
+                stamp_or_received(message, stored.time),
+                stored.time,
             )
 
     def static_messages(self) -> Iterator[Message]:
@@ -176,11 +179,3 @@ class InstrumentSource:
     def _note_unreadable(self, stored: StoredMessage, error: Exception) -> None:
         found = self._unreadable.setdefault(stored.topic, _Unreadable(one_line(error)))
         found.times.add(stored.time)
-
-
-def _stamp_of(message: Message, received: int) -> int:
-    header = getattr(message, "header", None)
-    if header is None:
-        return received
-    stamp = int(header.stamp.sec) * NANOSECONDS + int(header.stamp.nanosec)
-    return stamp or received

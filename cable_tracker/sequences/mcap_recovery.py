@@ -21,7 +21,7 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Message, Schema
 
 from cable_tracker.errors import RecordingError
-from cable_tracker.sequences.bag_limits import unpack_lz4, unpack_zstd
+from cable_tracker.sequences.bag_limits import MCAP_UNPACKERS
 from cable_tracker.sequences.stored_message import StoredMessage
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -89,13 +89,10 @@ def _read_record_start(file: IO[bytes]) -> tuple[int, int] | None:
 
 def _unpack(compression: str, data: bytes, size: int) -> bytes:
     """Decompress what is there of a chunk, at most `size` bytes."""
-    if compression == "":
-        return data[:size]
-    if compression == "lz4":
-        return unpack_lz4(data, size)[:size]
-    if compression == "zstd":
-        return unpack_zstd(data, size)[:size]
-    raise ValueError(f"unknown compression {compression[:20]!r}")
+    unpack = MCAP_UNPACKERS.get(compression)
+    if unpack is None:
+        raise ValueError(f"unknown compression {compression[:20]!r}")
+    return unpack(data, size)[:size]
 
 
 def _chunk_records(content: bytes, complete: bool, position: int) -> Iterator[_Record]:

@@ -26,7 +26,7 @@ from cable_tracker.sequences.convert import write_frame
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.image_folder import ImageFolderSource
 from cable_tracker.sequences.image_writer import picture_name, write_picture
-from cable_tracker.sequences.messages.headers import make_header, stamp_of
+from cable_tracker.sequences.messages.headers import make_header, stamp_or_received
 from cable_tracker.sequences.messages.target import make_polygon
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 from cable_tracker.sequences.source import Source, is_bag
@@ -229,7 +229,7 @@ def _boxes_of(storage: BagStorage, path: Path, topic: str) -> dict[int, Box | No
             for stored in messages:
                 message = deserialise(stored, is_ros1=is_ros1(path))
                 corners = [(float(each.x), float(each.y)) for each in message.polygon.points]
-                boxes[stamp_of(message.header) or stored.time] = _around(corners)
+                boxes[stamp_or_received(message, stored.time)] = _around(corners)
     except RecordingError as error:
         raise RecordingError(
             f"{path}: {topic} is damaged after {len(boxes)} boxes ({error}); copy it again"

@@ -15,10 +15,10 @@ from av.error import FFmpegError
 
 from cable_tracker.arrays import Image
 from cable_tracker.sequences.messages.factory import Message
+from cable_tracker.sequences.messages.headers import nanoseconds_of
 from cable_tracker.sequences.picture_header import MAX_PIXELS
 from cable_tracker.sequences.stream_gaps import GapFinder, H264Gaps, NoGaps, TimeGaps
 from cable_tracker.sequences.typestores import add_definition
-from cable_tracker.stamps import NANOSECONDS
 
 FOXGLOVE = "foxglove_msgs/msg/CompressedVideo"
 FFMPEG = "ffmpeg_image_transport_msgs/msg/FFMPEGPacket"
@@ -104,11 +104,11 @@ def read_packet(message: Message, received: int) -> Packet:
         time, frame_id = message.header.stamp, message.header.frame_id
         # "h264;bgr8;..." names what the encoder was given besides.
         coding = message.encoding
-    stamp = int(time.sec) * NANOSECONDS + int(time.nanosec)
     coding = str(coding).split(";")[0].strip().lower()
     data = np.asarray(message.data, np.uint8).tobytes()
     count = int(getattr(message, "pts", 0))
-    return Packet(stamp or received, str(frame_id) or "camera", coding, data, received, count)
+    stamp = nanoseconds_of(time) or received
+    return Packet(stamp, str(frame_id) or "camera", coding, data, received, count)
 
 
 class StreamDecoder:

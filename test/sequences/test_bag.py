@@ -291,9 +291,12 @@ def test_only_joint_states_are_ground_truth(tmp_path, maker, picture, first_stam
     assert len(list(source.frames())) == 1
 
 
-@pytest.fixture
-def half_labelled(tmp_path, maker, picture, state, first_stamp):
-    """Bag of two pictures, of which the second has a label that cannot be decoded."""
+@pytest.fixture(params=["rubbish", "other joints"])
+def half_labelled(request, tmp_path, maker, picture, state, first_stamp):
+    """Bag of two pictures, of which the second has a label that cannot be read."""
+    other = maker.truth(first_stamp, state(1))
+    other.name = ["shoulder", "elbow", "wrist", "hand"]
+    unreadable = b"\0\1\0\0\1" if request.param == "rubbish" else maker.serialise(other)
     path = tmp_path / "half_labelled"
     with Writer(path, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
         image, truth = (
@@ -301,7 +304,7 @@ def half_labelled(tmp_path, maker, picture, state, first_stamp):
             for topic, kind in (("/image", "Image"), ("/ground_truth", "JointState"))
         )
         for index, data in enumerate(
-            (maker.serialise(maker.truth(first_stamp, state(0))), b"\0\1\0\0\1")
+            (maker.serialise(maker.truth(first_stamp, state(0))), unreadable)
         ):
             stamp = first_stamp + index
             writer.write(image, stamp, maker.serialise(maker.image(stamp, picture(index))))
@@ -309,7 +312,7 @@ def half_labelled(tmp_path, maker, picture, state, first_stamp):
     return path
 
 
-def test_a_label_that_cannot_be_decoded_is_left_out_and_said(half_labelled, state):
+def test_a_label_that_cannot_be_read_is_left_out_and_said(half_labelled, state):
     with BagSource(half_labelled) as source:
         assert "/ground_truth: 1 of its messages cannot be read and are left out" in source.note
         assert [frame.truth for frame in source.frames()] == [state(0), None]
@@ -317,7 +320,7 @@ def test_a_label_that_cannot_be_decoded_is_left_out_and_said(half_labelled, stat
         assert not source.note
 
 
-def test_where_only_labels_are_asked_for_all_must_be_decodable(half_labelled):
+def test_where_only_labels_are_asked_for_all_must_be_readable(half_labelled):
     with pytest.raises(RecordingError, match="ground truth on /ground_truth cannot be read"):
         read_bag_truth(half_labelled)
 

@@ -18,6 +18,17 @@ def make_header(factory: MessageFactory, stamp: int, frame_id: str) -> Message:
     return factory.make("std_msgs/msg/Header", stamp=make_time(factory, stamp), frame_id=frame_id)
 
 
+def nanoseconds_of(time: Message) -> int:
+    """Return a time [ns]."""
+    return int(time.sec) * NANOSECONDS + int(time.nanosec)
+
+
 def stamp_of(header: Message) -> int:
     """Return a header's stamp [ns]."""
-    return int(header.stamp.sec) * NANOSECONDS + int(header.stamp.nanosec)
+    return nanoseconds_of(header.stamp)
+
+
+def stamp_or_received(message: Message, received: int) -> int:
+    """Return the stamp of a message's header [ns]; where it has none, when it was received."""
+    header = getattr(message, "header", None)
+    return (stamp_of(header) if header is not None else 0) or received

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from cable_tracker.sequences.messages.headers import make_header, stamp_of
+from cable_tracker.sequences.messages.headers import make_header, stamp_of, stamp_or_received
 from cable_tracker.sequences.rosbags_messages import RosbagsMessages
 
 FACTORY = RosbagsMessages()
@@ -13,3 +13,13 @@ def test_stamps_are_kept_to_the_nanosecond(stamp, sent):
     header = sent(make_header(FACTORY, stamp, "eye"))
     assert stamp_of(header) == stamp
     assert header.frame_id == "eye"
+
+
+def test_a_message_without_a_stamp_is_of_when_it_was_received():
+    stamped, unstamped = (
+        FACTORY.make("sensor_msgs/msg/Range", header=make_header(FACTORY, stamp, "eye"))
+        for stamp in (7, 0)
+    )
+    without_header = FACTORY.make("std_msgs/msg/String", data="hello")
+    each = [stamped, unstamped, without_header]
+    assert [stamp_or_received(message, 9) for message in each] == [7, 9, 9]
