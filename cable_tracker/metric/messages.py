@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import fields
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from cable_tracker.metric.cross_track import CrossTrack
 from cable_tracker.metric.frames import Attitude, roll_and_pitch
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.sequences import node_topics
+from cable_tracker.sequences.estimates import RowMetres
 from cable_tracker.sequences.messages.factory import Message, MessageFactory
 from cable_tracker.sequences.messages.poses import (
     YAW,
@@ -117,17 +119,29 @@ def read_twist(
     return twist, covariance
 
 
-METRES_KEYS = ("offset", "heading", "sigma_offset", "sigma_heading")
+METRES_KEYS = tuple(field.name for field in fields(RowMetres))
 NO_METRES_KEY = "no_metres"
+
+
+def row_metres(known: CrossTrack) -> RowMetres:
+    """Return what tables and reports say of a cable in metres."""
+    sigma = known.standard_deviations()
+    return RowMetres(known.offset, known.heading, float(sigma[0]), float(sigma[2]))
 
 
 def report_metres(known: CrossTrack | Withheld) -> dict[str, str]:
     """Return what a frame's report says in metres: to the last bit, or why there are none."""
     if isinstance(known, Withheld):
         return {NO_METRES_KEY: str(known)}
-    sigma = known.standard_deviations()
-    values = (known.offset, known.heading, float(sigma[0]), float(sigma[2]))
-    return dict(zip(METRES_KEYS, map(repr, values), strict=True))
+    row = row_metres(known)
+    return {key: repr(getattr(row, key)) for key in METRES_KEYS}
+
+
+def read_row_metres(facts: Mapping[str, str]) -> RowMetres | None:
+    """Return what the facts of a frame's report say in metres; None: nothing."""
+    if not has_metres(facts):
+        return None
+    return RowMetres(*(float(facts[key]) for key in METRES_KEYS))
 
 
 def has_metres(facts: Mapping[str, str]) -> bool:

@@ -15,7 +15,7 @@ from cable_tracker.detection.baselines.detectors import DETECTORS
 from cable_tracker.detection.pair_limits import DEFAULT_LIMITS, PairLimits
 from cable_tracker.errors import FrameError, ParameterError, RecordingError
 from cable_tracker.metric.cross_track import CrossTrack
-from cable_tracker.metric.messages import cross_track_messages, report_metres
+from cable_tracker.metric.messages import cross_track_messages, report_metres, row_metres
 from cable_tracker.metric.recorded import RecordedMetres
 from cable_tracker.metric.withheld import Withheld
 from cable_tracker.offline.frame_messages import FrameMessages
@@ -25,7 +25,7 @@ from cable_tracker.sequences.bag_writer import MessageSink
 from cable_tracker.sequences.convert import write_truth
 from cable_tracker.sequences.encoded_pictures import encode_jpeg
 from cable_tracker.sequences.encodings import decode_grey
-from cable_tracker.sequences.estimates import REFUSED, EstimateRow, RowMetres
+from cable_tracker.sequences.estimates import REFUSED, EstimateRow
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable import make_centreline, make_state, report_values
 from cable_tracker.sequences.messages.cable_markers import make_markers
@@ -113,14 +113,9 @@ def row_of(
         evidence=estimate.evidence,
         hypotheses=len(estimate.hypotheses),
         ms=ms,
-        metres=_row_metres(metres) if isinstance(metres, CrossTrack) else None,
+        metres=row_metres(metres) if isinstance(metres, CrossTrack) else None,
         no_metres=str(metres) if isinstance(metres, Withheld) else "",
     )
-
-
-def _row_metres(known: CrossTrack) -> RowMetres:
-    sigma = known.standard_deviations()
-    return RowMetres(known.offset, known.heading, float(sigma[0]), float(sigma[2]))
 
 
 def track_recording(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import cast
@@ -11,7 +11,7 @@ from cable_tracker.cable.model.initial_state_text import RANDOM, format_initial_
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.cable.parameters.parameters import ParameterValue, TrackerParameters
 from cable_tracker.errors import RecordingError
-from cable_tracker.metric.messages import METRES_KEYS, NO_METRES_KEY, has_metres
+from cable_tracker.metric.messages import NO_METRES_KEY, read_row_metres
 from cable_tracker.metric.recorded import RecordedVehicle
 from cable_tracker.offline.result_folder import ResultFolder
 from cable_tracker.ros.clients.lockstep import (
@@ -23,7 +23,7 @@ from cable_tracker.ros.clients.lockstep import (
 from cable_tracker.ros.clients.recorder import RecordedFrame
 from cable_tracker.sequences import node_topics
 from cable_tracker.sequences.convert import write_truth
-from cable_tracker.sequences.estimates import EstimateRow, RowMetres
+from cable_tracker.sequences.estimates import EstimateRow
 from cable_tracker.sequences.frame import Frame
 from cable_tracker.sequences.messages.cable import read_sigma, read_state
 from cable_tracker.sequences.messages.cable_particles import read_particles
@@ -133,12 +133,6 @@ def _row(frame: Frame, recorded: RecordedFrame, state: Message) -> EstimateRow:
         evidence=number("evidence"),
         hypotheses=len(values["hypotheses"].split()) if "hypotheses" in values else None,
         ms=number("ms"),
-        metres=_row_metres(values),
+        metres=read_row_metres(values),
         no_metres=values.get(NO_METRES_KEY, ""),
     )
-
-
-def _row_metres(values: Mapping[str, str]) -> RowMetres | None:
-    if not has_metres(values):
-        return None
-    return RowMetres(*(float(values[key]) for key in METRES_KEYS))
