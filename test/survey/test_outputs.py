@@ -128,6 +128,19 @@ def test_frames_of_several_dives_are_one_table(tmp_path):
     assert np.isfinite(aside).all() and np.isfinite(smoothed).mean() > 0.9
 
 
+def test_a_time_that_comes_again_has_no_place_in_the_table_the_second_time(tmp_path):
+    dive = make_dive(Plan(length=20.0))
+    again = slice(200, 299)
+    dive.table.rows["stamp"][200:] -= 10_000_000_000
+    _, course = analyse(dive, SurveySettings())
+    write_frames(tmp_path / "frames.parquet", "dive", dive, course)
+    table = pq.read_table(tmp_path / "frames.parquet")
+    for name in ("x", "y", "yaw", "smoothed_aside", "along"):
+        column = np.array(table[name].to_pylist(), float)
+        assert np.isnan(column[again]).all() and np.isfinite(column[10:200]).all()
+        assert np.isfinite(column[310:]).all()
+
+
 def test_a_geopackage_that_cannot_be_written_is_an_error_of_the_system(tmp_path):
     writer = _LayerWriter(tmp_path / "no folder" / "route.gpkg", EARTH)
     with pytest.raises(OSError):
