@@ -15,6 +15,9 @@ from cable_tracker.survey.frame_table import STATUSES
 from cable_tracker.survey.navigation import poses_of_rows
 from cable_tracker.survey.route import Course
 
+FRAMES = "frames.parquet"
+"""Name of the file."""
+
 PLAIN = (
     "frame", "stamp", "presence", "d", "alpha", "w", "beta", "offset", "heading",
     "sigma_offset", "sigma_heading", "diameter", "altitude",
@@ -84,6 +87,23 @@ def _table(
         for name, column in columns.items()
     ]
     return pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields))
+
+
+def check_frames(path: Path) -> None:
+    """Read a table that `write_frames` has written, to see that it is whole.
+
+    Raises
+    ------
+    OSError, ValueError
+        It is not there, or damaged.
+    """
+    try:
+        with pq.ParquetFile(path) as file:
+            for number in range(file.num_row_groups):
+                file.read_row_group(number)
+    # Some of these are neither.
+    except pa.ArrowException as error:
+        raise ValueError(str(error)) from error
 
 
 def join_frames(parts: list[Path], path: Path) -> None:
