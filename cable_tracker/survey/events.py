@@ -52,7 +52,9 @@ class Event:
     detail : str
         In words, with numbers and units.
     recording : str
-        Which dive; several with commas.
+        Which dive; of several the one that the frame is of.
+    others : tuple of str
+        The other dives.
     """
 
     kind: EventKind
@@ -63,6 +65,12 @@ class Event:
     frame: int
     detail: str
     recording: str = ""
+    others: tuple[str, ...] = ()
+
+    @property
+    def recordings(self) -> str:
+        """All dives, with commas."""
+        return ", ".join((self.recording, *self.others))
 
 
 @dataclass(frozen=True, slots=True)

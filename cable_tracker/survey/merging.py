@@ -308,7 +308,7 @@ def _disagreements(
     route: MergedRoute, apart: BoolArray, asides: FloatArray, beside: Sequence[_Beside]
 ) -> list[Event]:
     events = []
-    names = ", ".join(each.recording for each in beside)
+    first_name, *others = (each.recording for each in beside)
     for first, last in true_runs(apart):
         start, end = float(route.along[first]), float(route.along[last - 1])
         if end - start < LEAST_DISAGREEMENT:
@@ -317,7 +317,8 @@ def _disagreements(
         most = float(np.nanmax(np.nanmax(part, axis=0) - np.nanmin(part, axis=0)))
         place = (float(route.places[first, 0]), float(route.places[first, 1]))
         detail = f"up to {most:.2f} m apart, more than their covariances allow"
-        events.append(Event(EventKind.DISAGREEMENT, start, end, place, 0, -1, detail, names))
+        kind = EventKind.DISAGREEMENT
+        events.append(Event(kind, start, end, place, 0, -1, detail, first_name, tuple(others)))
     return events
 
 
@@ -358,14 +359,8 @@ def _names(group: Sequence[Event]) -> list[str]:
 def _one(group: Sequence[Event]) -> Event:
     if len(group) == 1:
         return group[0]
-    first = group[0]
     along = float(np.median([each.along for each in group]))
     end = float(np.median([each.end for each in group]))
     nearest = min(group, key=lambda each: abs(each.along - along))
     others = sorted(set(_names(group)) - {nearest.recording})
-    # The first is the one whose frame and picture are shown.
-    names = ", ".join([nearest.recording, *others])
-    return Event(
-        first.kind, along, max(end, along), nearest.place, nearest.stamp, nearest.frame,
-        nearest.detail, names,
-    )  # fmt: skip
+    return replace(nearest, along=along, end=max(end, along), others=tuple(others))

@@ -122,4 +122,11 @@ def _placed(name: str, arrays: Any, number: int, events: list[dict[str, Any]]) -
 
 def _event(content: dict[str, Any]) -> Event:
     x, y = content["place"]
-    return Event(**{**content, "kind": EventKind(content["kind"]), "place": (float(x), float(y))})
+    return Event(
+        **{
+            **content,
+            "kind": EventKind(content["kind"]),
+            "place": (float(x), float(y)),
+            "others": tuple(content["others"]),
+        }
+    )

@@ -10,10 +10,19 @@ import pytest
 import shapely
 from survey_dives import Plan, make_dive
 
+from cable_tracker.survey.events import Event, EventKind
 from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.merging import merge
 from cable_tracker.survey.outputs.frames import join_frames, write_frames
-from cable_tracker.survey.outputs.maps import EARTH, WRITERS, SurveyMap, _LayerWriter, write_events
+from cable_tracker.survey.outputs.maps import (
+    EARTH,
+    WRITERS,
+    SurveyMap,
+    _LayerWriter,
+    band,
+    picture_name,
+    write_events,
+)
 from cable_tracker.survey.outputs.report import RecordingRow, write_report
 from cable_tracker.survey.recording import SurveySettings, analyse
 
@@ -73,6 +82,39 @@ def test_events_are_a_table_with_places_and_pictures(written):
     assert float(buried["length_m"]) == pytest.approx(6.0, abs=0.6)
     assert float(buried["latitude"]) == pytest.approx(54.25, abs=1e-3)
     assert buried["picture"].startswith("recordings/dive/pictures/")
+
+
+def test_the_picture_of_a_dive_with_a_comma_in_its_name_is_found():
+    event = Event(EventKind.BEND, 1.0, 2.0, (0.0, 0.0), 5, 7, "", "dive, part 2", ("dive, part 1",))
+    assert picture_name(event, "") == "recordings/dive, part 2/pictures/7.jpg"
+    assert event.recordings == "dive, part 2, dive, part 1"
+
+
+def test_the_band_runs_counter_clockwise(survey):
+    assert shapely.is_ccw(shapely.LinearRing(band(survey.routes[0])))
+
+
+def test_an_event_without_a_frame_leaves_numbers_numbers(survey, tmp_path):
+    (route,) = survey.routes
+    apart = Event(EventKind.DISAGREEMENT, 1.0, 4.0, (1.0, 0.0), 0, -1, "apart", "dive", ("other",))
+    both = replace(survey, routes=(replace(route, events=(*route.events, apart)),))
+    for name, write in WRITERS.items():
+        write(tmp_path / name, both)
+    for name in ("route.gpkg", "route.geojson"):
+        layer = "events" if name == "route.gpkg" else None
+        info = pyogrio.read_info(tmp_path / name, layer=layer)
+        kinds = dict(zip(info["fields"], info["dtypes"], strict=True))
+        assert kinds["frame"] in ("float64", "int32", "int64"), name
+        assert kinds["kp_from_m"] == kinds["latitude"] == "float64"
+    _, _, _, (kinds, frames) = pyogrio.raw.read(
+        tmp_path / "route.gpkg", layer="events", columns=["kind", "frame"]
+    )
+    assert (np.isnan(frames) == (kinds == "dives disagree")).all()
+    rows = list(csv.DictReader((tmp_path / "events.csv").read_text().splitlines()))
+    (row,) = [row for row in rows if row["kind"] == "dives disagree"]
+    assert row["frame"] == row["stamp"] == "" and row["recording"] == "dive, other"
+    write_report(tmp_path / "report.html", both, [], "survey")
+    assert "None" not in (tmp_path / "report.html").read_text()
 
 
 def test_a_map_in_a_folder_of_its_own_finds_the_pictures(survey, tmp_path):
