@@ -46,7 +46,8 @@ class Event:
     place : (float, float)
         x, y of its beginning in the route's frame [m].
     stamp : int
-        Time at which the vehicle passed [ns]; 0 for events of several dives.
+        Time of the keyframe at the beginning, or of the next one beyond [ns]; 0 for events of
+        several dives.
     frame : int
         Number of the frame in the recording; -1 without one.
     detail : str
