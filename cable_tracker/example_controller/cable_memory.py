@@ -33,6 +33,9 @@ USUAL_ERROR = 0.03
 
 REWEIGHTINGS = 4
 
+LEAST_COSINE = 0.1
+"""Lines that run more across the vehicle are as far beside it as at that cosine of the angle."""
+
 
 @dataclass(frozen=True, slots=True)
 class Pose:
@@ -85,7 +88,16 @@ class RememberedLine:
         bend = slope * (along - bent / 2)
         heading = math.remainder(self.direction + math.atan(slope) - pose.yaw, 2 * math.pi)
         left = aside + (bend - across) * math.cos(math.atan(slope))
-        return Cable(left / max(math.cos(heading), 0.1), heading)
+        return Cable(_offset_at_vehicle(left, heading), heading)
+
+
+def _offset_at_vehicle(left: float, heading: float) -> float:
+    """Return y of a line at x = 0, from how far it is to the left, seen in its direction [m].
+
+    Beyond a right angle what is to the left of the line is to the right of the vehicle.
+    """
+    cos = math.cos(heading)
+    return left / math.copysign(max(abs(cos), LEAST_COSINE), cos)
 
 
 def line_at(cable: Cable, pose: Pose) -> RememberedLine:

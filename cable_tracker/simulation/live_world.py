@@ -40,6 +40,9 @@ BURIAL_RAMP = 0.3
 START_ASIDE, START_TURNED = 0.4, math.radians(8.0)
 """Largest distance from the cable and largest angle to it at the start [m, rad]."""
 
+LEAST_COSINE = 0.1
+"""A cable that runs more across the vehicle is as far beside it as at that cosine of the angle."""
+
 LOOK = Look(
     bottom=Bottom(stones=0.8, algae=0.8),
     skin=Skin(tone=0.6, stains=0.7, cover=0.3, turf=0.05, silt=0.1, bulge=0.05, drift=0.1),
@@ -203,7 +206,10 @@ class LiveWorld:
         error = float(direction[0] * aside[1] - direction[1] * aside[0])
         heading = math.atan2(direction[1], direction[0]) - float(motion.angles[2])
         heading = math.remainder(heading, 2 * math.pi)
-        return TrueCrossTrack(along, error, error / max(math.cos(heading), 0.1), heading)
+        # Beyond a right angle what is to the left of the cable is to the right of the vehicle.
+        cos = math.cos(heading)
+        offset = error / math.copysign(max(abs(cos), LEAST_COSINE), cos)
+        return TrueCrossTrack(along, error, offset, heading)
 
     def picture(self, motion: VehicleState) -> Image:
         """Take the next picture: grey, uint8, shape (H, W)."""

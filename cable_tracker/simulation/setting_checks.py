@@ -23,7 +23,7 @@ def check_size(image_size: tuple[int, int]) -> None:
         )
 
 
-def check_seed(seed: int) -> None:
+def check_seed(seed: int, name: str = "seed") -> None:
     """See that a number can be a seed.
 
     Raises
@@ -32,7 +32,7 @@ def check_seed(seed: int) -> None:
         It cannot.
     """
     if seed < 0:
-        raise ParameterError(f"seed is {seed}: give a number that is not negative")
+        raise ParameterError(f"{name} is {seed}: give a number that is not negative")
 
 
 def check_range(name: str, value: float, limits: tuple[float, float], unit: str) -> None:

@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, Image
 from cable_tracker.cable.model.state import CableState
+from cable_tracker.simulation.clutter import Streak
 from cable_tracker.simulation.dive import Seeds, Surroundings
 from cable_tracker.simulation.instruments import (
     ImuReading,
@@ -68,6 +69,10 @@ CROSSING_RADIUS = 0.06
 LEAST_ACROSS = math.sin(math.radians(15.0))
 """Sine of the angle from the cable at which a line counts as across it."""
 
+MEETING_STEP = 0.2
+"""Distance between places of the cable at which it is told on which side of a streak they lie
+[radii]."""
+
 SHARE_WAY = 0.5
 """Length of cable over which its hidden share is computed [m]."""
 
@@ -102,15 +107,15 @@ class SurveyDiveSettings:
     excursions : tuple of Stretch
         Stretches on which the pilot goes far aside.
     excursion : float
-        Distance aside on these, positive to the left of the cable [m].
+        Distance aside on these, positive to the left of the cable, -20 to 20 [m].
     altitude : float
         Altitude that the vehicle keeps [m].
     speed : float
         Speed through the water [m/s].
     current : float
-        Speed of the water [m/s]; its direction is drawn.
+        Speed of the water, 0 to 3 [m/s]; its direction is drawn.
     wander : float
-        Largest distance by which the pilot strays from the cable [m].
+        Largest distance by which the pilot strays from the cable, 0 to 20 [m].
     image_size : (int, int)
         Width and height [px], each 32 to 4096.
     rate : float
@@ -138,9 +143,12 @@ class SurveyDiveSettings:
 
     def __post_init__(self) -> None:
         check_seed(self.seed)
-        check_seed(self.cable_seed)
+        check_seed(self.cable_seed, "cable_seed")
         check_size(self.image_size)
         check_range("length", self.length, (1.0, 1e5), "m of cable")
+        check_range("excursion", self.excursion, (-20.0, 20.0), "m aside")
+        check_range("current", self.current, (0.0, 3.0), "m/s")
+        check_range("wander", self.wander, (0.0, 20.0), "m aside")
         check_range("altitude", self.altitude, (0.3, 20.0), "m")
         check_range("speed", self.speed, (0.05, 3.0), "m/s")
         check_range("rate", self.rate, (1.0, 100.0), "frames per second")
@@ -150,7 +158,13 @@ def usual_survey(length: float, seed: int, cable_seed: int = 0) -> SurveyDiveSet
     """Return a survey with a buried stretch every 50 m, a crossing and an excursion every 100 m.
 
     What there is belongs to the cable, and is the same in all dives over it.
+
+    Raises
+    ------
+    ParameterError
+        There is no such length or seed.
     """
+    plain = SurveyDiveSettings(seed, cable_seed, length)
     rng = np.random.default_rng([cable_seed, 7])
     buried, crossings = [], []
     for number in range(int(length // 50)):
@@ -159,9 +173,28 @@ def usual_survey(length: float, seed: int, cable_seed: int = 0) -> SurveyDiveSet
     for number in range(int(length // 100)):
         crossings.append(100.0 * number + float(rng.uniform(40.0, 48.0)))
     excursions = [Stretch(100.0 * n + 86.0, 100.0 * n + 89.0) for n in range(int(length // 100))]
-    return SurveyDiveSettings(
-        seed, cable_seed, length, tuple(buried), tuple(crossings), tuple(excursions)
+    return replace(
+        plain, buried=tuple(buried), crossings=tuple(crossings), excursions=tuple(excursions)
     )
+
+
+def meetings(tube: Tube, streak: Streak) -> FloatArray:
+    """Return where along a bent cable a streak lies across it, shape (N,) [m].
+
+    A streak's places are in radii of the tube.
+    """
+    reach = streak.half_length + 1.0
+    places = np.arange(streak.q - reach, streak.q + reach, MEETING_STEP)
+    points, directions = tube.axis(places * tube.radius)
+    cos, sin = math.cos(streak.angle), math.sin(streak.angle)
+    u, v = points[:, 0] / tube.radius - streak.p, points[:, 1] / tube.radius - streak.q
+    across, along = u * cos + v * sin, v * cos - u * sin
+    lean = directions[:, 0] * cos + directions[:, 1] * sin
+    before = np.flatnonzero(np.diff(np.signbit(across)))
+    before = before[(np.abs(along) <= reach)[before] & (np.abs(lean) >= LEAST_ACROSS)[before]]
+    shares = across[before] / (across[before] - across[before + 1])
+    met: FloatArray = (places[before] + shares * MEETING_STEP) * tube.radius
+    return met
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -238,13 +271,8 @@ class SurveyDive:
 
     def lines_across(self) -> FloatArray:
         """Return where other cables, ropes and furrows lie across the cable, shape (N,) [m]."""
-        across = list(self._settings.crossings)
-        for streak in self._scene.streaks:
-            sine, cosine = math.sin(streak.angle), math.cos(streak.angle)
-            if abs(sine) < LEAST_ACROSS or abs(streak.p / sine) > streak.half_length + 1.0:
-                continue
-            across.append((streak.q - streak.p * cosine / sine) * self._tube.radius)
-        return np.sort(across)
+        met = [meetings(self._tube, streak) for streak in self._scene.streaks]
+        return np.sort(np.concatenate([self._settings.crossings, *met]))
 
     def hidden_share(self, along: FloatArray) -> FloatArray:
         """Return which share of both borders is hidden about places along the cable, shape (N,).

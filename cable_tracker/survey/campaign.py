@@ -15,10 +15,10 @@ from cable_tracker.campaigns.stopping import saying_what_stays
 from cable_tracker.errors import ParameterError, RecordingError, write_failure
 from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.merging import MergedRoute, merge
-from cable_tracker.survey.outputs.frames import join_frames
+from cable_tracker.survey.outputs.frames import FRAMES, join_frames
 from cable_tracker.survey.outputs.maps import WRITERS, SurveyMap
 from cable_tracker.survey.outputs.report import RecordingRow, write_report
-from cable_tracker.survey.recording import FRAMES, SurveySettings, find_datum, survey_recording
+from cable_tracker.survey.recording import SurveySettings, find_datum, survey_recording
 from cable_tracker.survey.surveyed_dive import SurveyedDive, read_surveyed
 
 RECORDINGS, REPORT = "recordings", "report.html"

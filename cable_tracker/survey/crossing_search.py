@@ -12,6 +12,7 @@ from cable_tracker.cable.model.estimate import CableEstimate
 from cable_tracker.detection.baselines.hough import HoughDetector
 from cable_tracker.detection.search_region import scaled_state
 from cable_tracker.metric.homography import Overflight
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.frame_metres import on_ground
 from cable_tracker.survey.frame_table import CrossingSight, FrameTable
 
@@ -41,13 +42,14 @@ class CrossingSearch:
     def __init__(self, table: FrameTable) -> None:
         self._table = table
         self._finder = HoughDetector()
-        self._next_search = -(2**62)
+        self._searched = -(2**62)
 
     def search(self, flight: Overflight, grey: Image, estimate: CableEstimate) -> None:
         """Look for lines across a cable, unless the last picture that was searched is too near."""
-        if estimate.stamp < self._next_search:
+        # Where the clock has been set back the next picture is searched.
+        if 0 <= estimate.stamp - self._searched < round(CROSSING_STRIDE * NANOSECONDS):
             return
-        self._next_search = estimate.stamp + round(CROSSING_STRIDE * 1e9)
+        self._searched = estimate.stamp
         state, (width, height) = estimate.state, estimate.image_size
         own = np.array([math.cos(state.angle), math.sin(state.angle)])
         scale = max(width / CROSSING_WIDTH, 1.0)

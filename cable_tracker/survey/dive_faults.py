@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_tracker.arrays import FloatArray, IndexArray
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import REFUSED, TRACKING
-from cable_tracker.survey.navigation import Poses
+from cable_tracker.survey.memory_mapped import Disk
+from cable_tracker.survey.navigation import LONGEST_GAP, Poses
 
 LATE = 2.0
 """After a longer silence of the camera the tracker starts anew [s]."""
@@ -28,6 +30,8 @@ class CountedRows:
         Number of claims that are known in metres.
     refused : int
         Number of pictures that could not be decoded, or not be tracked.
+    earliest, latest : int
+        Least and largest stamp of the pictures [ns].
     back, ahead : float
         Least and largest step from one picture to the next, as far as beyond 0 [s].
     reasons : ndarray
@@ -41,6 +45,8 @@ class CountedRows:
     placed: int = 0
     placed_partly: int = 0
     refused: int = 0
+    earliest: int = 2**62
+    latest: int = -(2**62)
     back: float = 0.0
     ahead: float = 0.0
 
@@ -60,6 +66,8 @@ def count_rows(dive: ForwardDive, places: FloatArray) -> CountedRows:
         found.claims_in_metres += int((in_metres & claimed).sum())
         found.placed += int(known.all(axis=1).sum())
         found.placed_partly += int(known.any(axis=1).sum())
+        found.earliest = min(found.earliest, int(some["stamp"].min()))
+        found.latest = max(found.latest, int(some["stamp"].max()))
         steps = np.diff(some["stamp"], prepend=before) / 1e9
         found.back = min(found.back, float(steps.min()))
         found.ahead = max(found.ahead, float(steps.max()))
@@ -72,13 +80,19 @@ def find_faults(dive: ForwardDive, poses: Poses, counted: CountedRows) -> list[s
     """Say why there is no route, or why it has gaps."""
     rows = dive.table.rows
     notes = []
-    if not len(poses.stamps):
-        notes.append("there is no odometry: the cable is known in pixels only, and has no route")
-    elif not counted.placed_partly:
+    if len(poses.stamps) < 2:
+        what = "a single reading of odometry" if len(poses.stamps) else "no odometry"
+        notes.append(f"there is {what}: the cable is known in pixels only, and has no route")
+    elif not counted.placed_partly and not _overlap_in_time(poses, counted):
         apart = abs(float(rows["stamp"][0] - poses.stamps[0])) / 1e9
         notes.append(
             f"no odometry of the pictures' time: their clocks are {apart:.0f} s apart; set all"
             " clocks alike"
+        )
+    elif not counted.placed_partly and (pause := _usual_pause(poses, dive.disk)) > LONGEST_GAP:
+        notes.append(
+            f"odometry is too slow: {pause:.1f} s from one reading to the next; give one that"
+            f" speaks every {LONGEST_GAP:g} s or more often"
         )
     elif counted.placed < len(rows):
         share = (len(rows) - counted.placed) / len(rows)
@@ -103,6 +117,20 @@ def find_faults(dive: ForwardDive, poses: Poses, counted: CountedRows) -> list[s
             " ahead; the tracker starts anew there"
         )
     return notes + _missing_metres(counted, dive.table.reasons)
+
+
+def _overlap_in_time(poses: Poses, counted: CountedRows) -> bool:
+    """Tell whether odometry and pictures are of one time."""
+    first, last = int(poses.stamps[0]), int(poses.stamps[-1])
+    return first <= counted.latest and last >= counted.earliest
+
+
+def _usual_pause(poses: Poses, disk: Disk) -> float:
+    """Return the median time from one of at least two poses to the next [s]."""
+    pauses = disk.growing(np.float64)
+    for part in disk.blocks(len(poses.stamps), 1):
+        pauses.extend(np.diff(poses.stamps[part.start - 1 : part.stop]) / NANOSECONDS)
+    return disk.middle(pauses)
 
 
 def _missing_metres(counted: CountedRows, words: list[str]) -> list[str]:

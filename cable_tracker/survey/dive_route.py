@@ -78,9 +78,9 @@ class DiveRoute:
     bend_sigmas : FloatArray
         Standard deviation of the bends, shape (N,) [1/m].
     stamps : IndexArray
-        Time at which the vehicle passed each point, shape (N,) [ns].
+        Time of the first keyframe at or beyond each point, along the cable, shape (N,) [ns].
     rows : IndexArray
-        Which row of the table is of that time.
+        First row of the table of that keyframe, shape (N,).
     diameters : FloatArray
         [m]; NaN where there was no claim.
     asides : FloatArray

@@ -10,6 +10,7 @@ from enum import Enum
 import numpy as np
 
 from cable_tracker.arrays import BoolArray, FloatArray, true_runs
+from cable_tracker.stamps import NANOSECONDS
 from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute
 from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import TRACKING, CrossingSight
@@ -45,13 +46,16 @@ class Event:
     place : (float, float)
         x, y of its beginning in the route's frame [m].
     stamp : int
-        Time at which the vehicle passed [ns]; 0 for events of several dives.
+        Time of the keyframe at the beginning, or of the next one beyond [ns]; 0 for events of
+        several dives.
     frame : int
         Number of the frame in the recording; -1 without one.
     detail : str
         In words, with numbers and units.
     recording : str
-        Which dive; several with commas.
+        Which dive; of several the one that the frame is of.
+    others : tuple of str
+        The other dives.
     """
 
     kind: EventKind
@@ -62,6 +66,12 @@ class Event:
     frame: int
     detail: str
     recording: str = ""
+    others: tuple[str, ...] = ()
+
+    @property
+    def recordings(self) -> str:
+        """All dives, with commas."""
+        return ", ".join((self.recording, *self.others))
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +117,10 @@ FEWEST_SIGHTS = 4
 LEAST_LOST = 1.0
 """Silence over a shorter way is no event [m]."""
 
+JUMP_REACH = 3.0
+"""Time before the first and after the last point of a route in which a jump of odometry belongs to
+it [s]: a route begins and ends where the look line is, beside its first and its last claim."""
+
 SURE = 2.0
 """Excess of a bend over the limit that makes it an event [standard deviations]."""
 
@@ -151,16 +165,24 @@ def _found_and_lost(maker: _Maker, course: Course) -> list[Event]:
     route = maker.route
     cable, disk = course.cable, maker.dive.disk
     way = disk.filled(len(cable.along), lambda part: cable.along[part] - route.start)
+    # Of the way along the cable the next piece begins where the one before ends.
+    piece = int(cable.piece[course.keyframes.of(route.rows[:1])[0]])
+    end = int(np.searchsorted(cable.piece, piece, "right"))
 
     def claimed(part: slice) -> BoolArray:
         inside = (way[part] >= -0.5) & (way[part] <= route.along[-1] + 0.5)
+        inside &= cable.piece[part] == piece
         found: BoolArray = inside & (cable.weights[part] > LEAST_WEIGHT)
         return found
+
+    def goes_on(after: int) -> bool:
+        rest = disk.blocks(end, after)
+        return any(np.abs(way[part] - way[after - 1]).max() >= LEAST_LOST for part in rest)
 
     events: list[Event] = []
     for first, last in _long_claims(disk.filled(len(way), claimed, np.bool_), way):
         events.append(maker.at(EventKind.FOUND, float(way[first]), "the tracker claims the cable"))
-        if way[last - 1] < route.along[-1] - LEAST_LOST:
+        if goes_on(last):
             detail = "the tracker claims it no longer"
             events.append(maker.at(EventKind.LOST, float(way[last - 1]), detail))
     return events
@@ -318,8 +340,12 @@ def _clusters(sights: Sequence[Sight]) -> list[tuple[float, float, int]]:
 
 def _navigation(maker: _Maker, course: Course) -> list[Event]:
     route = maker.route
+    reach = round(JUMP_REACH * NANOSECONDS)
+    earliest, latest = int(route.stamps.min()) - reach, int(route.stamps.max()) + reach
     events = []
     for stamp in course.poses.jumps:
+        if not earliest <= stamp <= latest:
+            continue
         point = int(np.abs(route.stamps - stamp).argmin())
         detail = "odometry began anew or its clock jumped; the way was joined here"
         events.append(maker.at(EventKind.NAVIGATION, float(route.along[point]), detail))

@@ -11,7 +11,7 @@ import numpy as np
 from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.compilation import compiled
 from cable_tracker.survey.frame_table import Rows, is_claimed
-from cable_tracker.survey.memory_mapped import Disk, interpolated, running_sum
+from cable_tracker.survey.memory_mapped import Disk, interpolated_locally, running_sum
 from cable_tracker.survey.visibility import border_step_of
 
 STEP = 0.05
@@ -213,7 +213,7 @@ def filled(values: FloatArray, disk: Disk) -> FloatArray:
     def between(part: slice) -> FloatArray:
         if len(where) < 2:
             return np.full(part.stop - part.start, what[0] if len(where) else 0.0)
-        return interpolated(np.arange(part.start, part.stop, dtype=float), where, what)
+        return interpolated_locally(np.arange(part.start, part.stop, dtype=float), where, what)
 
     whole: FloatArray = disk.filled(len(values), between)
     return whole

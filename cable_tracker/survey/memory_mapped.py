@@ -194,7 +194,7 @@ class Growing:
         return self._stored
 
 
-def interpolated(wanted: FloatArray, places: FloatArray, values: FloatArray) -> FloatArray:
+def interpolated_locally(wanted: FloatArray, places: FloatArray, values: FloatArray) -> FloatArray:
     """Return values (N,) at places (N,) that grow, interpolated at wanted ones (M,), any order.
 
     As `numpy.interp`, reading no more than what lies around the wanted places.

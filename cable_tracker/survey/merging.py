@@ -23,7 +23,10 @@ REACH = 5.0
 SIGMAS = 4.0
 
 LEAST_OVERLAP = 5.0
-"""Dives that share less way are not of one route [m]."""
+"""Dives that share less way at a stretch are not of one route [m]."""
+
+ALONG = 0.9
+"""Least cosine of the angle between two routes of one cable, whichever way they run."""
 
 DISAGREEMENT = 10.8
 """Chi square of one degree of freedom that sound dives exceed once in a thousand times."""
@@ -94,10 +97,14 @@ class MergedRoute:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Beside:
-    """A route as seen from an axis of N points; NaN where it does not reach."""
+    """A route as seen from an axis of N points; NaN where it does not reach.
+
+    Where it has left the cable of the axis it does not count.
+    """
 
     recording: str
     asides: FloatArray
+    counts: BoolArray
     variances: FloatArray
     visible: FloatArray
     diameters: FloatArray
@@ -167,33 +174,55 @@ def _nearest(axis: FloatArray, places: FloatArray) -> IndexArray:
 
 
 def _overlap(axis: FloatArray, route: DiveRoute) -> float:
-    """Return the way that a route shares with an axis [m]."""
+    """Return the longest way at a stretch that a route shares with an axis [m]."""
     way, aside = _seen_from(axis, route.places)
+    shared = (way >= 0) & (way <= len(axis) - 1) & _of_one_cable(axis, route, way, aside)
+    return max((last - first for first, last in true_runs(shared)), default=0) * SPACING
+
+
+def _in_reach(route: DiveRoute, aside: FloatArray) -> BoolArray:
+    """Tell which points of a route (N,) are not too far from an axis for one cable."""
     reach = np.maximum(REACH, SIGMAS * route.total_sigmas)
-    shared = (way >= 0) & (way <= len(axis) - 1) & (np.abs(aside) <= reach)
-    return float(shared.sum()) * SPACING
+    in_reach: BoolArray = np.abs(aside) <= reach
+    return in_reach
+
+
+def _of_one_cable(
+    axis: FloatArray, route: DiveRoute, way: FloatArray, aside: FloatArray
+) -> BoolArray:
+    """Tell which points of a route (N,) are near an axis, and run along it.
+
+    `way` and `aside` are those of `_seen_from`.
+    """
+    nearest = np.clip(np.round(way), 0, len(axis) - 1).astype(np.int64)
+    cosines = (_directions(route.places) * _directions(axis)[nearest]).sum(axis=1)
+    fits: BoolArray = _in_reach(route, aside) & (np.abs(cosines) > ALONG)
+    return fits
 
 
 def _prolonged(axis: FloatArray, route: DiveRoute) -> FloatArray:
-    way, _ = _seen_from(axis, route.places)
-    places = route.places if way[-1] >= way[0] else route.places[::-1]
-    way = way if way[-1] >= way[0] else way[::-1]
-    before, after = places[way < -0.5], places[way > len(axis) - 0.5]
+    """Return an axis with what a route has beyond its ends, unless it left the cable before."""
+    way, aside = _seen_from(axis, route.places)
+    places, in_reach = route.places, _in_reach(route, aside)
+    if way[-1] < way[0]:
+        way, places, in_reach = way[::-1], places[::-1], in_reach[::-1]
+    before, after = np.flatnonzero(way < -0.5), np.flatnonzero(way > len(axis) - 0.5)
     parts = [axis]
-    if len(before):
-        shift = axis[0] - _directions(axis)[0] * SPACING - before[-1]
-        parts.insert(0, before + shift)
-    if len(after):
-        shift = axis[-1] + _directions(axis)[-1] * SPACING - after[0]
-        parts.append(after + shift)
+    if len(before) and in_reach[before[-1]]:
+        shift = axis[0] - _directions(axis)[0] * SPACING - places[before[-1]]
+        parts.insert(0, places[before] + shift)
+    if len(after) and in_reach[after[0]]:
+        shift = axis[-1] + _directions(axis)[-1] * SPACING - places[after[0]]
+        parts.append(places[after] + shift)
     return np.concatenate(parts)
 
 
-def _beside(axis: FloatArray, placed: PlacedRoute) -> _Beside:
+def _beside(axis: FloatArray, placed: PlacedRoute, *, is_axis: bool) -> _Beside:
+    """Lay a route beside an axis; the one that the axis was made of counts all along."""
     route = placed.route
-    way, aside = _seen_from(axis, route.places)
-    order = np.argsort(way, kind="stable")
-    way, asked = way[order], np.arange(len(axis), dtype=np.float64)
+    all_way, aside = _seen_from(axis, route.places)
+    order = np.argsort(all_way, kind="stable")
+    way, asked = all_way[order], np.arange(len(axis), dtype=np.float64)
     reaches = (asked >= way[0] - 0.5) & (asked <= way[-1] + 0.5)
     visible = route.visible().astype(float)
 
@@ -201,19 +230,28 @@ def _beside(axis: FloatArray, placed: PlacedRoute) -> _Beside:
         found = np.interp(asked, way, values[order])
         return np.where(reaches, found, np.nan)
 
+    of_one_cable = is_axis | _of_one_cable(axis, route, all_way, aside)[order]
+    counts = reaches & (np.interp(asked, way, of_one_cable) == 1.0)
+
+    def of_the_cable(values: FloatArray) -> FloatArray:
+        return np.where(counts, on_axis(values), np.nan)
+
     return _Beside(
         placed.recording,
         on_axis(aside),
+        counts,
         on_axis(route.total_sigmas**2),
-        on_axis(visible),
-        on_axis(route.diameters),
-        on_axis(np.abs(route.asides)),
+        of_the_cable(visible),
+        of_the_cable(route.diameters),
+        of_the_cable(np.abs(route.asides)),
     )
 
 
 def _merged(axis: FloatArray, group: Sequence[PlacedRoute]) -> MergedRoute:
-    beside = [_beside(axis, each) for each in group]
-    asides = np.array([each.asides for each in beside])
+    beside = [_beside(axis, each, is_axis=each is group[0]) for each in group]
+    everywhere = np.array([each.asides for each in beside])
+    counts = np.array([each.counts for each in beside])
+    asides = np.where(counts, everywhere, np.nan)
     weights = 1.0 / np.array([each.variances for each in beside])
     weights[~np.isfinite(asides)] = np.nan
     total = np.nansum(weights, axis=0)
@@ -243,7 +281,9 @@ def _merged(axis: FloatArray, group: Sequence[PlacedRoute]) -> MergedRoute:
         events=(),
         recordings=tuple(each.recording for each in group),
     )
-    disagreements = _disagreements(merged, (count > 1) & (excess > DISAGREEMENT), asides, beside)
+    beyond = (np.isfinite(everywhere) & ~counts).any(axis=0)
+    apart = ((count > 1) & (excess > DISAGREEMENT)) | beyond
+    disagreements = _disagreements(merged, apart, everywhere, beside)
     events = [*_events_of(merged, group), *disagreements]
     events.sort(key=lambda event: (event.along, event.kind.value))
     return _with_events(merged, tuple(events))
@@ -268,7 +308,7 @@ def _disagreements(
     route: MergedRoute, apart: BoolArray, asides: FloatArray, beside: Sequence[_Beside]
 ) -> list[Event]:
     events = []
-    names = ", ".join(each.recording for each in beside)
+    first_name, *others = (each.recording for each in beside)
     for first, last in true_runs(apart):
         start, end = float(route.along[first]), float(route.along[last - 1])
         if end - start < LEAST_DISAGREEMENT:
@@ -277,7 +317,8 @@ def _disagreements(
         most = float(np.nanmax(np.nanmax(part, axis=0) - np.nanmin(part, axis=0)))
         place = (float(route.places[first, 0]), float(route.places[first, 1]))
         detail = f"up to {most:.2f} m apart, more than their covariances allow"
-        events.append(Event(EventKind.DISAGREEMENT, start, end, place, 0, -1, detail, names))
+        kind = EventKind.DISAGREEMENT
+        events.append(Event(kind, start, end, place, 0, -1, detail, first_name, tuple(others)))
     return events
 
 
@@ -318,14 +359,8 @@ def _names(group: Sequence[Event]) -> list[str]:
 def _one(group: Sequence[Event]) -> Event:
     if len(group) == 1:
         return group[0]
-    first = group[0]
     along = float(np.median([each.along for each in group]))
     end = float(np.median([each.end for each in group]))
     nearest = min(group, key=lambda each: abs(each.along - along))
     others = sorted(set(_names(group)) - {nearest.recording})
-    # The first is the one whose frame and picture are shown.
-    names = ", ".join([nearest.recording, *others])
-    return Event(
-        first.kind, along, max(end, along), nearest.place, nearest.stamp, nearest.frame,
-        nearest.detail, names,
-    )  # fmt: skip
+    return replace(nearest, along=along, end=max(end, along), others=tuple(others))

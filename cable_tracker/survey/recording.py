@@ -29,13 +29,13 @@ from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.merging import PlacedRoute
 from cable_tracker.survey.navigation import Poses, joined_poses, poses_of_rows
-from cable_tracker.survey.outputs.frames import write_frames
+from cable_tracker.survey.outputs.frames import FRAMES, write_frames
 from cable_tracker.survey.redetection import redetect_cable
 from cable_tracker.survey.route import Course, make_routes
 from cable_tracker.survey.smoothing import smooth
 from cable_tracker.survey.surveyed_dive import SurveyedDive, write_summary
 
-FRAMES, PICTURES = "frames.parquet", "pictures"
+PICTURES = "pictures"
 
 
 @dataclass(frozen=True, slots=True)

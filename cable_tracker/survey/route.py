@@ -13,7 +13,7 @@ from cable_tracker.arrays import BoolArray, FloatArray, IndexArray
 from cable_tracker.survey.dive_route import PROFILE_SPACING, DiveRoute, Profile
 from cable_tracker.survey.frame_table import HIDDEN, Rows, is_claimed
 from cable_tracker.survey.keyframes import Keyframes, filled
-from cable_tracker.survey.memory_mapped import Disk, Unwrapping, interpolated
+from cable_tracker.survey.memory_mapped import Disk, Unwrapping, interpolated_locally
 from cable_tracker.survey.navigation import Poses
 from cable_tracker.survey.smoothing import SmoothedCable
 
@@ -143,7 +143,7 @@ class _Piece:
     def route(self) -> DiveRoute:
         """Return the route along these keyframes."""
         wanted, keyframes, disk = self._wanted, self._dive.keyframes, self._disk
-        found, nearest = self._at_places()
+        found, following = self._at_places()
         route = DiveRoute(
             start=float(wanted[0]),
             along=wanted - wanted[0],
@@ -153,8 +153,8 @@ class _Piece:
             frame_variances=found[:, 4],
             bends=found[:, 5],
             bend_sigmas=found[:, 6],
-            stamps=keyframes.stamps[nearest],
-            rows=keyframes.first[nearest],
+            stamps=keyframes.stamps[following],
+            rows=keyframes.first[following],
             diameters=self._diameters(),
             asides=found[:, 7],
             profile=self._profile(),
@@ -163,7 +163,9 @@ class _Piece:
         return route
 
     def _at_places(self) -> tuple[FloatArray, IndexArray]:
-        """Return what `_columns` says at the wanted places (N, C), and the nearest keyframes (N,).
+        """Return what `_columns` says at the wanted places (N, C), and keyframes (N,).
+
+        They are the first keyframes at or beyond the wanted places, along the cable.
 
         Keyframes are averaged in bins of a quarter of the spacing: a way gone twice counts once.
         """
@@ -171,7 +173,7 @@ class _Piece:
         order = disk.array(len(along), np.int64)
         order[:] = np.argsort(along, kind="stable")
         sorted_along = disk.filled(len(along), lambda part: along[order[part]])
-        nearest = order[np.clip(np.searchsorted(sorted_along, wanted), 0, len(order) - 1)]
+        following = order[np.clip(np.searchsorted(sorted_along, wanted), 0, len(order) - 1)]
         headings = self._headings(order)
         counts = disk.array(self._bins, np.int64)
         totals = [disk.array(self._bins) for _ in range(COLUMNS + 1)]
@@ -195,7 +197,7 @@ class _Piece:
 
         way = means(totals[0])
         found = [_at_even_places(wanted, way, means(total), disk) for total in totals[1:]]
-        return np.column_stack(found), nearest + self._start
+        return np.column_stack(found), following + self._start
 
     def _headings(self, order: IndexArray) -> FloatArray:
         """Return the cable's directions (M,); `order` (M,) is that of the keyframes along it.
@@ -341,5 +343,5 @@ def _at_even_places(
         return np.full(len(wanted), values[0])
     found = np.zeros(len(wanted))
     for part in disk.blocks(len(wanted)):
-        found[part] = interpolated(wanted[part], places, values)
+        found[part] = interpolated_locally(wanted[part], places, values)
     return found

@@ -15,11 +15,12 @@ from cable_tracker.errors import RecordingError
 from cable_tracker.survey.dive_route import DiveRoute, Profile
 from cable_tracker.survey.events import Event, EventKind
 from cable_tracker.survey.merging import PlacedRoute
+from cable_tracker.survey.outputs.frames import FRAMES, check_frames
 
 ROUTES, SUMMARY = "routes.npz", "dive.json"
 
 UNREADABLE = (OSError, EOFError, BadZipFile, zlib.error, KeyError, ValueError, TypeError)
-"""Raised by what reads these two files where they are damaged."""
+"""Raised by what reads the files of a dive where they are damaged."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +80,7 @@ def write_summary(folder: Path, surveyed: SurveyedDive) -> None:
 
 
 def read_surveyed(folder: Path) -> SurveyedDive:
-    """Read what `survey_recording` has written.
+    """Read what `survey_recording` has written, and see that its table of frames is whole.
 
     Raises
     ------
@@ -87,6 +88,7 @@ def read_surveyed(folder: Path) -> SurveyedDive:
         The folder holds no such thing.
     """
     try:
+        check_frames(folder / FRAMES)
         content = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
         routes = []
         with (folder / ROUTES).open("rb") as file, np.load(file) as arrays:
@@ -120,4 +122,11 @@ def _placed(name: str, arrays: Any, number: int, events: list[dict[str, Any]]) -
 
 def _event(content: dict[str, Any]) -> Event:
     x, y = content["place"]
-    return Event(**{**content, "kind": EventKind(content["kind"]), "place": (float(x), float(y))})
+    return Event(
+        **{
+            **content,
+            "kind": EventKind(content["kind"]),
+            "place": (float(x), float(y)),
+            "others": tuple(content["others"]),
+        }
+    )

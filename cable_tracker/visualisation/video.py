@@ -71,7 +71,7 @@ class VideoWriter:
     Raises
     ------
     OutputError
-        PyAV is not installed, the file cannot be written, or (at the end) no frame was added.
+        The file cannot be written, or (at the end) no frame was added.
     """
 
     def __init__(self, path: Path) -> None:

@@ -1,5 +1,6 @@
 """`cable-tracker simulate`."""
 
+import pytest
 from typer.testing import CliRunner
 
 from cable_tracker.cli import app
@@ -46,4 +47,21 @@ def test_a_target_goes_without_a_cable(tmp_path):
 def test_an_unknown_target_is_refused(tmp_path):
     result = command(tmp_path / "dive", "--target", "whale")
     assert "none of" in str(result.exception)
+    assert not (tmp_path / "dive").exists()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--target", "buoy", "--seed", -1),
+        ("--scenario", "tune_clear", "--seed", -1),
+        ("--scenario", "tune_clear", "--size", "1x1"),
+        ("--survey", 100, "--cable-seed", -1),
+        ("--survey", "nan"),
+        ("--survey", "inf"),
+    ],
+)
+def test_values_that_cannot_be_are_refused_in_words(tmp_path, words):
+    result = command(tmp_path / "dive", *words)
+    assert isinstance(result.exception, ParameterError)
     assert not (tmp_path / "dive").exists()

@@ -63,6 +63,19 @@ def test_a_line_to_the_left_is_seen_to_the_left():
     assert line.seen_from(Pose(5.0, 0.0, 0.2)).heading == pytest.approx(-0.2)
 
 
+@pytest.mark.parametrize("turned", [80.0, 100.0, 180.0, -120.0])
+def test_a_vehicle_that_is_turned_away_knows_on_which_side_the_line_is(turned):
+    yaw = math.radians(turned)
+    seen = RememberedLine(0.0, 0.0, 0.0).seen_from(Pose(0.0, -1.0, yaw))
+    assert seen.offset == pytest.approx(1.0 / math.cos(yaw))
+    assert seen.offset * math.cos(seen.heading) == pytest.approx(1.0)
+
+
+def test_a_line_right_across_has_an_offset_all_the_same():
+    seen = RememberedLine(0.0, 0.0, 0.0).seen_from(Pose(0.0, -1.0, math.pi / 2))
+    assert abs(seen.offset) == pytest.approx(10.0)
+
+
 def test_the_last_sightings_do_not_turn_the_line_away():
     line = RememberedLine(0.0, 0.0, 0.0)
     poses = walk(0.0, 40)

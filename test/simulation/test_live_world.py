@@ -48,7 +48,7 @@ def test_values_out_of_their_range_are_refused(change):
 
 
 @pytest.mark.parametrize("aside", [-0.5, 0.0, 0.4])
-@pytest.mark.parametrize("turned", [-0.3, 0.0, 0.2])
+@pytest.mark.parametrize("turned", [-0.3, 0.0, 0.2, 1.8, -2.5])
 def test_the_truth_is_where_the_vehicle_was_put(world, aside, turned):
     truth = world.cross_track(over_the_cable(world, 4.0, aside, turned))
     assert truth.along == pytest.approx(4.0, abs=1e-6)

@@ -47,13 +47,37 @@ def test_what_was_written_is_read_back(surveyed):
     assert dive.routes[0].route.along[-1] > 1.0
 
 
+@pytest.mark.parametrize("name", ["routes.npz", "frames.parquet"])
 @pytest.mark.parametrize("length", [0, 20, 2000])
-def test_a_dive_that_was_cut_off_is_told(surveyed, tmp_path, length):
+def test_a_dive_that_was_cut_off_is_told(surveyed, tmp_path, name, length):
     dive = shutil.copytree(surveyed[0] / "recordings/dive", tmp_path / "dive")
-    routes = dive / "routes.npz"
-    routes.write_bytes(routes.read_bytes()[:length])
+    file = dive / name
+    file.write_bytes(file.read_bytes()[:length])
     with pytest.raises(RecordingError, match="survey the recording again"):
         read_surveyed(dive)
+
+
+def damaged(content: bytes) -> bytes:
+    """Overwrite a piece in the middle."""
+    return content[:200] + bytes(range(256)) * 2 + content[712:]
+
+
+@pytest.mark.parametrize("damage", [damaged, lambda content: b""])
+def test_a_kept_dive_whose_frames_are_damaged_is_a_row_that_failed(surveyed, tmp_path, damage):
+    output = shutil.copytree(surveyed[0], tmp_path / "map")
+    frames = output / "recordings/dive/frames.parquet"
+    frames.write_bytes(damage(frames.read_bytes()))
+    result = run_survey(surveyed[2], output, SurveySettings(), ALONE, resume=True)
+    assert result.outcomes[0].state is TaskState.KEPT and not result.routes
+    assert "survey the recording again" in result.rows[0].state
+    assert "survey the recording again" in (output / "report.html").read_text()
+
+
+def test_a_kept_dive_without_its_frames_is_a_row_that_failed(surveyed, tmp_path):
+    output = shutil.copytree(surveyed[0], tmp_path / "map")
+    (output / "recordings/dive/frames.parquet").unlink()
+    result = run_survey(surveyed[2], output, SurveySettings(), ALONE, resume=True)
+    assert "survey the recording again" in result.rows[0].state
 
 
 def test_resuming_keeps_what_is_there_and_does_what_has_changed(surveyed):

@@ -35,13 +35,14 @@ BESIDE = (60, -150), (90, 150)
 def search():
     """Search pictures that come with so many seconds between them; return what was seen."""
 
-    def run(*pictures, pause=1.0):
+    def run(*pictures, pause=1.0, back=0.0):
+        """`back`: by how much the clock is set back after the first picture [s]."""
         table = FrameTable()
         crossings = CrossingSearch(table)
         for number, grey in enumerate(pictures):
             table.append()
             estimate = SimpleNamespace(
-                stamp=round(number * pause * SECOND),
+                stamp=round((number * pause - (back if number else 0.0)) * SECOND),
                 state=CableState(0.0, 0.0, 24.0),
                 image_size=(320, 240),
             )
@@ -65,3 +66,8 @@ def test_the_cable_and_what_lies_along_it_are_not_across(search):
 def test_pictures_are_searched_now_and_then(search):
     pictures = [picture(CABLE, ACROSS)] * 4
     assert {sight.row for sight in search(*pictures, pause=0.5 * CROSSING_STRIDE)} == {0, 2}
+
+
+def test_a_clock_that_is_set_back_does_not_end_the_search(search):
+    pictures = [picture(CABLE, ACROSS)] * 3
+    assert {sight.row for sight in search(*pictures, back=3600.0)} == {0, 1, 2}

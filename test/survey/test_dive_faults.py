@@ -80,3 +80,23 @@ def test_pictures_that_could_not_be_used_are_counted(tmp_path):
     poses = Poses(np.zeros(0, np.int64), np.zeros((0, 3)))
     notes = find_faults(dive, poses, count_rows(dive, NO_PLACES[:4]))
     assert any(note.startswith("3 of 4 pictures could not be used") for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("readings", "words"),
+    [
+        (np.arange(0, 40, 2), "odometry is too slow: 2.0 s from one reading to the next"),
+        (np.arange(3600, 3640), "their clocks are 3600 s apart"),
+        (np.array([-20, -19.5, 40, 40.5, 41.0]), "odometry was silent"),
+        (np.array([3]), "a single reading of odometry"),
+    ],
+)
+def test_why_no_picture_has_a_place_is_told_from_when_odometry_speaks(tmp_path, readings, words):
+    dive = ForwardDive(tmp_path)
+    for index in range(4 * CLAIMS):
+        dive.table.append()["stamp"] = index * SECOND // 4
+    stamps = (readings * SECOND).astype(np.int64)
+    poses = Poses(stamps, np.zeros((len(stamps), 3)))
+    places = poses.at(dive.table.rows["stamp"])
+    (note,) = find_faults(dive, poses, count_rows(dive, places))
+    assert words in note

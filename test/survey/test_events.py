@@ -1,4 +1,5 @@
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from cable_tracker.survey.events import EventKind
 from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import CrossingSight
 from cable_tracker.survey.keyframes import make_keyframes
+from cable_tracker.survey.memory_mapped import Disk
 from cable_tracker.survey.recording import SurveySettings, analyse
 from cable_tracker.survey.route import make_routes
 from cable_tracker.survey.smoothing import smooth
@@ -95,6 +97,42 @@ def test_an_odometry_that_jumps_is_an_event():
     for stamp, value in zip(stamps, values, strict=True):
         again.poses.add(int(stamp), list(value))
     assert len(events(again, EventKind.NAVIGATION)) == 1
+
+
+def test_a_jump_of_odometry_is_an_event_of_the_route_that_it_lies_in():
+    dive, again = make_dive(Plan()), ForwardDive(Path("dive"), Disk())
+    stamps, values = dive.poses.arrays()
+    values[100:, 0] += 30.0
+    silence = (stamps > stamps[400]) & (stamps < stamps[500])
+    for stamp, value in zip(stamps[~silence], values[~silence], strict=True):
+        again.poses.add(int(stamp), list(value))
+    again.table = dive.table
+    surveyed, course = analyse(again, SurveySettings())
+    assert len(surveyed.routes) == 2 and len(course.poses.jumps) == 1
+    kinds = [[event.kind for event in placed.events] for placed in surveyed.routes]
+    assert EventKind.NAVIGATION in kinds[0] and EventKind.NAVIGATION not in kinds[1]
+
+
+@pytest.mark.parametrize("end", [30.0, 30.1, 30.2, 30.3, 30.4])
+def test_a_cable_that_ends_before_the_dive_is_lost_there(end):
+    (event,) = events(make_dive(Plan(hidden=((end, 60.0),))), EventKind.LOST)
+    assert event.along + 0.7 == pytest.approx(end, abs=0.3)
+
+
+def test_a_cable_that_is_seen_up_to_the_end_is_not_lost_wherever_the_dive_turned_round():
+    there = make_dive(Plan(length=20.0))
+    stamps, values = there.poses.arrays()
+    rows = there.table.rows
+    both = ForwardDive(there.path, there.disk)
+    order = [*range(len(rows)), *range(len(rows) - 1, len(rows) // 2, -1)]
+    for number, k in enumerate(order):
+        both.poses.add(int(stamps[0]) + number * 100_000_000, list(values[k]))
+        row = both.table.append()
+        for name in rows.dtype.names:
+            row[name] = rows[name][k]
+        row["frame"], row["stamp"] = number, int(stamps[0]) + number * 100_000_000
+    assert len(events(both, EventKind.FOUND)) == 1
+    assert not events(both, EventKind.LOST)
 
 
 def test_without_odometry_there_are_times_instead_of_places():

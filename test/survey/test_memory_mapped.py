@@ -9,7 +9,7 @@ from cable_tracker.errors import OutputError
 from cable_tracker.survey.memory_mapped import (
     Disk,
     Unwrapping,
-    interpolated,
+    interpolated_locally,
     running_sum,
     surroundings,
 )
@@ -97,9 +97,8 @@ def test_the_median_is_that_of_numpy(values, block):
 def test_interpolation_reads_only_what_lies_around(places, wanted):
     places, wanted = np.sort(places), np.array(wanted)
     values = np.sin(places)
-    assert (
-        interpolated(wanted, places, values).tolist() == np.interp(wanted, places, values).tolist()
-    )
+    found = interpolated_locally(wanted, places, values)
+    assert found.tolist() == np.interp(wanted, places, values).tolist()
     if len(wanted):
         around = places[surroundings(places, wanted[:1])]
         assert len(around) <= 3

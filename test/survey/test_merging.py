@@ -1,12 +1,15 @@
-from dataclasses import replace
+from dataclasses import fields, replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from survey_dives import Plan, make_dive
 
+from cable_tracker.survey.dive_route import PROFILE_SPACING, Profile
 from cable_tracker.survey.events import EventKind
 from cable_tracker.survey.merging import PlacedRoute, merge
 from cable_tracker.survey.recording import SurveySettings, analyse
+from cable_tracker.survey.route import SPACING
 
 
 def placed(plan: Plan, name: str, shift: float = 0.0, sigma: float = 0.05) -> PlacedRoute:
@@ -71,4 +74,65 @@ def test_a_burial_that_two_dives_saw_is_one_event():
     plan = Plan(hidden=((15.0, 21.0),))
     (merged,) = merge([placed(plan, "a"), placed(replace(plan, seed=2), "b")])
     (event,) = [each for each in merged.events if each.kind is EventKind.BURIED]
-    assert set(event.recording.split(", ")) == {"a", "b"}
+    assert {event.recording, *event.others} == {"a", "b"}
+
+
+def straight(name: str, start: tuple[float, float], end: tuple[float, float]) -> PlacedRoute:
+    """Return a dive's route along a straight line."""
+    (first, last), kind = np.array([start, end]), placed(Plan(bend=0.0, length=10.0), name)
+    count = round(float(np.hypot(*(last - first))) / SPACING) + 1
+    only = kind.route
+    columns = {
+        each.name: np.full(count, getattr(only, each.name)[5])
+        for each in fields(only)
+        if each.name not in ("start", "profile", "places")
+    }
+    columns["along"] = np.arange(count) * SPACING
+    columns["headings"] = np.full(count, np.arctan2(*(last - first)[::-1]))
+    bins = round(count * SPACING / PROFILE_SPACING)
+    profile = Profile(0.0, np.full(bins, 3.0), np.ones(bins, bool))
+    places = np.linspace(first, last, count)
+    return PlacedRoute(name, replace(only, places=places, profile=profile, **columns), ())
+
+
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+def test_dives_over_cables_that_cross_stay_apart(turn):
+    first = straight("a", (0.0, 0.0), (100.0, 0.0))
+    second = straight("b", (50.0, -40.0 * turn), (50.0, 40.0 * turn))
+    one, other = merge([first, second])
+    assert (one.recordings, other.recordings) == (("a",), ("b",))
+    assert np.abs(one.places[:, 1]).max() < 1e-9
+    assert np.abs(other.places[:, 0] - 50.0).max() < 1e-9
+
+
+def joined(name: str, *corners: tuple[float, float]) -> PlacedRoute:
+    """Return a dive's route along straight lines from corner to corner."""
+    parts = [straight(name, *ends).route.places for ends in pairwise(corners)]
+    places = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+    route = straight(name, (0.0, 0.0), ((len(places) - 1) * SPACING, 0.0)).route
+    return PlacedRoute(name, replace(route, places=places), ())
+
+
+def test_short_ways_side_by_side_here_and_there_are_no_common_route():
+    zigzag = [(3.0, 0.0), (3.0, 20.0), (6.0, 20.0), (6.0, 0.0), (9.0, 0.0), (9.0, 20.0)]
+    dives = [straight("a", (0.0, 0.0), (100.0, 0.0)), joined("b", (0.0, 0.0), *zigzag)]
+    assert len(merge(dives)) == 2
+
+
+def test_a_dive_that_leaves_for_another_cable_does_not_bend_the_route():
+    first = straight("a", (0.0, 0.0), (120.0, 0.0))
+    second = joined("b", (0.0, 0.2), (40.0, 0.2), (70.0, 30.0), (95.0, 30.0))
+    (merged,) = merge([first, second])
+    beyond = merged.places[:, 0] > 42.0
+    assert np.abs(merged.places[beyond, 1]).max() < 1e-9
+    assert (merged.dives[beyond] == 1.0).all()
+    assert merged.places[merged.places[:, 0] < 35.0, 1] == pytest.approx(0.1, abs=0.02)
+    (event,) = [each for each in merged.events if each.kind is EventKind.DISAGREEMENT]
+    assert event.along < 42.0 and event.end > 90.0 and "up to 30" in event.detail
+
+
+def test_a_dive_that_has_left_the_route_does_not_prolong_it():
+    first = straight("a", (0.0, 0.0), (100.0, 0.0))
+    second = joined("b", (20.0, 0.0), (60.0, 0.0), (90.0, 30.0), (105.0, 30.0))
+    (merged,) = merge([first, second])
+    assert merged.along[-1] == pytest.approx(100.0)

@@ -10,10 +10,19 @@ import pytest
 import shapely
 from survey_dives import Plan, make_dive
 
+from cable_tracker.survey.events import Event, EventKind
 from cable_tracker.survey.local_frame import LocalFrame
 from cable_tracker.survey.merging import merge
 from cable_tracker.survey.outputs.frames import join_frames, write_frames
-from cable_tracker.survey.outputs.maps import EARTH, WRITERS, SurveyMap, _LayerWriter, write_events
+from cable_tracker.survey.outputs.maps import (
+    EARTH,
+    WRITERS,
+    SurveyMap,
+    _LayerWriter,
+    band,
+    picture_name,
+    write_events,
+)
 from cable_tracker.survey.outputs.report import RecordingRow, write_report
 from cable_tracker.survey.recording import SurveySettings, analyse
 
@@ -75,6 +84,39 @@ def test_events_are_a_table_with_places_and_pictures(written):
     assert buried["picture"].startswith("recordings/dive/pictures/")
 
 
+def test_the_picture_of_a_dive_with_a_comma_in_its_name_is_found():
+    event = Event(EventKind.BEND, 1.0, 2.0, (0.0, 0.0), 5, 7, "", "dive, part 2", ("dive, part 1",))
+    assert picture_name(event, "") == "recordings/dive, part 2/pictures/7.jpg"
+    assert event.recordings == "dive, part 2, dive, part 1"
+
+
+def test_the_band_runs_counter_clockwise(survey):
+    assert shapely.is_ccw(shapely.LinearRing(band(survey.routes[0])))
+
+
+def test_an_event_without_a_frame_leaves_numbers_numbers(survey, tmp_path):
+    (route,) = survey.routes
+    apart = Event(EventKind.DISAGREEMENT, 1.0, 4.0, (1.0, 0.0), 0, -1, "apart", "dive", ("other",))
+    both = replace(survey, routes=(replace(route, events=(*route.events, apart)),))
+    for name, write in WRITERS.items():
+        write(tmp_path / name, both)
+    for name in ("route.gpkg", "route.geojson"):
+        layer = "events" if name == "route.gpkg" else None
+        info = pyogrio.read_info(tmp_path / name, layer=layer)
+        kinds = dict(zip(info["fields"], info["dtypes"], strict=True))
+        assert kinds["frame"] in ("float64", "int32", "int64"), name
+        assert kinds["kp_from_m"] == kinds["latitude"] == "float64"
+    _, _, _, (kinds, frames) = pyogrio.raw.read(
+        tmp_path / "route.gpkg", layer="events", columns=["kind", "frame"]
+    )
+    assert (np.isnan(frames) == (kinds == "dives disagree")).all()
+    rows = list(csv.DictReader((tmp_path / "events.csv").read_text().splitlines()))
+    (row,) = [row for row in rows if row["kind"] == "dives disagree"]
+    assert row["frame"] == row["stamp"] == "" and row["recording"] == "dive, other"
+    write_report(tmp_path / "report.html", both, [], "survey")
+    assert "None" not in (tmp_path / "report.html").read_text()
+
+
 def test_a_map_in_a_folder_of_its_own_finds_the_pictures(survey, tmp_path):
     beside = tmp_path / "without_place"
     beside.mkdir()
@@ -126,6 +168,19 @@ def test_frames_of_several_dives_are_one_table(tmp_path):
     assert table.schema.field("smoothed_aside").metadata == {b"unit": b"m"}
     aside, smoothed = (np.array(table[name].to_pylist(), float) for name in ("x", "smoothed_aside"))
     assert np.isfinite(aside).all() and np.isfinite(smoothed).mean() > 0.9
+
+
+def test_a_time_that_comes_again_has_no_place_in_the_table_the_second_time(tmp_path):
+    dive = make_dive(Plan(length=20.0))
+    again = slice(200, 299)
+    dive.table.rows["stamp"][200:] -= 10_000_000_000
+    _, course = analyse(dive, SurveySettings())
+    write_frames(tmp_path / "frames.parquet", "dive", dive, course)
+    table = pq.read_table(tmp_path / "frames.parquet")
+    for name in ("x", "y", "yaw", "smoothed_aside", "along"):
+        column = np.array(table[name].to_pylist(), float)
+        assert np.isnan(column[again]).all() and np.isfinite(column[10:200]).all()
+        assert np.isfinite(column[310:]).all()
 
 
 def test_a_geopackage_that_cannot_be_written_is_an_error_of_the_system(tmp_path):

@@ -52,7 +52,7 @@ class TargetScenario:
 
     Attributes
     ----------
-    name, purpose : str
+    name : str
         For people.
     body : Body
         Body of the target.
@@ -65,7 +65,6 @@ class TargetScenario:
     """
 
     name: str
-    purpose: str
     body: Body
     cast: Callable[[float, float, float, np.random.Generator], Cast]
     clearness: float = 0.9
@@ -207,18 +206,26 @@ TARGET_SCENARIOS: Mapping[str, TargetScenario] = MappingProxyType(
     {
         scenario.name: scenario
         for scenario in (
-            TargetScenario("buoy", "a buoy from far to near, or back", buoy, _buoy_cast),
-            TargetScenario("vehicle", "a vehicle that turns about", vehicle, _vehicle_cast),
-            TargetScenario("diver", "an outline that changes in every frame", diver, _diver_cast),
-            TargetScenario("low_contrast", "a grey vehicle in haze", box_vehicle, _hazy_cast, 0.6),
-            TargetScenario("leaving", "out of the picture and back", buoy, _leaving_cast),
-            TargetScenario("occlusion", "hidden by stalks, twice", buoy, _occlusion_cast),
-            TargetScenario("crossing", "two of one kind cross", buoy, _crossing_cast),
-            TargetScenario(
-                "near_surface", "its mirror above it", buoy, _surface_cast, surface=0.68
-            ),
-            TargetScenario("vanishing", "soon gone, for good", buoy, _vanishing_cast),
-            TargetScenario("nothing", "never any target", buoy, _nobody_cast),
+            # From far to near, or back.
+            TargetScenario("buoy", buoy, _buoy_cast),
+            # Turns about.
+            TargetScenario("vehicle", vehicle, _vehicle_cast),
+            # Its outline changes in every frame.
+            TargetScenario("diver", diver, _diver_cast),
+            # A grey vehicle in haze.
+            TargetScenario("low_contrast", box_vehicle, _hazy_cast, 0.6),
+            # Out of the picture and back.
+            TargetScenario("leaving", buoy, _leaving_cast),
+            # Hidden by stalks, twice.
+            TargetScenario("occlusion", buoy, _occlusion_cast),
+            # Two of one kind cross.
+            TargetScenario("crossing", buoy, _crossing_cast),
+            # Its mirror above it.
+            TargetScenario("near_surface", buoy, _surface_cast, surface=0.68),
+            # Soon gone, for good.
+            TargetScenario("vanishing", buoy, _vanishing_cast),
+            # Never any target.
+            TargetScenario("nothing", buoy, _nobody_cast),
         )
     }
 )

@@ -156,7 +156,7 @@ def simulate_world(
     Raises
     ------
     ParameterError
-        There is no world of that name.
+        There is no world of that name, the seed is negative, or images cannot have that size.
     RecordingError
         The world needs photographs, and there are none.
     """

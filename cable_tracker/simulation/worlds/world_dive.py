@@ -12,6 +12,7 @@ from cable_tracker.arrays import FloatArray, Image, eight_bits
 from cable_tracker.cable.model.geometry import wrap_states
 from cable_tracker.cable.model.state import CableState, StateColumn
 from cable_tracker.simulation.dive import SimulatedFrame, make_frame
+from cable_tracker.simulation.setting_checks import check_seed, check_size
 from cable_tracker.simulation.texture import smooth_step
 from cable_tracker.simulation.worlds.cable_coat import random_coat
 from cable_tracker.simulation.worlds.cable_look import (
@@ -87,11 +88,15 @@ class WorldDive:
 
     Raises
     ------
+    ParameterError
+        The seed is negative, or images cannot have that size.
     RecordingError
         The world needs photographs, and there are none.
     """
 
     def __init__(self, world: World, seed: int, image_size: tuple[int, int] = WORLD_SIZE) -> None:
+        check_seed(seed)
+        check_size(image_size)
         self.world = world
         name = zlib.crc32(world.name.encode())
         self._size = image_size

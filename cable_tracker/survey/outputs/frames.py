@@ -9,9 +9,14 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from cable_tracker.arrays import FloatArray
 from cable_tracker.survey.forward_pass import ForwardDive
 from cable_tracker.survey.frame_table import STATUSES
+from cable_tracker.survey.navigation import poses_of_rows
 from cable_tracker.survey.route import Course
+
+FRAMES = "frames.parquet"
+"""Name of the file."""
 
 PLAIN = (
     "frame", "stamp", "presence", "d", "alpha", "w", "beta", "offset", "heading",
@@ -33,11 +38,12 @@ ROW_GROUP = 4096
 def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course | None) -> None:
     """Write the table of a dive, some rows at a time."""
     count = len(dive.table)
+    way = None if course is None else poses_of_rows(dive.table.rows, course.poses, dive.disk)
     with ExitStack() as stack:
         writer: pq.ParquetWriter | None = None
         for first in range(0, max(count, 1), ROW_GROUP):
             part = slice(first, min(first + ROW_GROUP, count))
-            table = _table(recording, dive, course, part)
+            table = _table(recording, dive, course, way, part)
             if writer is None:
                 writer = stack.enter_context(
                     pq.ParquetWriter(path, table.schema, compression="zstd")
@@ -46,7 +52,10 @@ def write_frames(path: Path, recording: str, dive: ForwardDive, course: Course |
             dive.disk.let_go()
 
 
-def _table(recording: str, dive: ForwardDive, course: Course | None, part: slice) -> pa.Table:
+def _table(
+    recording: str, dive: ForwardDive, course: Course | None, way: FloatArray | None, part: slice
+) -> pa.Table:
+    """Return some rows of the table; `way` (N, 3) is where the vehicle was in all of them."""
     rows = dive.table.rows[part]
     count = len(rows)
     columns: dict[str, pa.Array] = {
@@ -59,10 +68,11 @@ def _table(recording: str, dive: ForwardDive, course: Course | None, part: slice
         rows["reason"].astype(np.int32), dive.table.reasons
     )
     places, smoothed = np.full((count, 3), np.nan), np.full((count, 4), np.nan)
-    if course is not None:
-        places = course.poses.at(rows["stamp"])
+    if course is not None and way is not None:
+        places = way[part]
         cable, keyframe = course.cable, course.keyframes.of_rows(part)
-        known, keyframe = keyframe >= 0, keyframe[keyframe >= 0]
+        known = (keyframe >= 0) & np.isfinite(places).all(axis=1)
+        keyframe = keyframe[known]
         sigma = np.sqrt(cable.covariances[keyframe, 0, 0])
         smoothed[known] = np.column_stack(
             (cable.states[keyframe, :2], sigma, cable.along[keyframe])
@@ -77,6 +87,23 @@ def _table(recording: str, dive: ForwardDive, course: Course | None, part: slice
         for name, column in columns.items()
     ]
     return pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields))
+
+
+def check_frames(path: Path) -> None:
+    """Read a table that `write_frames` has written, to see that it is whole.
+
+    Raises
+    ------
+    OSError, ValueError
+        It is not there, or damaged.
+    """
+    try:
+        with pq.ParquetFile(path) as file:
+            for number in range(file.num_row_groups):
+                file.read_row_group(number)
+    # Some of these are neither.
+    except pa.ArrowException as error:
+        raise ValueError(str(error)) from error
 
 
 def join_frames(parts: list[Path], path: Path) -> None:

@@ -84,15 +84,17 @@ def picture_name(event: Event, root: str) -> str:
     """
     if event.frame < 0:
         return ""
-    first = event.recording.split(", ")[0]
-    return f"{root}recordings/{first}/pictures/{event.frame}.jpg"
+    return f"{root}recordings/{event.recording}/pictures/{event.frame}.jpg"
 
 
 def band(route: MergedRoute) -> FloatArray:
-    """Return the outline of the band that holds the cable in 95 %, shape (2 N + 1, 2) [m]."""
+    """Return the outline of the band that holds the cable in 95 %, shape (2 N + 1, 2) [m].
+
+    It runs counter-clockwise, as RFC 7946 asks of the outer ring of a polygon.
+    """
     normal = np.column_stack((-np.sin(route.headings), np.cos(route.headings)))
     half = BAND_SIGMAS * route.sigmas[:, None]
-    outline = np.concatenate((route.places + half * normal, (route.places - half * normal)[::-1]))
+    outline = np.concatenate((route.places - half * normal, (route.places + half * normal)[::-1]))
     return np.concatenate((outline, outline[:1]))
 
 
@@ -124,20 +126,20 @@ def at_every_metre(route: MergedRoute) -> dict[str, FloatArray]:
 
 
 def _event_row(survey: SurveyMap, name: str, event: Event) -> list[object]:
-    latitude: object = ""
-    longitude: object = ""
+    """Return a line of `events.csv`; None where there is no number, "" where there is no text."""
+    latitude = longitude = None
     if survey.frame is not None and np.isfinite(event.place).all():
         degrees = survey.frame.to_degrees(np.array([event.place]))[0]
         latitude, longitude = (round(float(value), DEGREE_DIGITS) for value in degrees)
 
-    def metres(value: float) -> object:
-        return round(value, MILLIMETRES) if np.isfinite(value) else ""
+    def metres(value: float) -> float | None:
+        return round(value, MILLIMETRES) if np.isfinite(value) else None
 
     return [
         name, event.kind.value, metres(event.along), metres(event.end),
         metres(event.end - event.along), latitude, longitude, *map(metres, event.place),
-        format_stamp(event.stamp) if event.stamp else "", event.recording,
-        event.frame if event.frame >= 0 else "", picture_name(event, survey.root), event.detail,
+        format_stamp(event.stamp) if event.stamp else "", event.recordings,
+        event.frame if event.frame >= 0 else None, picture_name(event, survey.root), event.detail,
     ]  # fmt: skip
 
 
@@ -221,10 +223,7 @@ def write_geopackage(path: Path, survey: SurveyMap) -> None:
         write(layer, "Point", points, columns)
     placed = [(name, event) for name, route in routes for event in route.events]
     table = [_event_row(survey, name, event) for name, event in placed]
-    columns = {
-        column: [str(row[k]) if isinstance(row[k], str) else row[k] for row in table]
-        for k, column in enumerate(EVENT_COLUMNS)
-    }
+    columns = {column: [row[k] for row in table] for k, column in enumerate(EVENT_COLUMNS)}
     points = [shapely.Point(survey.coordinates(np.array([event.place]))[0]) for _, event in placed]
     write("events", "Point", points, columns)
 
@@ -288,7 +287,8 @@ class _LayerWriter:
 
 
 def _column(values: list[Any]) -> Any:  # noqa: ANN401  Of any type that a column may have.
-    if all(isinstance(value, (int, float)) for value in values):
+    # NaN is written as a value that is missing.
+    if all(value is None or isinstance(value, (int, float)) for value in values):
         return np.array(values, np.float64)
     return np.array([str(value) for value in values], dtype=object)
 

@@ -16,7 +16,6 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from cable_tracker.arrays import FloatArray
 from cable_tracker.survey.merging import MergedRoute
 from cable_tracker.survey.outputs.maps import (
-    EVENT_COLUMNS,
     SurveyMap,
     event_rows,
     kilometre_points,
@@ -65,7 +64,7 @@ def write_report(
     data = {
         "onEarth": survey.frame is not None,
         "routes": [
-            _route_data(survey, name, route)
+            _route_data(name, route)
             for name, route in zip(survey.names, survey.routes, strict=True)
         ],
         "events": events,
@@ -74,6 +73,8 @@ def write_report(
         loader=PackageLoader("cable_tracker.survey", "outputs"),
         autoescape=True,
         undefined=StrictUndefined,
+        # A number that is missing is an empty cell.
+        finalize=lambda value: "" if value is None else value,
         trim_blocks=True,
         lstrip_blocks=True,
     )
@@ -82,7 +83,6 @@ def write_report(
         title=title,
         recordings=recordings,
         events=event_rows(survey),
-        columns=EVENT_COLUMNS,
         on_earth=survey.frame is not None,
         datum=_datum(survey),
         routes=[
@@ -121,7 +121,7 @@ def _numbers(values: FloatArray, digits: int) -> list[float | None]:
     return [round(float(value), digits) if np.isfinite(value) else None for value in values]
 
 
-def _route_data(survey: SurveyMap, name: str, route: MergedRoute) -> dict[str, Any]:
+def _route_data(name: str, route: MergedRoute) -> dict[str, Any]:
     stride = max(1, -(-len(route.along) // MOST_POINTS))
     chosen = np.unique(np.append(np.arange(0, len(route.along), stride), len(route.along) - 1))
     along, places = kilometre_points(route)
@@ -175,7 +175,7 @@ def _event_data(survey: SurveyMap, pictures: _Pictures) -> list[dict[str, Any]]:
             "x": round(event.place[0], 3),
             "y": round(event.place[1], 3),
             "detail": event.detail,
-            "recording": event.recording,
+            "recording": event.recordings,
             "picture": pictures.number(picture_name(event, survey.root)),
         }
         for number, route in enumerate(survey.routes)
