@@ -138,6 +138,55 @@ def test_colour_that_becomes_grey_is_no_loss(draw):
     assert overlap(estimate.box, box_of(mask)) > 0.5
 
 
+def even(centre=None, noise=0.0):
+    """A red ellipse, all that has colour, in grey water."""
+    picture = np.full((240, 320, 3), 110, np.uint8)
+    if centre is not None:
+        cv2.ellipse(picture, centre, (22, 14), 0, 0, 360, (30, 30, 200), -1)
+    greys = np.random.default_rng(7).normal(0.0, noise, (240, 320, 1)) if noise else 0.0
+    return np.clip(picture + greys, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("noise", [0.0, 4.0])
+def test_water_without_colour_is_not_a_hidden_target_that_had_all_of_it(noise):
+    tracker = TargetTracker(TargetParameters(seed=1))
+    tracker.initialise(TargetStart.from_box(138, 106, 183, 135))
+    for number in range(1, 20):
+        estimate = tracker.process(even((160, 120), noise), number * STEP)
+    assert estimate.status.value == "TRACKING"
+    for number in range(20, 45):
+        estimate = tracker.process(even(None, noise), number * STEP)
+    assert estimate.status.value == "LOST"
+    assert estimate.presence < 0.1
+    for number in range(45, 70):
+        estimate = tracker.process(even((230, 90), noise), number * STEP)
+    assert estimate.status.value == "TRACKING"
+    assert overlap(estimate.box, (208, 76, 253, 105)) > 0.7
+
+
+def test_a_target_out_of_view_is_not_learnt_anew_when_colour_goes(draw):
+    tracker, _ = started(draw)
+    for number in range(2, 50):
+        image, _ = draw(centre=(160, 120) if number < 10 else None, seed=number)
+        if number >= 25:
+            image = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+        estimate = tracker.process(image, number * STEP)
+        assert number < 15 or estimate.status.value == "LOST"
+
+
+def test_a_target_of_little_colour_stays_learnt_in_colour():
+    tracker = TargetTracker(TargetParameters(seed=1))
+    tracker.initialise(TargetStart.from_box(138, 106, 183, 135))
+    for number in range(1, 25):
+        image = even((160, 120))
+        if number > 5:  # Hidden but for a strip, of less than a percent of the pixels.
+            image[:, 142:] = 110
+        estimate = tracker.process(image, number * STEP)
+    assert estimate.presence < 0.1
+    estimate = [tracker.process(even((160, 120)), n * STEP) for n in range(25, 32)][-1]
+    assert estimate.status.value == "TRACKING"
+
+
 def test_large_frames_are_reduced_and_told_in_their_own_pixels(draw):
     tracker, estimate = started(draw, centre=(320, 240), axes=(44, 28), size=(640, 480))
     mask = draw(centre=(320, 240), axes=(44, 28), size=(640, 480))[1]

@@ -20,6 +20,9 @@ UNSEEN_AROUND = 0.3
 NEAR_SHARE = 0.5
 """Share of the surroundings' histogram that comes from near the target."""
 
+LEAST_LIKENESS = 0.5
+"""Pixels whose greys are less like the target's do not show it."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Appearance:
@@ -69,6 +72,20 @@ class Appearance:
         target, other = (_hues(each, self.bins.shape) for each in (mixed, histogram))
         return float(np.sqrt(target * other).sum())
 
+    def shown_by(self, greys: NDArray[np.uint8]) -> bool:
+        """Tell whether pixels (K,) are the target by their grey alone, and not its surroundings.
+
+        Frames in colour and in grey have that in common.
+        """
+        count = self.bins.shape[0]
+        numbers = self.bins.lookups[0, greys] // (self.bins.count // count)
+        shown = np.bincount(numbers, minlength=count) / max(len(greys), 1)
+        target, surroundings = (
+            np.sqrt(_lumas(each, self.bins.shape) * _smoothed(shown, (count, 1, 1))).sum()
+            for each in (self.target, self.surroundings)
+        )
+        return bool(target > max(surroundings, LEAST_LIKENESS))
+
     def adapted(
         self, target: FloatArray, surroundings: FloatArray, rate: float, outer_rate: float
     ) -> Appearance:
@@ -90,6 +107,12 @@ def _hues(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
     chromas = (1, shape[1], shape[2])
     hues = histogram.reshape(shape).sum(axis=0)
     return _smoothed(_smoothed(hues, chromas), chromas)
+
+
+def _lumas(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
+    """Return the histogram of the first channel alone, smoothed once."""
+    lumas = histogram.reshape(shape).sum(axis=(1, 2))
+    return _smoothed(lumas, (shape[0], 1, 1))
 
 
 def _smoothed(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:

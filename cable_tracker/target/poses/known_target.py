@@ -126,6 +126,16 @@ def contour_settings(parameters: TargetParameters) -> ContourSettings:
     return ContourSettings(p.contour_regulariser, -1.0, p.contour_iterations)
 
 
+def first_likeness(frame: WorkingFrame) -> UsualScore:
+    """Return what is expected of the likeness before a contour has been seen."""
+    return FIRST_LIKENESS if frame.is_coloured else FIRST_GREY_LIKENESS
+
+
+def prior_softness(frame: WorkingFrame, parameters: TargetParameters) -> float:
+    """Return the softness of the prior of shape, in roots of the area."""
+    return parameters.prior_softness if frame.is_coloured else parameters.grey_prior_softness
+
+
 def usual_score(score: float, parameters: TargetParameters) -> UsualScore:
     """Return what is usual after a single score."""
     return UsualScore(score, (parameters.score_spread * score) ** 2)
@@ -137,7 +147,7 @@ def first_known(look: FirstLook, frame: WorkingFrame, parameters: TargetParamete
         look.template,
         look.appearance,
         usual_score(look.score, parameters),
-        FIRST_LIKENESS if frame.is_coloured else FIRST_GREY_LIKENESS,
+        first_likeness(frame),
         0.0,
         Births(look.state, 0.0, parameters.memory_time, frame.shape),
         look.template.size,
@@ -148,20 +158,27 @@ def first_known(look: FirstLook, frame: WorkingFrame, parameters: TargetParamete
 def relearnt(
     known: KnownTarget, state: FloatArray, frame: WorkingFrame, parameters: TargetParameters
 ) -> KnownTarget:
-    """Learn the appearance anew where the target is expected: colour came or went."""
-    bins = choose_bins(frame.channels, frame.is_coloured)
-    bin_map = bins_of(frame.channels, bins.lookups)
+    """Learn the appearance anew where the target is expected: colour came or went.
+
+    Nothing is learnt where the greys there are not the target's: colour also goes with a target
+    that was all that had any, and comes with what hides one.
+    """
     nothing_shown = np.zeros(frame.shape, np.float32)
     expected = find_outline(
-        nothing_shown, state, known.template, parameters.prior_softness,
+        nothing_shown, state, known.template, prior_softness(frame, parameters),
         contour_settings(parameters),
     )  # fmt: skip
-    mask = np.zeros(frame.shape, np.bool_)
-    if expected is not None:
-        mask = expected.in_picture(frame.shape)
+    if expected is None:
+        return known
+    mask = expected.in_picture(frame.shape)
+    if not known.appearance.shown_by(frame.channels[mask, 0]):
+        return known
+    bins = choose_bins(frame.channels, frame.is_coloured)
+    bin_map = bins_of(frame.channels, bins.lookups)
     target, around = learn_histograms(bin_map, mask, near(mask), bins.count)
     appearance = Appearance(bins, target, target, around, parameters.ratio_limit)
-    return _rescored(replace(known, appearance=appearance), state, frame, parameters)
+    anew = replace(known, appearance=appearance, usual_likeness=first_likeness(frame))
+    return _rescored(anew, state, frame, parameters)
 
 
 def _rescored(

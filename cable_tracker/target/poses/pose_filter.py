@@ -31,6 +31,7 @@ from cable_tracker.target.poses.known_target import (
     contour_histograms,
     contour_settings,
     first_known,
+    prior_softness,
 )
 from cable_tracker.target.poses.map_maxima import propose_from_map, watch_rivals
 from cable_tracker.target.poses.pose_belief import PoseBelief, forecast_of
@@ -127,7 +128,8 @@ class PoseFilter(TargetEngine):
         assert self._belief is not None
         p, rng = self._parameters, self._rng
         belief = self._belief.aged(frame, dt, motion, p)
-        measured = measure_frame(frame, belief.known.appearance, p)
+        seen = frame.measured_in(colour=belief.known.is_coloured)
+        measured = measure_frame(seen, belief.known.appearance, p)
         maxima = propose_from_map(belief, measured, p)
         belief = replace(belief, rivals=watch_rivals(belief, measured, maxima, dt))
         forecast = forecast_of(belief, frame.shape, dt, p, rng)
@@ -192,10 +194,10 @@ def estimate_and_adapt(
         Weights of the particles that make the estimate, shape (N,).
     """
     p, known, frame = parameters, belief.known, measured.frame
-    softness = p.prior_softness if frame.is_coloured else p.grey_prior_softness
     outline = find_outline(
-        measured.ratios, belief.estimate, known.template, softness, contour_settings(p)
-    )
+        measured.ratios, belief.estimate, known.template, prior_softness(frame, p),
+        contour_settings(p),
+    )  # fmt: skip
     shown = contour_histograms(outline, measured, known, p)
     presence = presence_by_likeness(belief, shown, p, is_coloured=frame.is_coloured)
     covariance = weighted_covariance(belief.particles.states, weights, belief.estimate)

@@ -1,12 +1,23 @@
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
+import cv2
 import numpy as np
 import pytest
 
 from cable_tracker.target.measure.clutter import UsualScore
+from cable_tracker.target.measure.first_look import look_first
+from cable_tracker.target.measure.working_frame import make_working_frame
 from cable_tracker.target.model.births import Births
-from cable_tracker.target.poses.known_target import KnownTarget
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.poses.known_target import (
+    FIRST_GREY_LIKENESS,
+    KnownTarget,
+    contour_settings,
+    first_known,
+    relearnt,
+)
 
 
 def pose(log_scale):
@@ -41,3 +52,34 @@ def test_where_it_was_seen_it_may_come_again(known):
     births = known.seen_at(pose(0.2)).births
     assert births.seconds == 0.0
     np.testing.assert_array_equal(births.last, pose(0.2))
+
+
+PARAMETERS = TargetParameters()
+
+
+def learnt(image, mask):
+    frame = make_working_frame(image, 320)
+    look = look_first(
+        frame, mask, is_exact=True, points=60, limit=2.5, settings=contour_settings(PARAMETERS)
+    )
+    return first_known(look, frame, PARAMETERS), look.state
+
+
+def test_what_a_target_shows_in_grey_is_learnt_where_it_is(draw):
+    image, mask = draw()
+    known, state = learnt(image, mask)
+    known = replace(known, usual_likeness=UsualScore(0.5, 0.2))
+    grey = make_working_frame(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), 320)
+    anew = relearnt(known, state, grey, PARAMETERS)
+    assert not anew.is_coloured
+    assert anew.usual_likeness == FIRST_GREY_LIKENESS
+    assert anew.usual.mean > 0.0
+
+
+@pytest.mark.parametrize("x", [60.0, 900.0])
+def test_nothing_is_learnt_anew_where_the_target_is_not(draw, x):
+    image, mask = draw()
+    known, state = learnt(image, mask)
+    grey = make_working_frame(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), 320)
+    elsewhere = state + np.array([x, 0.0, 0.0, 0.0, 0.0, 0.0])
+    assert relearnt(known, elsewhere, grey, PARAMETERS) is known
