@@ -94,7 +94,7 @@ class TargetEngine(ABC):
         motion : CameraMotion or None
             Motion of the camera since then.
         others : FloatArray
-            Poses of the other targets that are followed, shape (K, 6): they exclude this one.
+            Poses of the other targets that are claimed, shape (K, 6): they exclude this one.
         """
 
     def configure(self, parameters: TargetParameters) -> None:

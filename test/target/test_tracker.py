@@ -212,6 +212,28 @@ def test_what_does_not_stand_out_is_said_and_not_claimed(draw):
     assert estimate.box is None
 
 
+def test_a_mark_that_does_not_stand_out_costs_no_target_that_is_followed(draw):
+    tracker, _ = started(draw)
+    twin = tracker.copy()
+    tracker.initialise(TargetStart.from_box(20, 20, 60, 50))
+    image, _ = draw(centre=(163, 120), seed=2)
+    estimate, expected = (each.process(image, 2 * STEP) for each in (tracker, twin))
+    assert "stand out" in estimate.event
+    assert estimate.status.value == "TRACKING"
+    np.testing.assert_array_equal(estimate.state, expected.state)
+
+
+def test_a_mark_waits_for_a_frame_that_can_be_used(draw):
+    tracker, _ = started(draw)
+    image, _ = draw(seed=2)
+    other, mask = draw(centre=(230, 120))
+    image[mask] = other[mask]
+    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    with pytest.raises(FrameError, match="stamp"):
+        tracker.process(image, STEP)
+    assert tracker.process(image, 2 * STEP).state[0] == pytest.approx(70.5, abs=3.0)
+
+
 def test_without_a_mark_nothing_is_claimed(draw):
     estimate = TargetTracker().process(draw()[0], STEP)
     assert estimate.status.value == "INITIALISING"
