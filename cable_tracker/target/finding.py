@@ -23,8 +23,6 @@ class Finding:
     ----------
     state, covariance : FloatArray
         Pose, shape (6,), and its covariance, shape (6, 6).
-    size : float
-        Root of the target's area at scale 1 [px].
     outline : Outline or None
         Contour; None where the target is beyond the picture.
     is_whole : bool
@@ -39,7 +37,6 @@ class Finding:
 
     state: FloatArray
     covariance: FloatArray
-    size: float
     outline: Outline | None
     is_whole: bool
     presence: float

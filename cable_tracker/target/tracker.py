@@ -132,10 +132,14 @@ class TargetTracker:
             It cannot. Nothing has changed, but for a mark that the frame cannot hold: it is
             dropped.
         """
-        step = self._succession(_frame_mark(image, stamp))
+        step = self._succession(self._frame_mark(image, stamp))
         if self._start is not None:
             return FrameTask.START
         return FrameTask.SEARCH if step.event or self.is_searching else FrameTask.FOLLOW
+
+    def _frame_mark(self, image: Image, stamp: int) -> FrameMark:
+        check_target_frame(image, self._parameters.working_width)
+        return FrameMark((image.shape[1], image.shape[0]), stamp)
 
     def _succession(self, frame: FrameMark) -> Succession:
         """Return how a frame follows the one before; see `task_for` for the errors."""
@@ -175,7 +179,7 @@ class TargetTracker:
             marked in it. Nothing has changed, but for a mark that the frame cannot hold: it is
             dropped.
         """
-        frame = _frame_mark(image, stamp)
+        frame = self._frame_mark(image, stamp)
         step = self._succession(frame)
         start, self._start = self._start, None
         if step.event:
@@ -289,11 +293,6 @@ class TargetTracker:
             score=finding.score,
             event=event,
         )
-
-
-def _frame_mark(image: Image, stamp: int) -> FrameMark:
-    check_target_frame(image)
-    return FrameMark((image.shape[1], image.shape[0]), stamp)
 
 
 def _covers_any(mask: BoolArray, others: FloatArray) -> bool:

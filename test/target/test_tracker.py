@@ -289,6 +289,38 @@ def test_parameters_change_on_the_way(draw):
     assert tracker.particles.count == 77
 
 
+@pytest.mark.parametrize("change", [{"memory_time": 0.04}, {"ratio_limit": 0.3}])
+def test_what_was_set_at_the_start_may_be_changed_on_the_way(draw, change):
+    tracker, _ = started(draw)
+    twin = tracker.copy()
+    twin.configure(tracker.parameters.replaced(change))
+    for number in range(2, 12):
+        image, _ = draw(centre=None, seed=number)
+        ours, other = (each.process(image, number * STEP) for each in (tracker, twin))
+    assert [*ours.state, ours.area] != [*other.state, other.area]
+
+
+def test_a_target_that_none_of_the_particles_can_have_kept_is_no_error(draw):
+    rates = {"disappearance_rate": 100.0, "leaving_rate": 100.0, "maximum_gap": 20.0}
+    tracker = TargetTracker(TargetParameters(**rates))
+    tracker.initialise(TargetStart.from_box(*box_of(draw()[1])))
+    tracker.process(draw()[0], STEP)
+    for number in range(3):
+        estimate = tracker.process(draw(seed=number)[0], 10_000_000_000 + number * STEP)
+        assert np.isfinite(estimate.state).all()
+        assert np.isfinite(estimate.presence)
+
+
+@pytest.mark.parametrize("name", ["poses", "blobs"])
+def test_frames_of_which_no_row_would_be_left_are_refused(name):
+    tracker = TargetTracker(TargetParameters(filter=name))
+    picture = np.full((16, 4096, 3), (90, 80, 40), np.uint8)
+    picture[:, 1000:1400] = 0
+    tracker.initialise(TargetStart.from_box(1000, 2, 1400, 14))
+    with pytest.raises(FrameError, match=r"4096x16 px.* working_width"):
+        tracker.process(picture, STEP)
+
+
 @pytest.mark.parametrize("count", [1, 2, 3, 5])
 def test_a_handful_of_particles_is_no_error(draw, count):
     tracker = TargetTracker(TargetParameters(particle_count=count))

@@ -36,20 +36,18 @@ class Appearance:
         Histogram of the target at the start: shares of the bins, shape (B,), summing to one.
     target, surroundings : FloatArray
         Present histograms of target and surroundings, shape (B,), each summing to one.
-    limit : float
-        Largest log-likelihood ratio of one pixel.
     """
 
     bins: Bins
     first: FloatArray
     target: FloatArray
     surroundings: FloatArray
-    limit: float
 
-    def log_ratios(self, first_share: float = 0.0) -> NDArray[np.float32]:
+    def log_ratios(self, limit: float, first_share: float = 0.0) -> NDArray[np.float32]:
         """Return log p(bin | target) / p(bin | surroundings), shape (B,).
 
-        `first_share` of the target's histogram is that of the start.
+        At most `limit`, of either sign; `first_share` of the target's histogram is that of the
+        start.
         """
         shape = self.bins.shape
         mixed = first_share * self.first + (1.0 - first_share) * self.target
@@ -58,7 +56,7 @@ class Appearance:
         own = (1.0 - UNSEEN) * target + UNSEEN * even
         others = (1.0 - UNSEEN_AROUND) * surroundings + UNSEEN_AROUND * even
         ratios = np.log(own / others)
-        return np.clip(ratios, -self.limit, self.limit).astype(np.float32)
+        return np.clip(ratios, -limit, limit).astype(np.float32)
 
     def hue_roots(self, first_share: float = 0.0) -> FloatArray:
         """Return the roots of the target's shares of the hues, shape (K,)."""

@@ -14,6 +14,9 @@ from cable_tracker.target.measure.features import channels_of
 
 SMALLEST_SIDE = 16
 
+LEAST_ROWS = 3
+"""Rows that a reduced frame needs: with fewer, no contour has anything around it."""
+
 COLOURLESS = 3
 """A pixel whose chroma is no farther from grey has no colour."""
 
@@ -69,8 +72,8 @@ def _in_grey(picture: Image) -> Image:
     return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
 
 
-def check_target_frame(image: Image) -> None:
-    """See that a frame can be measured.
+def check_target_frame(image: Image, working_width: int) -> None:
+    """See that a frame can be measured at a working width.
 
     Raises
     ------
@@ -85,6 +88,19 @@ def check_target_frame(image: Image) -> None:
         raise FrameError(f"a coloured frame has 3 channels, not {image.shape[2]}")
     if min(image.shape[:2]) < SMALLEST_SIDE:
         raise FrameError(f"a frame is at least {SMALLEST_SIDE} px wide and high")
+    height, width = image.shape[:2]
+    if _reduced(width, height, working_width)[1] < LEAST_ROWS:
+        raise FrameError(
+            f"a frame of {width}x{height} px has hardly a row left at a working width of"
+            f" {working_width} px; crop it or raise working_width"
+        )
+
+
+def _reduced(width: int, height: int, working_width: int) -> tuple[int, int]:
+    """Return width and height of the working image [px]."""
+    if width <= working_width:
+        return width, height
+    return working_width, round(height / (width / working_width))
 
 
 def make_working_frame(image: Image, working_width: int) -> WorkingFrame:
@@ -102,7 +118,7 @@ def make_working_frame(image: Image, working_width: int) -> WorkingFrame:
     small = image
     if width > working_width:
         zoom = width / working_width
-        size = (working_width, max(round(height / zoom), 1))
+        size = _reduced(width, height, working_width)
         small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     if small.ndim == 2:
         grey = np.ascontiguousarray(small)

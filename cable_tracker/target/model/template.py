@@ -81,19 +81,33 @@ def make_template(distances: NDArray[np.float32], size: float, points: int) -> T
     return Template(distances, size, inside, around)
 
 
-def template_of_mask(mask: BoolArray, points: int) -> Template:
+def check_area(mask: BoolArray, zoom: float) -> None:
+    """See that a mask has enough pixels for a shape; `zoom` of the frame are one of its pixels.
+
+    Raises
+    ------
+    FrameError
+        It is too small.
+    """
+    area = int(mask.sum())
+    if area < LEAST_AREA:
+        raise FrameError(
+            f"a target of {area * zoom**2:.0f} px² is too small; mark one of"
+            f" {math.ceil(LEAST_AREA * zoom**2)} px² at least"
+        )
+
+
+def template_of_mask(mask: BoolArray, points: int, zoom: float) -> Template:
     """Return the template of a mask, shape (H, W), upright as it is.
 
     Raises
     ------
     FrameError
-        The mask is too small for a shape.
+        The mask is too small for a shape, see `check_area`.
     """
-    area = int(mask.sum())
-    if area < LEAST_AREA:
-        raise FrameError(f"a target of {area} px is too small; mark one of {LEAST_AREA} at least")
+    check_area(mask, zoom)
     x, y = centroid(mask)
-    size = math.sqrt(area)
+    size = math.sqrt(int(mask.sum()))
     return make_template(distances_about(mask, (x, y), size, 0.0), size, points)
 
 

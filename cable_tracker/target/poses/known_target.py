@@ -20,6 +20,7 @@ from cable_tracker.target.model.births import Births
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.model.template import Template, centroid, distances_about, make_template
 from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.rates import over_time, share_over_time
 
 FIRST_LIKENESS, FIRST_GREY_LIKENESS = UsualScore(0.8, 0.01), UsualScore(0.95, 0.0025)
 """Prior of the likeness of a target's contour to the target: in colour, and in grey."""
@@ -32,7 +33,7 @@ RESHAPED_EVERY = 3
 shape_rate)**RESHAPED_EVERY."""
 
 SCORE_RATE = 0.05
-"""Share per frame with which the usual score follows."""
+"""Share per frame at 25 frames per second with which the usual score follows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,8 +54,6 @@ class KnownTarget:
         Running mean of the log scale.
     births : Births
         Density of the places where it comes into view.
-    first_size : float
-        Root of its area when it was marked [px].
     adaptations : int
         Number of frames that shape and appearance were adapted to.
     """
@@ -65,7 +64,6 @@ class KnownTarget:
     usual_likeness: UsualScore
     usual_log_scale: float
     births: Births
-    first_size: float
     adaptations: int = 0
 
     @property
@@ -149,8 +147,7 @@ def first_known(look: FirstLook, frame: WorkingFrame, parameters: TargetParamete
         usual_score(look.score, parameters),
         first_likeness(frame),
         0.0,
-        Births(look.state, 0.0, parameters.memory_time, frame.shape),
-        look.template.size,
+        Births(look.state, 0.0, frame.shape),
     )
     return _rescored(known, look.state, frame, parameters)
 
@@ -176,7 +173,7 @@ def relearnt(
     bins = choose_bins(frame.channels, frame.is_coloured)
     bin_map = bins_of(frame.channels, bins.lookups)
     target, around = learn_histograms(bin_map, mask, near(mask), bins.count)
-    appearance = Appearance(bins, target, target, around, parameters.ratio_limit)
+    appearance = Appearance(bins, target, target, around)
     anew = replace(known, appearance=appearance, usual_likeness=first_likeness(frame))
     return _rescored(anew, state, frame, parameters)
 
@@ -212,6 +209,7 @@ def adapted_to_contour(
     shown: ShownTarget,
     parameters: TargetParameters,
     *,
+    dt: float,
     angle: float,
     score: float,
 ) -> KnownTarget:
@@ -223,6 +221,8 @@ def adapted_to_contour(
         Target as known before the frame.
     shown : ShownTarget
         Histograms within and around it.
+    dt : float
+        Time since the frame before [s].
     angle : float
         Angle of the target [rad].
     score : float
@@ -230,28 +230,32 @@ def adapted_to_contour(
     """
     p = parameters
     appearance = known.appearance.adapted(
-        shown.target, shown.around, p.appearance_rate_of_target, p.appearance_rate_around
+        shown.target,
+        shown.around,
+        share_over_time(p.appearance_rate_of_target, dt),
+        share_over_time(p.appearance_rate_around, dt),
     )
+    score_rate = share_over_time(SCORE_RATE, dt)
     template = known.template
     if p.shape_rate > 0.0 and known.adaptations % RESHAPED_EVERY == 0:
-        template = _reshaped(known.template, outline, angle, p)
+        template = _reshaped(known.template, outline, angle, dt, p)
     return replace(
         known,
         appearance=appearance,
         template=template,
-        usual=known.usual.seen(score, SCORE_RATE),
-        usual_likeness=known.usual_likeness.seen(shown.likeness, SCORE_RATE),
+        usual=known.usual.seen(score, score_rate),
+        usual_likeness=known.usual_likeness.seen(shown.likeness, score_rate),
         adaptations=known.adaptations + 1,
     )
 
 
 def _reshaped(
-    template: Template, outline: Outline, angle: float, parameters: TargetParameters
+    template: Template, outline: Outline, angle: float, dt: float, parameters: TargetParameters
 ) -> Template:
     """Return the template moved towards the contour, both about their centroids."""
     distances = distances_about(
         outline.mask, centroid(outline.mask), math.sqrt(outline.area), angle
     )
-    share = 1.0 - (1.0 - parameters.shape_rate) ** RESHAPED_EVERY
+    share = 1.0 - over_time(1.0 - parameters.shape_rate, dt) ** RESHAPED_EVERY
     blended = (1.0 - share) * template.distances + share * distances
     return make_template(blended.astype(np.float32), template.size, parameters.template_points)

@@ -127,12 +127,14 @@ def forecast_of(
     predicted = predict_existence(
         belief.presence, float(survival.mean()), 1.0 - math.exp(-p.appearance_rate * dt)
     )
-    alive = survival / survival.sum()
+    total = survival.sum()
+    # None can be in view after a long time with high rates: then all are as likely.
+    alive = survival / total if total > 0.0 else np.full(len(survival), 1.0 / len(survival))
     kernels = kernel_mixture(
         centres, _diffusion(frames, shape[1], p), p.diffusion_degrees_of_freedom, alive
     )
     jumps = p.jump_share * belief.rivals.jump_factor
-    return Forecast(kernels, rates, alive, belief.known.births, predicted, jumps)
+    return Forecast(kernels, rates, alive, belief.known.births, p.memory_time, predicted, jumps)
 
 
 def _survival(

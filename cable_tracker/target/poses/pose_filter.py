@@ -41,6 +41,7 @@ from cable_tracker.target.poses.presence import (
     presence_by_scores,
 )
 from cable_tracker.target.poses.rivals import RivalWatch
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE
 
 FIRST_SPREAD, FIRST_TURN = 0.05, 0.02
 """Standard deviations about a marked target: position in roots of the area; log scale and angle
@@ -110,11 +111,13 @@ class PoseFilter(TargetEngine):
             estimate=look.state,
             presence=MOST_PRESENCE,
             known=first_known(look, frame, p),
-            rivals=RivalWatch() if self._belief is None else self._belief.rivals,
+            rivals=RivalWatch(),
         )
         measured = measure_frame(frame, belief.known.appearance, p)
         weights = np.full(p.particle_count, 1.0 / p.particle_count)
-        finding, self._belief = estimate_and_adapt(belief, measured, weights, p)
+        finding, self._belief = estimate_and_adapt(
+            belief, measured, weights, 1.0 / REFERENCE_RATE, p
+        )
         return finding
 
     def step(
@@ -143,7 +146,7 @@ class PoseFilter(TargetEngine):
         weights = cluster_weights(particles, CLUSTER * belief.size)
         estimate = weighted_mean(particles.states, weights)
         belief = replace(belief, particles=particles, estimate=estimate, presence=presence)
-        finding, belief = estimate_and_adapt(belief, measured, weights, p)
+        finding, belief = estimate_and_adapt(belief, measured, weights, dt, p)
         self._belief = _with_followed_size(belief, dt, p, is_whole=finding.is_whole)
         return finding
 
@@ -182,7 +185,11 @@ def cluster_weights(particles: Particles, reach: float) -> FloatArray:
 
 
 def estimate_and_adapt(
-    belief: PoseBelief, measured: MeasuredFrame, weights: FloatArray, parameters: TargetParameters
+    belief: PoseBelief,
+    measured: MeasuredFrame,
+    weights: FloatArray,
+    dt: float,
+    parameters: TargetParameters,
 ) -> tuple[Finding, PoseBelief]:
     """Find the outline, learn from it, and say what was found.
 
@@ -192,6 +199,8 @@ def estimate_and_adapt(
         Belief with particles and estimate of the frame.
     weights : FloatArray
         Weights of the particles that make the estimate, shape (N,).
+    dt : float
+        Time since the frame before [s].
     """
     p, known, frame = parameters, belief.known, measured.frame
     outline = find_outline(
@@ -210,11 +219,12 @@ def estimate_and_adapt(
         known = known.seen_at(belief.estimate)
         gap = belief.estimate[PoseColumn.LOG_SCALE] - known.usual_log_scale
         if is_whole and abs(gap) < WHOLE_SIZE and outline is not None and shown is not None:
-            known = adapted_to_contour(known, outline, shown, p, angle=belief.angle, score=score)
+            known = adapted_to_contour(
+                known, outline, shown, p, dt=dt, angle=belief.angle, score=score
+            )
     finding = Finding(
         state=belief.estimate.copy(),
         covariance=covariance,
-        size=known.first_size,
         outline=outline,
         is_whole=is_whole,
         presence=presence,
