@@ -25,6 +25,8 @@ SCALE_SPREAD, SCALE_SPREADING, WIDEST_SCALE = 0.25, 0.15, 0.6
 ANGLE_SPREAD, ANGLE_SPREADING, WIDEST_ANGLE = 0.15, 0.3, 0.8
 """The same of the angle [rad]."""
 
+TURN = 2.0 * math.pi
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Births:
@@ -105,7 +107,9 @@ def _log_densities(  # noqa: PLR0917
         across = (states[row, 0] - last[0]) / place
         up = (states[row, 1] - last[1]) / place
         stretch = (states[row, 2] - last[2]) / scale
-        turn = (states[row, 3] - last[3]) / angle
+        turned = states[row, 3] - last[3]
+        # Angles of poses and of the last place may be whole turns apart.
+        turn = (turned - TURN * math.floor(turned / TURN + 0.5)) / angle
         by_size = stretch * stretch + turn * turn
         squared = across * across + up * up + by_size
         near = near_peak - 0.5 * (TAIL + POSE_SIZE) * math.log1p(squared / TAIL)

@@ -25,3 +25,13 @@ def test_the_longer_it_is_gone_the_farther_it_is_looked_for():
     spreads = [np.median(np.abs(each.draw(4000, 4.0, rng)[:, 0] - 60.0)) for each in (soon, late)]
     assert spreads[1] > 2.0 * spreads[0]
     assert late.memory_share(4.0) < soon.memory_share(4.0)
+
+
+@pytest.mark.parametrize("turns", [-2, 1])
+def test_whole_turns_make_no_difference(turns):
+    births = Births(LAST, 0.5, (240, 320))
+    states = births.draw(50, 4.0, np.random.default_rng(4))
+    states[:, 3] = LAST[3] + np.linspace(-3.0, 3.0, 50)
+    turned = states + np.array([0.0, 0.0, 0.0, turns * 2.0 * np.pi, 0.0, 0.0])
+    expected = births.log_density(states, 4.0)
+    assert births.log_density(turned, 4.0) == pytest.approx(expected, rel=1e-9)
