@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.compilation import compiled
+from cable_tracker.compilation import compiled, compiled_inside
 from cable_tracker.contour.shape_prior import signed_distances
 from cable_tracker.errors import FrameError
 from cable_tracker.tracking.image_frame import to_image
@@ -137,6 +137,23 @@ def distances_about(
     return _into_template(signed_distances(mask), centre[0], centre[1], size, angle)
 
 
+@compiled_inside
+def interpolated(distances: NDArray[np.float32], column: float, row: float) -> tuple[float, float]:
+    """Return the distance at a place of a map (H, W), and how far beyond the map it is [px].
+
+    Bilinear; beyond the map it is that of the nearest place within, and grows as it does there.
+    """
+    height, width = distances.shape
+    inner_column = min(max(column, 0.0), width - 1.0)
+    inner_row = min(max(row, 0.0), height - 1.0)
+    beyond = math.hypot(column - inner_column, row - inner_row)
+    left, top = min(int(inner_column), width - 2), min(int(inner_row), height - 2)
+    a, b = inner_column - left, inner_row - top
+    value = (1.0 - b) * ((1.0 - a) * distances[top, left] + a * distances[top, left + 1])
+    value += b * ((1.0 - a) * distances[top + 1, left] + a * distances[top + 1, left + 1])
+    return value, beyond
+
+
 @compiled
 def _into_template(
     distances: NDArray[np.float32], x: float, y: float, size: float, angle: float
@@ -150,14 +167,7 @@ def _into_template(
             across, up = (j - middle) / UNIT * size, (middle - i) / UNIT * size
             column = (width - 1) / 2 + x + cosine * across - sine * up
             row = (height - 1) / 2 - y - sine * across - cosine * up
-            # Beyond the picture the distance grows as it does within.
-            inner_column = min(max(column, 0.0), width - 1.0)
-            inner_row = min(max(row, 0.0), height - 1.0)
-            beyond = math.hypot(column - inner_column, row - inner_row)
-            left, top = min(int(inner_column), width - 2), min(int(inner_row), height - 2)
-            a, b = inner_column - left, inner_row - top
-            value = (1.0 - b) * ((1.0 - a) * distances[top, left] + a * distances[top, left + 1])
-            value += b * ((1.0 - a) * distances[top + 1, left] + a * distances[top + 1, left + 1])
+            value, beyond = interpolated(distances, column, row)
             result[i, j] = (value + beyond) / size
     return result
 
