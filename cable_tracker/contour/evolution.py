@@ -54,9 +54,9 @@ class Contour:
     converged : bool
         Whether the last iteration switched no point.
     inside_count : int
-        Points inside, within the window.
+        Points inside.
     inside_mean, outside_mean : float
-        Mean of the data on either side, within the window.
+        Mean of the data on either side.
     changes : FloatArray
         Changes of energy of the first switches, as many as were asked for at most.
     """

@@ -36,7 +36,7 @@ class KernelMixture(NamedTuple):
         Density of a kernel at its centre.
     relative : Image
         The centres from the first one, over the scales, float32, shape (4, M).
-    target : Image
+    weights : Image
         Weights that sum to one, float32, shape (M,).
     values : Image
         Room for the kernels at one point, over their peak, float32, shape (M,).
@@ -47,22 +47,22 @@ class KernelMixture(NamedTuple):
     degrees_of_freedom: float
     peak: float
     relative: Image
-    target: Image
+    weights: Image
     values: Image
 
 
 def kernel_mixture(
-    places: FloatArray, scales: FloatArray, degrees_of_freedom: float, target: FloatArray
+    places: FloatArray, scales: FloatArray, degrees_of_freedom: float, weights: FloatArray
 ) -> KernelMixture:
-    """Return kernels about places (M, 4) with weights `target` (M,)."""
+    """Return kernels about places (M, 4) with weights (M,)."""
     return KernelMixture(
         places=places,
         scales=scales,
         degrees_of_freedom=degrees_of_freedom,
         peak=peak_density(degrees_of_freedom, DIMENSIONS) / math.prod(scales.tolist()),
         relative=np.ascontiguousarray(((places - places[0]) / scales).T, np.float32),
-        target=target.astype(np.float32),
-        values=np.empty(len(target), np.float32),
+        weights=weights.astype(np.float32),
+        values=np.empty(len(weights), np.float32),
     )
 
 
@@ -102,7 +102,7 @@ def weighted_sums(mixture: KernelMixture) -> tuple[float, float]:
     kernels = mixture.values
     first, second = np.float32(0.0), np.float32(0.0)
     for index in range(len(kernels)):
-        first += mixture.target[index] * kernels[index]
+        first += mixture.weights[index] * kernels[index]
         second += kernels[index]
     return float(first), float(second) / len(kernels)
 
@@ -112,17 +112,17 @@ def choose_kernel(mixture: KernelMixture, factor: float, position: float) -> int
     """Return which kernel a position in their densities times `factor` falls on; -1 for none."""
     left: float | np.float32 = position / (factor * mixture.peak)
     for start in range(0, len(mixture.values), BLOCK):
-        target, values = (
-            mixture.target[start : start + BLOCK],
+        weights, values = (
+            mixture.weights[start : start + BLOCK],
             mixture.values[start : start + BLOCK],
         )
         # Sums are taken many at a time; one by one only where the position falls.
         total = np.float32(0.0)
         for index in range(len(values)):
-            total += target[index] * values[index]
+            total += weights[index] * values[index]
         if left < total:
             for index in range(len(values)):
-                left -= target[index] * values[index]
+                left -= weights[index] * values[index]
                 if left < 0.0:
                     return start + index
             return start + len(values) - 1

@@ -23,8 +23,6 @@ class Finding:
     ----------
     state, covariance : FloatArray
         Pose, shape (6,), and its covariance, shape (6, 6).
-    size : float
-        Root of the target's area at scale 1 [px].
     outline : Outline or None
         Contour; None where the target is beyond the picture.
     is_whole : bool
@@ -39,7 +37,6 @@ class Finding:
 
     state: FloatArray
     covariance: FloatArray
-    size: float
     outline: Outline | None
     is_whole: bool
     presence: float
@@ -94,7 +91,7 @@ class TargetEngine(ABC):
         motion : CameraMotion or None
             Motion of the camera since then.
         others : FloatArray
-            Poses of the other targets that are followed, shape (K, 6): they exclude this one.
+            Poses of the other targets that are claimed, shape (K, 6): they exclude this one.
         """
 
     def configure(self, parameters: TargetParameters) -> None:

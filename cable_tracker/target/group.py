@@ -6,7 +6,7 @@ exclusion; here a target that is claimed keeps the particles of the others away.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -15,8 +15,11 @@ from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.estimate import TargetEstimate
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
-from cable_tracker.target.tracker import NO_OTHERS, TargetTracker
+from cable_tracker.target.tracker import NO_OTHERS, FrameTask, TargetTracker
 from cable_tracker.tracking.status import TrackingStatus
+
+SEEDS = 2**31
+"""Number of seeds; after the last one comes the first."""
 
 
 class TargetGroup:
@@ -47,12 +50,6 @@ class TargetGroup:
         """The parameters in force; the seed is that of the first target."""
         return self._parameters
 
-    @property
-    def shares(self) -> FloatArray:
-        """Weights pi_m of the filters, by their presence; summing to one, or zero for none."""
-        presences = np.array([estimate.presence for estimate in self._estimates])
-        return presences / max(float(presences.sum()), 1e-300)
-
     def configure(self, parameters: TargetParameters) -> None:
         """Take other parameters from now on, and keep the beliefs; see `TargetTracker`."""
         self._parameters = parameters
@@ -80,47 +77,46 @@ class TargetGroup:
     ) -> list[TargetEstimate]:
         """Take one frame into account; see `TargetTracker.process`.
 
+        Targets that are marked in it come first, those that are searched for last: each keeps away
+        from what the others have taken. Of two that are followed, neither has precedence: they keep
+        away from where the other was claimed in the frame before.
+
         Raises
         ------
         FrameError
             The frame cannot be used, or cannot hold what was marked in it. Nothing has changed, but
-            for marks, which are dropped.
+            for a mark that the frame cannot hold: it is dropped.
         """
-        for tracker in self._trackers:
-            tracker.check(image, stamp)
-        before, now = self._estimates, list(self._estimates)
-        for number, tracker in enumerate(self._trackers):
-            if tracker.is_searching:
-                # Two of them must not take the same candidate.
-                others = _followed_but(now, number, self._trackers)
+        tasks = [tracker.task_for(image, stamp) for tracker in self._trackers]
+        before = dict(enumerate(self._estimates))
+        now: dict[int, TargetEstimate] = {}
+        for number in sorted(range(len(tasks)), key=tasks.__getitem__):
+            if tasks[number] is FrameTask.SEARCH:
+                # Two of them must not take the same candidate, claimed or not.
+                others = _states(
+                    estimate
+                    for each, estimate in now.items()
+                    if not self._trackers[each].is_searching
+                )
             else:
-                others = _claimed_but(before, number)
-            now[number : number + 1] = [tracker.process(image, stamp, motion, others)]
-        self._estimates = now
-        return now
+                known = before | {each: now[each] for each in now if tasks[each] is FrameTask.START}
+                others = _states(
+                    estimate
+                    for each, estimate in known.items()
+                    if each != number and estimate.status is TrackingStatus.TRACKING
+                )
+            now[number] = self._trackers[number].process(image, stamp, motion, others)
+        self._estimates = [now[number] for number in range(len(tasks))]
+        return self._estimates
 
 
 def _with_seed(parameters: TargetParameters, number: int) -> TargetParameters:
-    return parameters.replaced({"seed": parameters.seed + number}) if number else parameters
+    if number == 0:
+        return parameters
+    return parameters.replaced({"seed": (parameters.seed + number) % SEEDS})
 
 
-def _claimed_but(estimates: Sequence[TargetEstimate], number: int) -> FloatArray:
-    """Return the states of the claimed targets other than one, shape (K, 6)."""
-    states = [
-        estimate.state
-        for index, estimate in enumerate(estimates)
-        if index != number and estimate.status is TrackingStatus.TRACKING
-    ]
-    return np.array(states) if states else NO_OTHERS
-
-
-def _followed_but(
-    estimates: Sequence[TargetEstimate], number: int, trackers: Sequence[TargetTracker]
-) -> FloatArray:
-    """Return the states of the targets that are followed, claimed or not, other than one."""
-    states = [
-        estimate.state
-        for index, estimate in enumerate(estimates)
-        if index != number and not trackers[index].is_searching
-    ]
+def _states(estimates: Iterable[TargetEstimate]) -> FloatArray:
+    """Return the states of targets, shape (K, 6)."""
+    states = [estimate.state for estimate in estimates]
     return np.array(states) if states else NO_OTHERS

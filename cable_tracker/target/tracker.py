@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from enum import IntEnum
 
 import cv2
 import numpy as np
@@ -27,9 +28,20 @@ from cable_tracker.target.poses.pose_filter import PoseFilter
 from cable_tracker.target.thesis.blob_filter import BlobFilter
 from cable_tracker.tracking.image_frame import to_pixel
 from cable_tracker.tracking.status import StatusMachine, TrackingStatus
-from cable_tracker.tracking.succession import FrameMark, succession
+from cable_tracker.tracking.succession import FrameMark, Succession, succession
 
 NO_OTHERS = np.empty((0, STATE_SIZE))
+
+
+class FrameTask(IntEnum):
+    """What a tracker does with a frame."""
+
+    START = 0
+    """Take what was marked for the target."""
+    FOLLOW = 1
+    """Follow the target."""
+    SEARCH = 2
+    """Look for a target: none is followed, and none marked."""
 
 
 class TargetTracker:
@@ -78,7 +90,7 @@ class TargetTracker:
         """Take other parameters from now on, and keep the belief.
 
         A changed seed waits for the next reset; another filter or working width starts anew with
-        the next target that is marked.
+        the next target that is marked or that the detector proposes.
         """
         before, self._parameters = self._parameters, parameters
         if (before.filter, before.working_width) != (parameters.filter, parameters.working_width):
@@ -111,13 +123,8 @@ class TargetTracker:
             start.check(self._frame.size)
         self._start = start
 
-    @property
-    def is_searching(self) -> bool:
-        """Whether the next frame is searched for a target: none is followed, and none marked."""
-        return self._start is None and self._is_searching()
-
-    def check(self, image: Image, stamp: int) -> None:
-        """See that `process` can take a frame.
+    def task_for(self, image: Image, stamp: int) -> FrameTask:
+        """See that `process` can take a frame, and say what it will do with it.
 
         Raises
         ------
@@ -125,15 +132,24 @@ class TargetTracker:
             It cannot. Nothing has changed, but for a mark that the frame cannot hold: it is
             dropped.
         """
-        check_target_frame(image)
-        frame = FrameMark((image.shape[1], image.shape[0]), stamp)
+        step = self._succession(self._frame_mark(image, stamp))
+        if self._start is not None:
+            return FrameTask.START
+        return FrameTask.SEARCH if step.event or self.is_searching else FrameTask.FOLLOW
+
+    def _frame_mark(self, image: Image, stamp: int) -> FrameMark:
+        check_target_frame(image, self._parameters.working_width)
+        return FrameMark((image.shape[1], image.shape[0]), stamp)
+
+    def _succession(self, frame: FrameMark) -> Succession:
+        """Return how a frame follows the one before; see `task_for` for the errors."""
         if self._start is not None:
             try:
                 self._start.check(frame.size)
             except FrameError:
                 self._start = None
                 raise
-        succession(self._frame, frame, self._parameters.maximum_gap)
+        return succession(self._frame, frame, self._parameters.maximum_gap)
 
     def process(
         self,
@@ -153,38 +169,43 @@ class TargetTracker:
         motion : CameraMotion or None
             Motion of the camera since the frame before.
         others : FloatArray
-            States of other targets that are followed, shape (K, 6): this one is not where they are.
+            States of other targets, shape (K, 6), which this one keeps away from: those that are
+            claimed; while it is searched for, all that are followed.
 
         Raises
         ------
         FrameError
             The frame cannot be used, has the same time as the frame before, or cannot hold what was
-            marked in it. Nothing has changed, but for a mark, which is dropped.
+            marked in it. Nothing has changed, but for a mark that the frame cannot hold: it is
+            dropped.
         """
-        check_target_frame(image)
-        frame = FrameMark((image.shape[1], image.shape[0]), stamp)
-        start = self._start
-        if start is not None:
-            self._start = None
-            start.check(frame.size)
-        step = succession(self._frame, frame, self._parameters.maximum_gap)
+        frame = self._frame_mark(image, stamp)
+        step = self._succession(frame)
+        start, self._start = self._start, None
         if step.event:
             self._engine = self._make_engine()
             self._status = StatusMachine()
         self._frame = frame
         seen = make_working_frame(image, self._parameters.working_width)
         self._zoom = seen.zoom
+        event = step.event
         if start is not None:
-            return self._begin(seen, start, step.event)
-        if self._is_searching():
-            return self._search(seen, step.event, in_frame_pixels(others, 1.0 / seen.zoom))
-        known = None if step.event else motion
+            try:
+                return self._begin(seen, start, event)
+            except FrameError as error:
+                # It does not stand out: what was followed still is.
+                event = str(error)
+                if self.is_searching:
+                    return self._nothing(event)
         apart = in_frame_pixels(others, 1.0 / seen.zoom)
-        finding = self._engine.step(seen, step.dt, known, apart)
-        return self._estimate(finding, step.dt, step.event)
+        if self.is_searching:
+            return self._search(seen, event, apart)
+        finding = self._engine.step(seen, step.dt, motion, apart)
+        return self._estimate(finding, step.dt, event)
 
-    def _is_searching(self) -> bool:
-        """Tell whether there is no target yet, or only one that a detector wrongly proposed."""
+    @property
+    def is_searching(self) -> bool:
+        """Whether there is no target, or only one that a detector wrongly proposed."""
         if self._engine.particles is None:
             return True
         return (
@@ -216,15 +237,17 @@ class TargetTracker:
         return PoseFilter(self._parameters, self._rng)
 
     def _begin(self, seen: WorkingFrame, start: TargetStart, event: str) -> TargetEstimate:
+        """Take what was marked for the target.
+
+        Raises
+        ------
+        FrameError
+            It does not stand out. Nothing has changed.
+        """
         engine = self._make_engine()
         mask = start.mask(seen.shape, seen.zoom)
+        finding = engine.start(seen, mask, is_exact=not start.is_box)
         self._status = StatusMachine().confirm_with_next_frame()
-        try:
-            finding = engine.start(seen, mask, is_exact=not start.is_box)
-        except FrameError as error:
-            self._engine = self._make_engine()
-            self._status = StatusMachine()
-            return self._nothing(str(error))
         self._engine, self._is_proposed = engine, False
         return self._estimate(finding, 1.0, event)
 

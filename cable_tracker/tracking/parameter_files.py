@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import yaml
@@ -25,11 +25,13 @@ PLAIN_WORD = re.compile(r"(?!(?:true|false|yes|no|on|off|y|n|null|nan|inf)$)[a-z
 
 
 class _ParameterLoader(yaml.SafeLoader):
-    """Reads 1e-5 as a number, as ROS and YAML 1.2 do; YAML 1.1 takes it for a word."""
+    """Reads 1e-5 and 1.5e2 as numbers, as ROS and YAML 1.2 do; YAML 1.1 takes them for words."""
 
 
 _ParameterLoader.add_implicit_resolver(
-    "tag:yaml.org,2002:float", re.compile(r"[-+]?\d+[eE][-+]?\d+"), list("-+0123456789")
+    "tag:yaml.org,2002:float",
+    re.compile(r"^[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"),
+    list("-+.0123456789"),
 )
 
 
@@ -37,12 +39,12 @@ def read_parameter_file(path: Path, node: str = "tracker") -> dict[str, object]:
     """Read the parameters of a ROS parameter file, or of a plain mapping of names to values.
 
     The names are not checked. In a ROS file, the sections `/**` and those of any node of the name
-    `node`, in whatever namespace, count, the later ones first.
+    `node`, in whatever namespace, count; later ones override earlier ones.
 
     Raises
     ------
     ParameterError
-        The file cannot be read or has another form.
+        The file cannot be read, has another form, or is for other nodes only.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -66,7 +68,7 @@ def parse_parameters(text: str, path: str, node: str = "tracker") -> dict[str, o
     Raises
     ------
     ParameterError
-        The text has another form.
+        The text has another form, or is for other nodes only.
     """
     try:
         # A SafeLoader with one more way of writing numbers.
@@ -75,15 +77,15 @@ def parse_parameters(text: str, path: str, node: str = "tracker") -> dict[str, o
         raise _unreadable(path, error) from error
     if not isinstance(content, dict):
         raise ParameterError(f"{path}: holds no parameters by name; see config/default.yaml")
-    sections = [
-        section[ROS_KEY]
-        for name, section in content.items()
-        if isinstance(section, dict) and ROS_KEY in section and _is_for(node, str(name))
-    ]
-    if not sections:
-        sections = [content]
+    named = list(_node_sections(content, "", set()))
+    sections = [section for name, section in named if _is_for(node, name)]
+    if named and not sections:
+        raise ParameterError(
+            f"{path}: holds nothing for the node {node}, only for"
+            f" {', '.join(name for name, _ in named)}; name the section /**/{node}"
+        )
     values: dict[str, object] = {}
-    for section in sections:
+    for section in sections or [content]:
         if not isinstance(section, dict):
             raise ParameterError(f"{path}: {ROS_KEY} is no mapping; see config/default.yaml")
         values.update({str(name): value for name, value in section.items()})
@@ -94,8 +96,26 @@ def _unreadable(path: str, error: Exception) -> ParameterError:
     return ParameterError(f"{path}: cannot be read as YAML ({one_line(error)})")
 
 
+def _node_sections(
+    content: Mapping[object, object], namespace: str, seen: set[int]
+) -> Iterator[tuple[str, object]]:
+    """Yield the names of a ROS file's nodes, with namespaces, and their parameters.
+
+    `seen` are the namespaces that have been descended into: YAML's aliases may name one in itself.
+    """
+    for key, section in content.items():
+        if not isinstance(section, dict):
+            continue
+        name = f"{namespace}/{str(key).strip('/')}"
+        if ROS_KEY in section:
+            yield name, section[ROS_KEY]
+        elif id(section) not in seen:
+            seen.add(id(section))
+            yield from _node_sections(section, name, seen)
+
+
 def _is_for(node: str, section: str) -> bool:
-    return section.strip("/") == "**" or section.rsplit("/", maxsplit=1)[-1] == node
+    return section.rsplit("/", maxsplit=1)[-1] in {"**", node}
 
 
 def filter_parameters(

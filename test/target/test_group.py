@@ -5,6 +5,8 @@ from cable_tracker.target.group import TargetGroup
 from cable_tracker.target.model.start import TargetStart
 from cable_tracker.target.parameters.parameters import TargetParameters
 
+from .conftest import scene
+
 STEP = 40_000_000
 
 
@@ -23,4 +25,56 @@ def test_two_of_one_kind_are_both_kept(draw):
     assert [each.status.value for each in estimates] == ["TRACKING"] * 2
     assert estimates[0].state[0] == pytest.approx(101 - 159.5, abs=4.0)
     assert estimates[1].state[0] == pytest.approx(219 - 159.5, abs=4.0)
-    assert group.shares == pytest.approx([0.5, 0.5], abs=0.05)
+
+
+def pair(seed, size=(320, 240), columns=(90, 230)):
+    """Two ellipses, at these of 320 columns, and the masks of both."""
+    zoom = size[0] // 320
+    drawn = [scene((x * zoom, 120 * zoom), (22 * zoom, 14 * zoom), size, seed) for x in columns]
+    return np.where(drawn[1][1][..., None], drawn[1][0], drawn[0][0]), [mask for _, mask in drawn]
+
+
+def places(estimates):
+    assert [each.status.value for each in estimates] == ["TRACKING"] * 2
+    return sorted(each.state[0] for each in estimates)
+
+
+@pytest.mark.parametrize(
+    ("size", "pause", "moved"), [((640, 480), 1, 0), ((320, 240), 150, -40), ((320, 240), 150, 40)]
+)
+def test_two_that_are_found_anew_are_not_the_same(size, pause, moved):
+    group = TargetGroup(2, TargetParameters(detector="contours"))
+    for number in range(1, 8):
+        estimates = group.process(pair(number)[0], number * STEP)
+    assert places(estimates) == pytest.approx([-70, 70], abs=5.0)
+    zoom = size[0] / 320
+    for number in range(8 + pause, 12 + pause):
+        image, _ = pair(number, size, (90 + moved, 230 + moved))
+        estimates = group.process(image, number * STEP)
+        assert np.diff(sorted(each.state[0] for each in estimates)) > 100.0 * zoom
+    expected = [(-70 + moved) * zoom, (70 + moved) * zoom]
+    assert places(estimates) == pytest.approx(expected, abs=5.0 * zoom)
+
+
+def test_what_is_marked_for_one_is_not_found_for_another():
+    image, masks = pair(1)
+    for column, mask in zip((90, 230), masks, strict=True):
+        group = TargetGroup(2, TargetParameters(detector="contours"))
+        group.initialise(1, TargetStart.from_box(column - 22, 106, column + 23, 135))
+        estimates = group.process(image, STEP)
+        row, own = int(119.5 - estimates[0].state[1]), int(159.5 + estimates[0].state[0])
+        assert not mask[row, own]
+
+
+def test_a_mark_does_not_keep_others_from_the_middle_of_the_picture():
+    group = TargetGroup(2, TargetParameters(detector="contours"))
+    left, mask = scene((60, 120))
+    image = np.where(mask[..., None], left, scene((160, 120))[0])
+    group.process(scene(None)[0], STEP)
+    group.initialise(1, TargetStart.from_box(38, 106, 83, 135))
+    assert group.process(image, 2 * STEP)[0].state[:2] == pytest.approx([0.0, 0.0], abs=3.0)
+
+
+def test_after_the_last_seed_comes_the_first():
+    group = TargetGroup(2, TargetParameters(seed=2**31 - 1))
+    assert group.trackers[1].parameters.seed == 0

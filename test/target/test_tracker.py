@@ -138,6 +138,55 @@ def test_colour_that_becomes_grey_is_no_loss(draw):
     assert overlap(estimate.box, box_of(mask)) > 0.5
 
 
+def even(centre=None, noise=0.0):
+    """A red ellipse, all that has colour, in grey water."""
+    picture = np.full((240, 320, 3), 110, np.uint8)
+    if centre is not None:
+        cv2.ellipse(picture, centre, (22, 14), 0, 0, 360, (30, 30, 200), -1)
+    greys = np.random.default_rng(7).normal(0.0, noise, (240, 320, 1)) if noise else 0.0
+    return np.clip(picture + greys, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("noise", [0.0, 4.0])
+def test_water_without_colour_is_not_a_hidden_target_that_had_all_of_it(noise):
+    tracker = TargetTracker(TargetParameters(seed=1))
+    tracker.initialise(TargetStart.from_box(138, 106, 183, 135))
+    for number in range(1, 20):
+        estimate = tracker.process(even((160, 120), noise), number * STEP)
+    assert estimate.status.value == "TRACKING"
+    for number in range(20, 45):
+        estimate = tracker.process(even(None, noise), number * STEP)
+    assert estimate.status.value == "LOST"
+    assert estimate.presence < 0.1
+    for number in range(45, 70):
+        estimate = tracker.process(even((230, 90), noise), number * STEP)
+    assert estimate.status.value == "TRACKING"
+    assert overlap(estimate.box, (208, 76, 253, 105)) > 0.7
+
+
+def test_a_target_out_of_view_is_not_learnt_anew_when_colour_goes(draw):
+    tracker, _ = started(draw)
+    for number in range(2, 50):
+        image, _ = draw(centre=(160, 120) if number < 10 else None, seed=number)
+        if number >= 25:
+            image = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+        estimate = tracker.process(image, number * STEP)
+        assert number < 15 or estimate.status.value == "LOST"
+
+
+def test_a_target_of_little_colour_stays_learnt_in_colour():
+    tracker = TargetTracker(TargetParameters(seed=1))
+    tracker.initialise(TargetStart.from_box(138, 106, 183, 135))
+    for number in range(1, 25):
+        image = even((160, 120))
+        if number > 5:  # Hidden but for a strip, of less than a percent of the pixels.
+            image[:, 142:] = 110
+        estimate = tracker.process(image, number * STEP)
+    assert estimate.presence < 0.1
+    estimate = [tracker.process(even((160, 120)), n * STEP) for n in range(25, 32)][-1]
+    assert estimate.status.value == "TRACKING"
+
+
 def test_large_frames_are_reduced_and_told_in_their_own_pixels(draw):
     tracker, estimate = started(draw, centre=(320, 240), axes=(44, 28), size=(640, 480))
     mask = draw(centre=(320, 240), axes=(44, 28), size=(640, 480))[1]
@@ -161,6 +210,28 @@ def test_what_does_not_stand_out_is_said_and_not_claimed(draw):
     assert estimate.status.value == "INITIALISING"
     assert "stand out" in estimate.event
     assert estimate.box is None
+
+
+def test_a_mark_that_does_not_stand_out_costs_no_target_that_is_followed(draw):
+    tracker, _ = started(draw)
+    twin = tracker.copy()
+    tracker.initialise(TargetStart.from_box(20, 20, 60, 50))
+    image, _ = draw(centre=(163, 120), seed=2)
+    estimate, expected = (each.process(image, 2 * STEP) for each in (tracker, twin))
+    assert "stand out" in estimate.event
+    assert estimate.status.value == "TRACKING"
+    np.testing.assert_array_equal(estimate.state, expected.state)
+
+
+def test_a_mark_waits_for_a_frame_that_can_be_used(draw):
+    tracker, _ = started(draw)
+    image, _ = draw(seed=2)
+    other, mask = draw(centre=(230, 120))
+    image[mask] = other[mask]
+    tracker.initialise(TargetStart.from_box(*box_of(mask)))
+    with pytest.raises(FrameError, match="stamp"):
+        tracker.process(image, STEP)
+    assert tracker.process(image, 2 * STEP).state[0] == pytest.approx(70.5, abs=3.0)
 
 
 def test_without_a_mark_nothing_is_claimed(draw):
@@ -216,6 +287,38 @@ def test_parameters_change_on_the_way(draw):
     tracker.configure(TargetParameters(particle_count=77))
     tracker.process(draw(seed=2)[0], 2 * STEP)
     assert tracker.particles.count == 77
+
+
+@pytest.mark.parametrize("change", [{"memory_time": 0.04}, {"ratio_limit": 0.3}])
+def test_what_was_set_at_the_start_may_be_changed_on_the_way(draw, change):
+    tracker, _ = started(draw)
+    twin = tracker.copy()
+    twin.configure(tracker.parameters.replaced(change))
+    for number in range(2, 12):
+        image, _ = draw(centre=None, seed=number)
+        ours, other = (each.process(image, number * STEP) for each in (tracker, twin))
+    assert [*ours.state, ours.area] != [*other.state, other.area]
+
+
+def test_a_target_that_none_of_the_particles_can_have_kept_is_no_error(draw):
+    rates = {"disappearance_rate": 100.0, "leaving_rate": 100.0, "maximum_gap": 20.0}
+    tracker = TargetTracker(TargetParameters(**rates))
+    tracker.initialise(TargetStart.from_box(*box_of(draw()[1])))
+    tracker.process(draw()[0], STEP)
+    for number in range(3):
+        estimate = tracker.process(draw(seed=number)[0], 10_000_000_000 + number * STEP)
+        assert np.isfinite(estimate.state).all()
+        assert np.isfinite(estimate.presence)
+
+
+@pytest.mark.parametrize("name", ["poses", "blobs"])
+def test_frames_of_which_no_row_would_be_left_are_refused(name):
+    tracker = TargetTracker(TargetParameters(filter=name))
+    picture = np.full((16, 4096, 3), (90, 80, 40), np.uint8)
+    picture[:, 1000:1400] = 0
+    tracker.initialise(TargetStart.from_box(1000, 2, 1400, 14))
+    with pytest.raises(FrameError, match=r"4096x16 px.* working_width"):
+        tracker.process(picture, STEP)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5])

@@ -100,6 +100,18 @@ def test_small_numbers_may_be_written_as_in_ros(written, text):
     assert filter_parameters(TrackerParameters(), values, set()).epsilon == 1e-5
 
 
+@pytest.mark.parametrize(
+    ("text", "number"), [("1.5e2", 150.0), ("1.e2", 100.0), (".5e1", 5.0), ("-2.5E-1", -0.25)]
+)
+def test_numbers_with_a_fraction_and_an_exponent_are_numbers(written, text, number):
+    assert read_parameter_file(written(f"distance_limit: {text}\n")) == {"distance_limit": number}
+
+
+@pytest.mark.parametrize("text", ["1e1,0,20,0", "1e2,50,150,90", "2e5_table.json", "1e5 m", ".e5"])
+def test_words_that_begin_like_a_number_are_words(written, text):
+    assert read_parameter_file(written(f"initial_state: {text}\n")) == {"initial_state": text}
+
+
 def test_a_plain_mapping_is_taken_as_it_is(written):
     assert read_parameter_file(written("seed: 3\nresampling: residual\n")) == {
         "seed": 3,
@@ -107,13 +119,37 @@ def test_a_plain_mapping_is_taken_as_it_is(written):
     }
 
 
-def test_the_sections_for_the_tracker_count_the_later_ones_first(written):
+def test_the_sections_for_the_tracker_count_and_later_ones_override(written):
     path = written(
         "/**:\n  ros__parameters: {seed: 1, particle_count: 9}\n"
         "/ship/tracker:\n  ros__parameters: {seed: 2}\n"
         "replay:\n  ros__parameters: {rate: 2.0}\n"
     )
     assert read_parameter_file(path) == {"seed": 2, "particle_count": 9}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "ship:\n  tracker:\n    ros__parameters: {seed: 2}\n",
+        "/fleet/:\n  ship: {tracker: {ros__parameters: {seed: 2}}}\n",
+        "ship:\n  '**': {ros__parameters: {seed: 2}}\n",
+        "replay: &same {ros__parameters: {seed: 2}}\ntracker: *same\n",
+    ],
+)
+def test_the_tracker_is_found_in_namespaces(written, text):
+    assert read_parameter_file(written(text)) == {"seed": 2}
+
+
+def test_a_file_for_other_nodes_only_is_refused(written):
+    path = written("ship:\n  controller:\n    ros__parameters: {speed: 1.0}\n")
+    with pytest.raises(ParameterError, match="nothing for the node tracker, only for /ship/contr"):
+        read_parameter_file(path)
+
+
+def test_namespaces_that_hold_themselves_end(written):
+    values = read_parameter_file(written("ship: &ship\n  again: *ship\nseed: 3\n"))
+    assert values["seed"] == 3
 
 
 def test_names_that_only_the_node_knows_are_passed_over():

@@ -20,6 +20,9 @@ UNSEEN_AROUND = 0.3
 NEAR_SHARE = 0.5
 """Share of the surroundings' histogram that comes from near the target."""
 
+LEAST_LIKENESS = 0.5
+"""Pixels whose greys are less like the target's do not show it."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Appearance:
@@ -33,20 +36,18 @@ class Appearance:
         Histogram of the target at the start: shares of the bins, shape (B,), summing to one.
     target, surroundings : FloatArray
         Present histograms of target and surroundings, shape (B,), each summing to one.
-    limit : float
-        Largest log-likelihood ratio of one pixel.
     """
 
     bins: Bins
     first: FloatArray
     target: FloatArray
     surroundings: FloatArray
-    limit: float
 
-    def log_ratios(self, first_share: float = 0.0) -> NDArray[np.float32]:
+    def log_ratios(self, limit: float, first_share: float = 0.0) -> NDArray[np.float32]:
         """Return log p(bin | target) / p(bin | surroundings), shape (B,).
 
-        `first_share` of the target's histogram is that of the start.
+        At most `limit`, of either sign; `first_share` of the target's histogram is that of the
+        start.
         """
         shape = self.bins.shape
         mixed = first_share * self.first + (1.0 - first_share) * self.target
@@ -55,7 +56,7 @@ class Appearance:
         own = (1.0 - UNSEEN) * target + UNSEEN * even
         others = (1.0 - UNSEEN_AROUND) * surroundings + UNSEEN_AROUND * even
         ratios = np.log(own / others)
-        return np.clip(ratios, -self.limit, self.limit).astype(np.float32)
+        return np.clip(ratios, -limit, limit).astype(np.float32)
 
     def hue_roots(self, first_share: float = 0.0) -> FloatArray:
         """Return the roots of the target's shares of the hues, shape (K,)."""
@@ -68,6 +69,20 @@ class Appearance:
         mixed = first_share * self.first + (1.0 - first_share) * self.target
         target, other = (_hues(each, self.bins.shape) for each in (mixed, histogram))
         return float(np.sqrt(target * other).sum())
+
+    def shown_by(self, greys: NDArray[np.uint8]) -> bool:
+        """Tell whether pixels (K,) are the target by their grey alone, and not its surroundings.
+
+        Frames in colour and in grey have that in common.
+        """
+        count = self.bins.shape[0]
+        numbers = self.bins.lookups[0, greys] // (self.bins.count // count)
+        shown = np.bincount(numbers, minlength=count) / max(len(greys), 1)
+        target, surroundings = (
+            np.sqrt(_lumas(each, self.bins.shape) * _smoothed(shown, (count, 1, 1))).sum()
+            for each in (self.target, self.surroundings)
+        )
+        return bool(target > max(surroundings, LEAST_LIKENESS))
 
     def adapted(
         self, target: FloatArray, surroundings: FloatArray, rate: float, outer_rate: float
@@ -90,6 +105,12 @@ def _hues(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
     chromas = (1, shape[1], shape[2])
     hues = histogram.reshape(shape).sum(axis=0)
     return _smoothed(_smoothed(hues, chromas), chromas)
+
+
+def _lumas(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
+    """Return the histogram of the first channel alone, smoothed once."""
+    lumas = histogram.reshape(shape).sum(axis=(1, 2))
+    return _smoothed(lumas, (shape[0], 1, 1))
 
 
 def _smoothed(histogram: FloatArray, shape: tuple[int, int, int]) -> FloatArray:

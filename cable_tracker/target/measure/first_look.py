@@ -94,25 +94,25 @@ def look_first(
     """
     bins = choose_bins(frame.channels, frame.is_coloured)
     bin_map = bins_of(frame.channels, bins.lookups)
-    marked = template_of_mask(mask, points)
+    marked = template_of_mask(mask, points, frame.zoom)
     state = np.zeros(STATE_SIZE)
     state[:2] = centroid(mask)
-    appearance = _learn(bin_map, mask, bins, limit)
+    appearance = _learn(bin_map, mask, bins)
     allowed = _widened(mask)
     for _ in range(0 if is_exact else ROUNDS):
-        ratios = looked_up(bin_map, appearance.log_ratios())
+        ratios = looked_up(bin_map, appearance.log_ratios(limit))
         outline = find_outline(ratios, state, marked, BOX_SOFTNESS, settings)
         if outline is None:
             break
         found = outline.in_picture(frame.shape) & allowed
         if found.sum() < max(LEAST_AREA, 0.15 * mask.sum()):
             break
-        appearance = _learn(bin_map, found, bins, limit)
+        appearance = _learn(bin_map, found, bins)
         mask = found
-    template = template_of_mask(mask, points)
+    template = template_of_mask(mask, points, frame.zoom)
     state = np.zeros(STATE_SIZE)
     state[:2] = centroid(mask)
-    ratios = looked_up(bin_map, appearance.log_ratios())
+    ratios = looked_up(bin_map, appearance.log_ratios(limit))
     plain = HueModel(bin_map, appearance.hue_roots(), 0.0)
     scores = score_poses(
         ratios, state[None], template.inside, template.around, template.size, plain
@@ -133,6 +133,6 @@ def _widened(mask: BoolArray) -> BoolArray:
     return widened
 
 
-def _learn(bin_map: BinMap, mask: BoolArray, bins: Bins, limit: float) -> Appearance:
+def _learn(bin_map: BinMap, mask: BoolArray, bins: Bins) -> Appearance:
     target, surroundings = learn_histograms(bin_map, mask, near(mask), bins.count)
-    return Appearance(bins, target, target, surroundings, limit)
+    return Appearance(bins, target, target, surroundings)

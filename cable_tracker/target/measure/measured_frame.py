@@ -53,4 +53,5 @@ def measure_frame(
     bins = bins_of(frame.channels, appearance.bins.lookups)
     weight = parameters.hue_weight if frame.is_coloured else parameters.grey_hue_weight
     hues = HueModel(bins, appearance.hue_roots(share), weight)
-    return MeasuredFrame(frame, bins, looked_up(bins, appearance.log_ratios(share)), hues)
+    ratios = looked_up(bins, appearance.log_ratios(parameters.ratio_limit, share))
+    return MeasuredFrame(frame, bins, ratios, hues)

@@ -15,7 +15,7 @@ from cable_tracker.contour.evolution import ContourSettings, evolve_by_ratio
 from cable_tracker.contour.shape_prior import log_odds
 from cable_tracker.contour.switching import FEWEST
 from cable_tracker.target.model.state import PoseColumn
-from cable_tracker.target.model.template import SIDE, UNIT, Template
+from cable_tracker.target.model.template import SIDE, UNIT, Template, interpolated
 from cable_tracker.tracking.image_frame import to_pixel
 
 Window: TypeAlias = tuple[int, int, int, int]
@@ -171,11 +171,6 @@ def distances_at(
             across, up = j - column, row - i
             x = middle + cosine * across + sine * up
             y = middle + sine * across - cosine * up
-            inner_x, inner_y = min(max(x, 0.0), SIDE - 1.0), min(max(y, 0.0), SIDE - 1.0)
-            beyond = math.hypot(x - inner_x, y - inner_y) / UNIT
-            left, top = min(int(inner_x), SIDE - 2), min(int(inner_y), SIDE - 2)
-            a, b = inner_x - left, inner_y - top
-            value = (1.0 - b) * ((1.0 - a) * template[top, left] + a * template[top, left + 1])
-            value += b * ((1.0 - a) * template[top + 1, left] + a * template[top + 1, left + 1])
-            result[i, j] = value + beyond
+            value, beyond = interpolated(template, x, y)
+            result[i, j] = value + beyond / UNIT
     return result

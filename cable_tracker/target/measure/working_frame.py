@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -14,8 +14,11 @@ from cable_tracker.target.measure.features import channels_of
 
 SMALLEST_SIDE = 16
 
+LEAST_ROWS = 3
+"""Rows that a reduced frame needs: with fewer, no contour has anything around it."""
+
 COLOURLESS = 3
-"""Pictures of which hardly a pixel's chroma is farther from grey are taken for grey."""
+"""A pixel whose chroma is no farther from grey has no colour."""
 
 COLOURED_SHARE = 0.01
 """Minimum share of coloured pixels in a picture that counts as coloured."""
@@ -27,22 +30,25 @@ class WorkingFrame:
 
     Attributes
     ----------
+    picture : Image
+        The frame, reduced; grey (H, W) or blue-green-red (H, W, 3).
     channels : array
         uint8, shape (H, W, 3); see `features.channels_of`.
     grey : array
         uint8, shape (H, W).
     is_coloured : bool
-        Whether the channels are those of colour.
-    frame_size : (int, int)
-        Width and height of the frame [px].
+        Whether the channels are those of colour; at first, whether there is enough of it.
+    has_chroma : bool
+        Whether a single pixel has colour.
     zoom : float
         Pixels of the frame per pixel of the working image.
     """
 
+    picture: Image
     channels: NDArray[np.uint8]
     grey: NDArray[np.uint8]
     is_coloured: bool
-    frame_size: tuple[int, int]
+    has_chroma: bool
     zoom: float
 
     @property
@@ -50,9 +56,24 @@ class WorkingFrame:
         """Rows and columns of the working image."""
         return self.grey.shape[0], self.grey.shape[1]
 
+    def measured_in(self, *, colour: bool) -> WorkingFrame:
+        """Return it with the channels of colour, or of grey, whatever it shows."""
+        if colour == self.is_coloured:
+            return self
+        picture = self.picture
+        if colour and picture.ndim == 2:
+            picture = np.asarray(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
+        elif not colour:
+            picture = _in_grey(picture)
+        return replace(self, channels=channels_of(picture), is_coloured=colour)
 
-def check_target_frame(image: Image) -> None:
-    """See that a frame can be measured.
+
+def _in_grey(picture: Image) -> Image:
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
+
+
+def check_target_frame(image: Image, working_width: int) -> None:
+    """See that a frame can be measured at a working width.
 
     Raises
     ------
@@ -67,6 +88,19 @@ def check_target_frame(image: Image) -> None:
         raise FrameError(f"a coloured frame has 3 channels, not {image.shape[2]}")
     if min(image.shape[:2]) < SMALLEST_SIDE:
         raise FrameError(f"a frame is at least {SMALLEST_SIDE} px wide and high")
+    height, width = image.shape[:2]
+    if _reduced(width, height, working_width)[1] < LEAST_ROWS:
+        raise FrameError(
+            f"a frame of {width}x{height} px has hardly a row left at a working width of"
+            f" {working_width} px; crop it or raise working_width"
+        )
+
+
+def _reduced(width: int, height: int, working_width: int) -> tuple[int, int]:
+    """Return width and height of the working image [px]."""
+    if width <= working_width:
+        return width, height
+    return working_width, round(height / (width / working_width))
 
 
 def make_working_frame(image: Image, working_width: int) -> WorkingFrame:
@@ -84,13 +118,16 @@ def make_working_frame(image: Image, working_width: int) -> WorkingFrame:
     small = image
     if width > working_width:
         zoom = width / working_width
-        size = (working_width, max(round(height / zoom), 1))
+        size = _reduced(width, height, working_width)
         small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
-    if small.ndim == 3:
-        channels = channels_of(small)
-        chroma = channels[::4, ::4, 1:].astype(np.int16) - 128
-        if np.count_nonzero(np.abs(chroma) > COLOURLESS) > COLOURED_SHARE * chroma.size:
-            return WorkingFrame(channels, channels[..., 0], True, (width, height), zoom)
-        small = cv2.cvtColor(small, cv2.COLOR_BGR2GRAY)
-    small = np.ascontiguousarray(small)
-    return WorkingFrame(channels_of(small), small, False, (width, height), zoom)
+    if small.ndim == 2:
+        grey = np.ascontiguousarray(small)
+        return WorkingFrame(small, channels_of(grey), grey, False, False, zoom)
+    channels = channels_of(small)
+    chroma = channels[::4, ::4, 1:].astype(np.int16) - 128
+    if np.count_nonzero(np.abs(chroma) > COLOURLESS) > COLOURED_SHARE * chroma.size:
+        return WorkingFrame(small, channels, channels[..., 0], True, True, zoom)
+    least, most = int(channels[..., 1:].min()), int(channels[..., 1:].max())
+    has_chroma = max(most - 128, 128 - least) > COLOURLESS
+    grey = _in_grey(small)
+    return WorkingFrame(small, channels_of(grey), grey, False, has_chroma, zoom)

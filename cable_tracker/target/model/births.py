@@ -25,6 +25,8 @@ SCALE_SPREAD, SCALE_SPREADING, WIDEST_SCALE = 0.25, 0.15, 0.6
 ANGLE_SPREAD, ANGLE_SPREADING, WIDEST_ANGLE = 0.15, 0.3, 0.8
 """The same of the angle [rad]."""
 
+TURN = 2.0 * math.pi
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Births:
@@ -36,25 +38,21 @@ class Births:
         Pose when it was last in view, shape (6,).
     seconds : float
         Time since then [s].
-    memory_time : float
-        Time constant of the share of births about that place [s].
     shape : (int, int)
         Rows and columns of the picture.
     """
 
     last: FloatArray
     seconds: float
-    memory_time: float
     shape: tuple[int, int]
 
     def aged(self, dt: float) -> Births:
         """Return it `dt` seconds later."""
         return replace(self, seconds=self.seconds + dt)
 
-    @property
-    def memory_share(self) -> float:
-        """Share of the births about the last place."""
-        return share_about_last_place(self.seconds, self.memory_time)
+    def memory_share(self, memory_time: float) -> float:
+        """Return the share of the births about the last place; its time constant in s."""
+        return share_about_last_place(self.seconds, memory_time)
 
     def _spreads(self) -> tuple[float, float, float]:
         width = self.shape[1]
@@ -64,25 +62,25 @@ class Births:
             min(ANGLE_SPREAD + ANGLE_SPREADING * self.seconds, WIDEST_ANGLE),
         )
 
-    def draw(self, count: int, rng: np.random.Generator) -> FloatArray:
-        """Draw poses at rest, shape (count, 6)."""
+    def draw(self, count: int, memory_time: float, rng: np.random.Generator) -> FloatArray:
+        """Draw poses at rest, shape (count, 6); see `memory_share`."""
         place, scale, angle = self._spreads()
         noise = standard_student_t(rng, count, POSE_SIZE, TAIL)
         states = np.zeros((count, STATE_SIZE))
         states[:, :POSE_SIZE] = self.last[:POSE_SIZE] + noise * [place, place, scale, angle]
-        anywhere = rng.random(count) >= self.memory_share
+        anywhere = rng.random(count) >= self.memory_share(memory_time)
         height, width = self.shape
         uniform = (rng.random((count, 2)) - 0.5) * [width, height]
         states[anywhere, :2] = uniform[anywhere]
         return states
 
-    def log_density(self, states: FloatArray) -> FloatArray:
-        """Return the log-density of the places of poses (N, 6), shape (N,)."""
+    def log_density(self, states: FloatArray, memory_time: float) -> FloatArray:
+        """Return the log-density of the places of poses (N, 6), shape (N,); see `memory_share`."""
         spreads = np.array(self._spreads())
         height, width = self.shape
         return _log_densities(
-            states, self.last, spreads, self.memory_share, float(width), float(height),
-            PEAKS[0], PEAKS[1],
+            states, self.last, spreads, self.memory_share(memory_time), float(width),
+            float(height), PEAKS[0], PEAKS[1],
         )  # fmt: skip
 
 
@@ -109,7 +107,9 @@ def _log_densities(  # noqa: PLR0917
         across = (states[row, 0] - last[0]) / place
         up = (states[row, 1] - last[1]) / place
         stretch = (states[row, 2] - last[2]) / scale
-        turn = (states[row, 3] - last[3]) / angle
+        turned = states[row, 3] - last[3]
+        # Angles of poses and of the last place may be whole turns apart.
+        turn = (turned - TURN * math.floor(turned / TURN + 0.5)) / angle
         by_size = stretch * stretch + turn * turn
         squared = across * across + up * up + by_size
         near = near_peak - 0.5 * (TAIL + POSE_SIZE) * math.log1p(squared / TAIL)

@@ -31,7 +31,8 @@ class TargetEstimate:
     covariance : FloatArray
         Covariance of its error, shape (6, 6).
     box : Box or None
-        Around the outline; None before the first target.
+        Around the outline; None where there is none: before the first target, and where hardly
+        anything of it is in the picture.
     outline : FloatArray
         Corners of the contour, column and row from the top left corner [px], shape (K, 2).
     area : float

@@ -14,6 +14,9 @@ from cable_tracker.errors import FrameError
 LEAST_SIDE = 3.0
 """Minimum width and height of a marked box [px]."""
 
+LEAST_THICKNESS = 0.5
+"""Corners of an outline that are nearer than this to one line enclose nothing [px]."""
+
 ROUNDNESS = 0.95
 """Axes of the ellipse that a box stands for, against its sides."""
 
@@ -47,6 +50,10 @@ class TargetStart:
                 f"the marked target is {right - left:g} px wide and {bottom - top:g} px high;"
                 f" mark {LEAST_SIDE:g} px at least"
             )
+        if not self.is_box and self._thickness() < LEAST_THICKNESS:
+            raise FrameError(
+                "the corners of the marked target lie on a line; mark three that enclose an area"
+            )
 
     @classmethod
     def from_box(cls, x0: float, y0: float, x1: float, y1: float) -> TargetStart:
@@ -64,6 +71,11 @@ class TargetStart:
         left, top = self.corners.min(axis=0)
         right, bottom = self.corners.max(axis=0)
         return float(left), float(top), float(right), float(bottom)
+
+    def _thickness(self) -> float:
+        """Return the root of the sum of squared distances of the corners from their line [px]."""
+        centred = self.corners - self.corners.mean(axis=0)
+        return float(np.linalg.svd(centred, compute_uv=False)[-1])
 
     def check(self, image_size: tuple[int, int]) -> None:
         """See that it can be in a picture of this size.

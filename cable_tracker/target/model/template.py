@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cable_tracker.arrays import BoolArray, FloatArray
-from cable_tracker.compilation import compiled
+from cable_tracker.compilation import compiled, compiled_inside
 from cable_tracker.contour.shape_prior import signed_distances
 from cable_tracker.errors import FrameError
 from cable_tracker.tracking.image_frame import to_image
@@ -81,19 +81,33 @@ def make_template(distances: NDArray[np.float32], size: float, points: int) -> T
     return Template(distances, size, inside, around)
 
 
-def template_of_mask(mask: BoolArray, points: int) -> Template:
+def check_area(mask: BoolArray, zoom: float) -> None:
+    """See that a mask has enough pixels for a shape; `zoom` of the frame are one of its pixels.
+
+    Raises
+    ------
+    FrameError
+        It is too small.
+    """
+    area = int(mask.sum())
+    if area < LEAST_AREA:
+        raise FrameError(
+            f"a target of {area * zoom**2:.0f} px² is too small; mark one of"
+            f" {math.ceil(LEAST_AREA * zoom**2)} px² at least"
+        )
+
+
+def template_of_mask(mask: BoolArray, points: int, zoom: float) -> Template:
     """Return the template of a mask, shape (H, W), upright as it is.
 
     Raises
     ------
     FrameError
-        The mask is too small for a shape.
+        The mask is too small for a shape, see `check_area`.
     """
-    area = int(mask.sum())
-    if area < LEAST_AREA:
-        raise FrameError(f"a target of {area} px is too small; mark one of {LEAST_AREA} at least")
+    check_area(mask, zoom)
     x, y = centroid(mask)
-    size = math.sqrt(area)
+    size = math.sqrt(int(mask.sum()))
     return make_template(distances_about(mask, (x, y), size, 0.0), size, points)
 
 
@@ -123,6 +137,23 @@ def distances_about(
     return _into_template(signed_distances(mask), centre[0], centre[1], size, angle)
 
 
+@compiled_inside
+def interpolated(distances: NDArray[np.float32], column: float, row: float) -> tuple[float, float]:
+    """Return the distance at a place of a map (H, W), and how far beyond the map it is [px].
+
+    Bilinear; beyond the map it is that of the nearest place within, and grows as it does there.
+    """
+    height, width = distances.shape
+    inner_column = min(max(column, 0.0), width - 1.0)
+    inner_row = min(max(row, 0.0), height - 1.0)
+    beyond = math.hypot(column - inner_column, row - inner_row)
+    left, top = min(int(inner_column), width - 2), min(int(inner_row), height - 2)
+    a, b = inner_column - left, inner_row - top
+    value = (1.0 - b) * ((1.0 - a) * distances[top, left] + a * distances[top, left + 1])
+    value += b * ((1.0 - a) * distances[top + 1, left] + a * distances[top + 1, left + 1])
+    return value, beyond
+
+
 @compiled
 def _into_template(
     distances: NDArray[np.float32], x: float, y: float, size: float, angle: float
@@ -136,14 +167,7 @@ def _into_template(
             across, up = (j - middle) / UNIT * size, (middle - i) / UNIT * size
             column = (width - 1) / 2 + x + cosine * across - sine * up
             row = (height - 1) / 2 - y - sine * across - cosine * up
-            # Beyond the picture the distance grows as it does within.
-            inner_column = min(max(column, 0.0), width - 1.0)
-            inner_row = min(max(row, 0.0), height - 1.0)
-            beyond = math.hypot(column - inner_column, row - inner_row)
-            left, top = min(int(inner_column), width - 2), min(int(inner_row), height - 2)
-            a, b = inner_column - left, inner_row - top
-            value = (1.0 - b) * ((1.0 - a) * distances[top, left] + a * distances[top, left + 1])
-            value += b * ((1.0 - a) * distances[top + 1, left] + a * distances[top + 1, left + 1])
+            value, beyond = interpolated(distances, column, row)
             result[i, j] = (value + beyond) / size
     return result
 

@@ -153,7 +153,7 @@ class FrameSampler:
         if counts.maxima:
             others.append(self._about(maxima.poses, maxima.strengths, MAXIMA_SPREAD, counts.maxima))
             parts.append(others[-1].draw(counts.maxima, rng))
-        parts.append(self.forecast.births.draw(counts.search, rng)[:, :POSE_SIZE])
+        parts.append(self.forecast.draw_births(counts.search, rng))
         scored = self._scored(np.concatenate(parts))
         own = self._expected_place(scored)
         if counts.refined:

@@ -20,6 +20,7 @@ from cable_tracker.target.model.births import Births
 from cable_tracker.target.model.state import PoseColumn
 from cable_tracker.target.model.template import Template, centroid, distances_about, make_template
 from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.tracking.rates import over_time, share_over_time
 
 FIRST_LIKENESS, FIRST_GREY_LIKENESS = UsualScore(0.8, 0.01), UsualScore(0.95, 0.0025)
 """Prior of the likeness of a target's contour to the target: in colour, and in grey."""
@@ -32,7 +33,7 @@ RESHAPED_EVERY = 3
 shape_rate)**RESHAPED_EVERY."""
 
 SCORE_RATE = 0.05
-"""Share per frame with which the usual score follows."""
+"""Share per frame at 25 frames per second with which the usual score follows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,8 +54,6 @@ class KnownTarget:
         Running mean of the log scale.
     births : Births
         Density of the places where it comes into view.
-    first_size : float
-        Root of its area when it was marked [px].
     adaptations : int
         Number of frames that shape and appearance were adapted to.
     """
@@ -65,7 +64,6 @@ class KnownTarget:
     usual_likeness: UsualScore
     usual_log_scale: float
     births: Births
-    first_size: float
     adaptations: int = 0
 
     @property
@@ -126,6 +124,16 @@ def contour_settings(parameters: TargetParameters) -> ContourSettings:
     return ContourSettings(p.contour_regulariser, -1.0, p.contour_iterations)
 
 
+def first_likeness(frame: WorkingFrame) -> UsualScore:
+    """Return what is expected of the likeness before a contour has been seen."""
+    return FIRST_LIKENESS if frame.is_coloured else FIRST_GREY_LIKENESS
+
+
+def prior_softness(frame: WorkingFrame, parameters: TargetParameters) -> float:
+    """Return the softness of the prior of shape, in roots of the area."""
+    return parameters.prior_softness if frame.is_coloured else parameters.grey_prior_softness
+
+
 def usual_score(score: float, parameters: TargetParameters) -> UsualScore:
     """Return what is usual after a single score."""
     return UsualScore(score, (parameters.score_spread * score) ** 2)
@@ -137,10 +145,9 @@ def first_known(look: FirstLook, frame: WorkingFrame, parameters: TargetParamete
         look.template,
         look.appearance,
         usual_score(look.score, parameters),
-        FIRST_LIKENESS if frame.is_coloured else FIRST_GREY_LIKENESS,
+        first_likeness(frame),
         0.0,
-        Births(look.state, 0.0, parameters.memory_time, frame.shape),
-        look.template.size,
+        Births(look.state, 0.0, frame.shape),
     )
     return _rescored(known, look.state, frame, parameters)
 
@@ -148,20 +155,27 @@ def first_known(look: FirstLook, frame: WorkingFrame, parameters: TargetParamete
 def relearnt(
     known: KnownTarget, state: FloatArray, frame: WorkingFrame, parameters: TargetParameters
 ) -> KnownTarget:
-    """Learn the appearance anew where the target is expected: colour came or went."""
-    bins = choose_bins(frame.channels, frame.is_coloured)
-    bin_map = bins_of(frame.channels, bins.lookups)
+    """Learn the appearance anew where the target is expected: colour came or went.
+
+    Nothing is learnt where the greys there are not the target's: colour also goes with a target
+    that was all that had any, and comes with what hides one.
+    """
     nothing_shown = np.zeros(frame.shape, np.float32)
     expected = find_outline(
-        nothing_shown, state, known.template, parameters.prior_softness,
+        nothing_shown, state, known.template, prior_softness(frame, parameters),
         contour_settings(parameters),
     )  # fmt: skip
-    mask = np.zeros(frame.shape, np.bool_)
-    if expected is not None:
-        mask = expected.in_picture(frame.shape)
+    if expected is None:
+        return known
+    mask = expected.in_picture(frame.shape)
+    if not known.appearance.shown_by(frame.channels[mask, 0]):
+        return known
+    bins = choose_bins(frame.channels, frame.is_coloured)
+    bin_map = bins_of(frame.channels, bins.lookups)
     target, around = learn_histograms(bin_map, mask, near(mask), bins.count)
-    appearance = Appearance(bins, target, target, around, parameters.ratio_limit)
-    return _rescored(replace(known, appearance=appearance), state, frame, parameters)
+    appearance = Appearance(bins, target, target, around)
+    anew = replace(known, appearance=appearance, usual_likeness=first_likeness(frame))
+    return _rescored(anew, state, frame, parameters)
 
 
 def _rescored(
@@ -195,6 +209,7 @@ def adapted_to_contour(
     shown: ShownTarget,
     parameters: TargetParameters,
     *,
+    dt: float,
     angle: float,
     score: float,
 ) -> KnownTarget:
@@ -206,6 +221,8 @@ def adapted_to_contour(
         Target as known before the frame.
     shown : ShownTarget
         Histograms within and around it.
+    dt : float
+        Time since the frame before [s].
     angle : float
         Angle of the target [rad].
     score : float
@@ -213,28 +230,32 @@ def adapted_to_contour(
     """
     p = parameters
     appearance = known.appearance.adapted(
-        shown.target, shown.around, p.appearance_rate_of_target, p.appearance_rate_around
+        shown.target,
+        shown.around,
+        share_over_time(p.appearance_rate_of_target, dt),
+        share_over_time(p.appearance_rate_around, dt),
     )
+    score_rate = share_over_time(SCORE_RATE, dt)
     template = known.template
     if p.shape_rate > 0.0 and known.adaptations % RESHAPED_EVERY == 0:
-        template = _reshaped(known.template, outline, angle, p)
+        template = _reshaped(known.template, outline, angle, dt, p)
     return replace(
         known,
         appearance=appearance,
         template=template,
-        usual=known.usual.seen(score, SCORE_RATE),
-        usual_likeness=known.usual_likeness.seen(shown.likeness, SCORE_RATE),
+        usual=known.usual.seen(score, score_rate),
+        usual_likeness=known.usual_likeness.seen(shown.likeness, score_rate),
         adaptations=known.adaptations + 1,
     )
 
 
 def _reshaped(
-    template: Template, outline: Outline, angle: float, parameters: TargetParameters
+    template: Template, outline: Outline, angle: float, dt: float, parameters: TargetParameters
 ) -> Template:
     """Return the template moved towards the contour, both about their centroids."""
     distances = distances_about(
         outline.mask, centroid(outline.mask), math.sqrt(outline.area), angle
     )
-    share = 1.0 - (1.0 - parameters.shape_rate) ** RESHAPED_EVERY
+    share = 1.0 - over_time(1.0 - parameters.shape_rate, dt) ** RESHAPED_EVERY
     blended = (1.0 - share) * template.distances + share * distances
     return make_template(blended.astype(np.float32), template.size, parameters.template_points)

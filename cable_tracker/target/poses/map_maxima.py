@@ -73,8 +73,6 @@ def watch_rivals(
     """Return what is known of rivals after the maxima of a frame."""
     watch = belief.rivals.aged(dt)
     poses = maxima.poses
-    if len(poses) == 0:
-        return watch
     distances = np.hypot(*(poses[:, :2] - belief.estimate[:2]).T) / belief.size
     if not are_beside(distances):
         return watch.after(distances)

@@ -65,14 +65,25 @@ class PoseBelief:
         motion: CameraMotion | None,
         parameters: TargetParameters,
     ) -> PoseBelief:
-        """Return it carried on to the time of a new frame, as far as the camera has moved."""
+        """Return it carried on to the time of a new frame, as far as the camera has moved.
+
+        Where colour comes or goes, the appearance of a target that is surely in view is learnt
+        anew.
+        """
         belief = replace(self, known=replace(self.known, births=self.known.births.aged(dt)))
         if motion is not None:
             belief = belief._moved(motion, frame.zoom)
-        if frame.is_coloured != belief.known.is_coloured:
+        if belief.presence >= parameters.presence_to_track and belief._shows_otherwise(frame):
             known = relearnt(belief.known, belief.estimate, frame, parameters)
             belief = replace(belief, known=known)
         return belief
+
+    def _shows_otherwise(self, frame: WorkingFrame) -> bool:
+        """Tell whether a frame is grey for a target that was learnt in colour, or the converse.
+
+        In between, with colour in a few pixels, it is measured as the target was learnt.
+        """
+        return not frame.has_chroma if self.known.is_coloured else frame.is_coloured
 
     def _moved(self, motion: CameraMotion, zoom: float) -> PoseBelief:
         births = self.known.births
@@ -116,12 +127,14 @@ def forecast_of(
     predicted = predict_existence(
         belief.presence, float(survival.mean()), 1.0 - math.exp(-p.appearance_rate * dt)
     )
-    alive = survival / survival.sum()
+    total = survival.sum()
+    # None can be in view after a long time with high rates: then all are as likely.
+    alive = survival / total if total > 0.0 else np.full(len(survival), 1.0 / len(survival))
     kernels = kernel_mixture(
         centres, _diffusion(frames, shape[1], p), p.diffusion_degrees_of_freedom, alive
     )
     jumps = p.jump_share * belief.rivals.jump_factor
-    return Forecast(kernels, rates, alive, belief.known.births, predicted, jumps)
+    return Forecast(kernels, rates, alive, belief.known.births, p.memory_time, predicted, jumps)
 
 
 def _survival(

@@ -31,6 +31,7 @@ from cable_tracker.target.poses.known_target import (
     contour_histograms,
     contour_settings,
     first_known,
+    prior_softness,
 )
 from cable_tracker.target.poses.map_maxima import propose_from_map, watch_rivals
 from cable_tracker.target.poses.pose_belief import PoseBelief, forecast_of
@@ -40,6 +41,7 @@ from cable_tracker.target.poses.presence import (
     presence_by_scores,
 )
 from cable_tracker.target.poses.rivals import RivalWatch
+from cable_tracker.tracking.parameter_table import REFERENCE_RATE
 
 FIRST_SPREAD, FIRST_TURN = 0.05, 0.02
 """Standard deviations about a marked target: position in roots of the area; log scale and angle
@@ -109,11 +111,13 @@ class PoseFilter(TargetEngine):
             estimate=look.state,
             presence=MOST_PRESENCE,
             known=first_known(look, frame, p),
-            rivals=RivalWatch() if self._belief is None else self._belief.rivals,
+            rivals=RivalWatch(),
         )
         measured = measure_frame(frame, belief.known.appearance, p)
         weights = np.full(p.particle_count, 1.0 / p.particle_count)
-        finding, self._belief = estimate_and_adapt(belief, measured, weights, p)
+        finding, self._belief = estimate_and_adapt(
+            belief, measured, weights, 1.0 / REFERENCE_RATE, p
+        )
         return finding
 
     def step(
@@ -127,7 +131,8 @@ class PoseFilter(TargetEngine):
         assert self._belief is not None
         p, rng = self._parameters, self._rng
         belief = self._belief.aged(frame, dt, motion, p)
-        measured = measure_frame(frame, belief.known.appearance, p)
+        seen = frame.measured_in(colour=belief.known.is_coloured)
+        measured = measure_frame(seen, belief.known.appearance, p)
         maxima = propose_from_map(belief, measured, p)
         belief = replace(belief, rivals=watch_rivals(belief, measured, maxima, dt))
         forecast = forecast_of(belief, frame.shape, dt, p, rng)
@@ -141,7 +146,7 @@ class PoseFilter(TargetEngine):
         weights = cluster_weights(particles, CLUSTER * belief.size)
         estimate = weighted_mean(particles.states, weights)
         belief = replace(belief, particles=particles, estimate=estimate, presence=presence)
-        finding, belief = estimate_and_adapt(belief, measured, weights, p)
+        finding, belief = estimate_and_adapt(belief, measured, weights, dt, p)
         self._belief = _with_followed_size(belief, dt, p, is_whole=finding.is_whole)
         return finding
 
@@ -180,7 +185,11 @@ def cluster_weights(particles: Particles, reach: float) -> FloatArray:
 
 
 def estimate_and_adapt(
-    belief: PoseBelief, measured: MeasuredFrame, weights: FloatArray, parameters: TargetParameters
+    belief: PoseBelief,
+    measured: MeasuredFrame,
+    weights: FloatArray,
+    dt: float,
+    parameters: TargetParameters,
 ) -> tuple[Finding, PoseBelief]:
     """Find the outline, learn from it, and say what was found.
 
@@ -190,12 +199,14 @@ def estimate_and_adapt(
         Belief with particles and estimate of the frame.
     weights : FloatArray
         Weights of the particles that make the estimate, shape (N,).
+    dt : float
+        Time since the frame before [s].
     """
     p, known, frame = parameters, belief.known, measured.frame
-    softness = p.prior_softness if frame.is_coloured else p.grey_prior_softness
     outline = find_outline(
-        measured.ratios, belief.estimate, known.template, softness, contour_settings(p)
-    )
+        measured.ratios, belief.estimate, known.template, prior_softness(frame, p),
+        contour_settings(p),
+    )  # fmt: skip
     shown = contour_histograms(outline, measured, known, p)
     presence = presence_by_likeness(belief, shown, p, is_coloured=frame.is_coloured)
     covariance = weighted_covariance(belief.particles.states, weights, belief.estimate)
@@ -208,11 +219,12 @@ def estimate_and_adapt(
         known = known.seen_at(belief.estimate)
         gap = belief.estimate[PoseColumn.LOG_SCALE] - known.usual_log_scale
         if is_whole and abs(gap) < WHOLE_SIZE and outline is not None and shown is not None:
-            known = adapted_to_contour(known, outline, shown, p, angle=belief.angle, score=score)
+            known = adapted_to_contour(
+                known, outline, shown, p, dt=dt, angle=belief.angle, score=score
+            )
     finding = Finding(
         state=belief.estimate.copy(),
         covariance=covariance,
-        size=known.first_size,
         outline=outline,
         is_whole=is_whole,
         presence=presence,

@@ -28,7 +28,7 @@ from cable_tracker.target.measure.outline import Outline
 from cable_tracker.target.measure.working_frame import WorkingFrame
 from cable_tracker.target.model.camera_motion import CameraMotion
 from cable_tracker.target.model.state import STATE_SIZE, PoseColumn
-from cable_tracker.target.model.template import LEAST_AREA, centroid
+from cable_tracker.target.model.template import LEAST_AREA, centroid, check_area
 from cable_tracker.target.parameters.parameters import TargetParameters
 from cable_tracker.target.thesis.border_model import BorderModel
 from cable_tracker.target.thesis.horizon import horizon_weights
@@ -80,7 +80,7 @@ class Blob:
     image_energy : float
         Variance about the two means, per pixel of the window: (9) over its area.
     shape_energy : float
-        (19, 20) against the prior [px²].
+        (19, 20) against the prior [px² of an image 320 px wide].
     contrast : float
         Difference of the means.
     """
@@ -121,10 +121,11 @@ class BlobFilter(TargetEngine):
         Raises
         ------
         FrameError
-            The mask is too small, or its contrast too low for a contour.
+            The mask is too small or fills the picture, or its contrast is too low for a contour.
         """
-        if int(mask.sum()) < LEAST_AREA:
-            raise FrameError(f"a target of {int(mask.sum())} px is too small for a contour")
+        check_area(mask, frame.zoom)
+        if mask.all():
+            raise FrameError("the marked target fills the picture; mark only the target")
         image = _intensities(frame)
         contrast = abs(float(image[mask].mean() - image[~mask].mean()))
         if contrast < self._parameters.blob_contrast:
@@ -132,15 +133,18 @@ class BlobFilter(TargetEngine):
                 f"the marked target does not stand out from its surroundings (contrast"
                 f" {contrast:.2f}, needs {self._parameters.blob_contrast:.2f})"
             )
-        window = _cut_about(mask)
-        self._prior = ShapePrior(window, int(mask.sum()))
+        self._prior = ShapePrior(_cut_about(mask), int(mask.sum()))
         self._estimate = np.zeros(STATE_SIZE)
         self._estimate[:2] = centroid(mask)
         states = np.tile(self._estimate, (self._parameters.particle_count, 1))
         self._particles = Particles.equally_weighted(states)
         self._before = image
         blob = self._blob_at(image, self._estimate)
-        assert blob is not None
+        if blob is None:
+            raise FrameError(
+                "the marked target leaves too little of the picture around it for a contour; mark"
+                " one with surroundings"
+            )
         return self._finding(frame, blob, float(len(states)), claims=True)
 
     def step(
@@ -173,7 +177,7 @@ class BlobFilter(TargetEngine):
             blob = blobs[best]
         self._before = image
         self._estimate = states[best]
-        chosen = multinomial_resampling(weights, len(states), self._rng)
+        chosen = multinomial_resampling(weights, p.particle_count, self._rng)
         n_eff = effective_sample_size(np.log(np.maximum(weights, 1e-300)))
         self._particles = Particles.equally_weighted(states[chosen])
         is_seen = blob is not None and blob.contrast >= p.blob_contrast
@@ -220,9 +224,8 @@ class BlobFilter(TargetEngine):
             means = contour.inside_mean, contour.outside_mean
         energy = (cut[found] - means[0]) @ (cut[found] - means[0])
         energy += (cut[~found] - means[1]) @ (cut[~found] - means[1])
-        return Blob(
-            found, left, top, float(energy) / cut.size, level_set_energy(found, start), contrast
-        )
+        unlike = level_set_energy(found, start) / (image.shape[1] / REFERENCE_WIDTH) ** 2
+        return Blob(found, left, top, float(energy) / cut.size, unlike, contrast)
 
     def _finding(self, frame: WorkingFrame, blob: Blob, n_eff: float, *, claims: bool) -> Finding:
         """Take over the contour as the prior where it is near, and say what was found."""
@@ -246,7 +249,6 @@ class BlobFilter(TargetEngine):
         return Finding(
             state=state,
             covariance=np.cov(spread.T) if len(spread) > 1 else np.zeros((STATE_SIZE, STATE_SIZE)),
-            size=math.sqrt(prior.first_area),
             outline=outline,
             is_whole=is_near and not touches,
             presence=1.0 if claims else 0.0,
@@ -262,7 +264,6 @@ class BlobFilter(TargetEngine):
         return Finding(
             state=self._estimate.copy(),
             covariance=np.eye(STATE_SIZE) * 1e6,
-            size=math.sqrt(self._prior.first_area),
             outline=None,
             is_whole=False,
             presence=0.0,

@@ -10,7 +10,7 @@ IMAGE_SHARE = 0.5
 """l_cv of (30); that of the shape is the rest."""
 
 SHAPE_UNIT = 25.0
-"""Shape energy of weight 1/e in the other two forms [px²]; our choice."""
+"""Shape energy of weight 1/e in the other two forms [px² of an image 320 px wide]; our choice."""
 
 ENERGY_UNIT = 1e-3
 """Image energy of weight 1/e in the product: the thesis leaves its unit open; our choice."""
@@ -27,7 +27,8 @@ def blob_weights(
     Parameters
     ----------
     image_energies, shape_energies : FloatArray
-        E_cv per pixel and E_S [px²], shape (N,); infinite where there is no contour.
+        E_cv per pixel and E_S [px² of an image 320 px wide], shape (N,); infinite where there is no
+        contour.
     contrasts : FloatArray
         Differences of the means.
     form : str

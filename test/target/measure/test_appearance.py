@@ -10,13 +10,13 @@ def learnt(image, mask, is_coloured=True):
     bins = choose_bins(channels, is_coloured)
     bin_map = bins_of(channels, bins.lookups)
     target, around = learn_histograms(bin_map, mask, (120, 90, 200, 150), bins.count)
-    return Appearance(bins, target, target, around, 2.5), bin_map
+    return Appearance(bins, target, target, around), bin_map
 
 
 def test_pixels_of_the_target_are_likelier_target(draw):
     image, mask = draw()
     appearance, bin_map = learnt(image, mask)
-    ratios = looked_up(bin_map, appearance.log_ratios())
+    ratios = looked_up(bin_map, appearance.log_ratios(2.5))
     assert ratios[mask].mean() > 1.5
     assert ratios[~mask].mean() < -1.5
 
@@ -24,14 +24,14 @@ def test_pixels_of_the_target_are_likelier_target(draw):
 def test_so_they_are_in_grey(draw):
     image, mask = draw(colour=(10, 10, 10))
     appearance, bin_map = learnt(image[..., 1].copy(), mask, is_coloured=False)
-    ratios = looked_up(bin_map, appearance.log_ratios())
+    ratios = looked_up(bin_map, appearance.log_ratios(2.5))
     assert ratios[mask].mean() > ratios[~mask].mean() + 2.0
 
 
 def test_colours_that_neither_has_are_not_the_targets(draw):
     appearance, _ = learnt(*draw())
     unseen = (appearance.target == 0.0) & (appearance.surroundings == 0.0)
-    assert np.median(appearance.log_ratios()[unseen]) < 0.0
+    assert np.median(appearance.log_ratios(2.5)[unseen]) < 0.0
 
 
 def test_likeness_is_one_to_itself_and_less_to_others(draw):

@@ -10,8 +10,8 @@ SETTINGS = ContourSettings(0.3, -1.0, 12)
 
 def outline_of(mask, pose, softness=0.1):
     ratios = np.where(mask, 2.0, -2.0).astype(np.float32)
-    return find_outline(ratios, np.array([*pose, 0.0, 0.0]), template_of_mask(mask, 60), softness,
-                        SETTINGS)  # fmt: skip
+    template = template_of_mask(mask, 60, 1.0)
+    return find_outline(ratios, np.array([*pose, 0.0, 0.0]), template, softness, SETTINGS)
 
 
 def test_the_outline_is_that_of_the_target_though_the_pose_is_not_quite(draw):

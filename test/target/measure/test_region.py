@@ -10,7 +10,7 @@ def hues(shape, weight=0.0):
 
 
 def scores_of(mask, poses, weight=0.0):
-    template = template_of_mask(mask, 60)
+    template = template_of_mask(mask, 60, 1.0)
     ratios = np.where(mask, 2.0, -1.0).astype(np.float32)
     states = np.zeros((len(poses), 6))
     states[:, :4] = poses

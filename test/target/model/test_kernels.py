@@ -37,7 +37,7 @@ def test_columns_are_chosen_by_their_shares():
 @pytest.mark.parametrize("seconds", [0.0, 3.0, 60.0])
 def test_births_integrate_what_their_draws_show(seconds):
     last = np.zeros(STATE_SIZE)
-    births = Births(last, seconds, 4.0, (240, 320))
+    births = Births(last, seconds, (240, 320))
     states = np.zeros((3, STATE_SIZE))
     states[1, 0], states[2, 0] = 40.0, 1000.0
     place, scale, angle = births._spreads()
@@ -45,6 +45,6 @@ def test_births_integrate_what_their_draws_show(seconds):
     near = student(squared, TAIL, 4) - math.log(place * place * scale * angle)
     anywhere = student(np.zeros(3), TAIL, 2) - math.log(scale * angle * 320 * 240)
     anywhere[2] = -math.inf
-    share = births.memory_share
+    share = births.memory_share(4.0)
     literal = np.log(share * np.exp(near) + (1.0 - share) * np.exp(anywhere))
-    assert births.log_density(states) == pytest.approx(literal)
+    assert births.log_density(states, 4.0) == pytest.approx(literal)

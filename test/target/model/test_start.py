@@ -16,6 +16,20 @@ def test_corners_may_come_in_any_order():
     assert TargetStart.from_box(180, 90, 100, 50).box == (100, 50, 180, 90)
 
 
+@pytest.mark.parametrize(
+    "corners",
+    [[[50, 50], [120, 120], [80, 80]], [[0.1, 0.2], [40.1, 60.2], [20.1, 30.2], [9, 13.5]]],
+)
+def test_corners_on_a_line_are_no_outline(corners):
+    with pytest.raises(FrameError, match="line"):
+        TargetStart(np.array(corners, dtype=float))
+
+
+def test_an_outline_that_crosses_itself_has_an_area():
+    corners = [[10.0, 10.0], [50.0, 50.0], [50.0, 10.0], [10.0, 50.0]]
+    assert TargetStart(np.array(corners)).mask((60, 60), 1.0).sum() > 700
+
+
 def test_an_outline_is_taken_as_it_is():
     corners = np.array([[20.0, 20.0], [60.0, 20.0], [60.0, 60.0]])
     start = TargetStart(corners)

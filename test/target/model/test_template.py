@@ -21,14 +21,14 @@ def distance_at(template, points):
 
 
 def test_a_template_has_area_one_about_its_centroid(draw):
-    template = template_of_mask(draw(centre=(90, 70))[1], 60)
+    template = template_of_mask(draw(centre=(90, 70))[1], 60, 1.0)
     inside = template.distances < 0.0
     assert inside.sum() / UNIT**2 == pytest.approx(1.0, rel=0.06)
     assert centroid(inside) == pytest.approx((0.0, 0.0), abs=0.6)
 
 
 def test_its_points_lie_inside_and_in_the_ring(draw):
-    template = template_of_mask(draw()[1], 60)
+    template = template_of_mask(draw()[1], 60, 1.0)
     assert template.inside.shape == template.around.shape == (60, 2)
     assert (distance_at(template, template.inside) < 0.05).all()
     around = distance_at(template, template.around)
@@ -44,7 +44,7 @@ def test_a_turned_shape_is_turned_back(draw):
 
 
 def test_extent_is_that_of_the_shape(draw):
-    template = template_of_mask(draw(axes=(30, 10))[1], 60)
+    template = template_of_mask(draw(axes=(30, 10))[1], 60, 1.0)
     assert template.extent(0.0) == pytest.approx((30 / template.size, 10 / template.size), abs=0.06)
     assert template.extent(math.pi / 2) == pytest.approx(template.extent(0.0)[::-1], abs=0.03)
 
@@ -52,5 +52,12 @@ def test_extent_is_that_of_the_shape(draw):
 def test_specks_are_refused():
     mask = np.zeros((20, 20), bool)
     mask[3:6, 3:6] = True
-    with pytest.raises(FrameError, match="too small"):
-        template_of_mask(mask, 60)
+    with pytest.raises(FrameError, match="9 px² is too small; mark one of 12 px² at least"):
+        template_of_mask(mask, 60, 1.0)
+
+
+def test_how_small_specks_are_is_said_in_pixels_of_the_frame():
+    mask = np.zeros((20, 20), bool)
+    mask[3:6, 3:6] = True
+    with pytest.raises(FrameError, match="324 px² is too small; mark one of 432 px² at least"):
+        template_of_mask(mask, 60, 6.0)

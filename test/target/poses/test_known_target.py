@@ -1,12 +1,27 @@
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
+import cv2
 import numpy as np
 import pytest
 
 from cable_tracker.target.measure.clutter import UsualScore
+from cable_tracker.target.measure.first_look import look_first
+from cable_tracker.target.measure.measured_frame import measure_frame
+from cable_tracker.target.measure.outline import find_outline
+from cable_tracker.target.measure.working_frame import make_working_frame
 from cable_tracker.target.model.births import Births
-from cable_tracker.target.poses.known_target import KnownTarget
+from cable_tracker.target.parameters.parameters import TargetParameters
+from cable_tracker.target.poses.known_target import (
+    FIRST_GREY_LIKENESS,
+    KnownTarget,
+    adapted_to_contour,
+    contour_histograms,
+    contour_settings,
+    first_known,
+    relearnt,
+)
 
 
 def pose(log_scale):
@@ -16,9 +31,9 @@ def pose(log_scale):
 @pytest.fixture
 def known():
     score = UsualScore(1.0, 0.1)
-    births = Births(pose(0.0), 2.0, 10.0, (240, 320))
+    births = Births(pose(0.0), 2.0, (240, 320))
     looks = SimpleNamespace(size=20.0), SimpleNamespace(bins=SimpleNamespace(shape=(4, 4, 1)))
-    return KnownTarget(*looks, score, score, 0.5, births, 20.0)
+    return KnownTarget(*looks, score, score, 0.5, births)
 
 
 def test_the_size_follows_the_scale(known):
@@ -41,3 +56,59 @@ def test_where_it_was_seen_it_may_come_again(known):
     births = known.seen_at(pose(0.2)).births
     assert births.seconds == 0.0
     np.testing.assert_array_equal(births.last, pose(0.2))
+
+
+PARAMETERS = TargetParameters()
+
+
+def learnt(image, mask):
+    frame = make_working_frame(image, 320)
+    look = look_first(
+        frame, mask, is_exact=True, points=60, limit=2.5, settings=contour_settings(PARAMETERS)
+    )
+    return first_known(look, frame, PARAMETERS), look.state
+
+
+def test_what_a_target_shows_in_grey_is_learnt_where_it_is(draw):
+    image, mask = draw()
+    known, state = learnt(image, mask)
+    known = replace(known, usual_likeness=UsualScore(0.5, 0.2))
+    grey = make_working_frame(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), 320)
+    anew = relearnt(known, state, grey, PARAMETERS)
+    assert not anew.is_coloured
+    assert anew.usual_likeness == FIRST_GREY_LIKENESS
+    assert anew.usual.mean > 0.0
+
+
+@pytest.mark.parametrize("x", [60.0, 900.0])
+def test_nothing_is_learnt_anew_where_the_target_is_not(draw, x):
+    image, mask = draw()
+    known, state = learnt(image, mask)
+    grey = make_working_frame(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), 320)
+    elsewhere = state + np.array([x, 0.0, 0.0, 0.0, 0.0, 0.0])
+    assert relearnt(known, elsewhere, grey, PARAMETERS) is known
+
+
+def test_what_is_learnt_in_a_time_does_not_depend_on_the_frames_in_it(draw):
+    image, mask = draw()
+    known, state = learnt(image, mask)
+    measured = measure_frame(make_working_frame(draw(seed=1)[0], 320), known.appearance, PARAMETERS)
+    settings = contour_settings(PARAMETERS)
+    outline = find_outline(measured.ratios, state, known.template, 0.1, settings)
+    shown = contour_histograms(outline, measured, known, PARAMETERS)
+
+    def after(frames, dt):
+        later = known
+        for _ in range(frames):
+            later = adapted_to_contour(
+                later, outline, shown, PARAMETERS, dt=dt, angle=0.0, score=1.0
+            )
+        return later
+
+    once, often = after(1, 0.12), after(3, 0.04)
+    assert once.appearance.target == pytest.approx(often.appearance.target)
+    assert once.appearance.surroundings == pytest.approx(often.appearance.surroundings)
+    assert once.usual.mean == pytest.approx(often.usual.mean)
+    assert once.usual_likeness.mean == pytest.approx(often.usual_likeness.mean)
+    slow = known.template.distances + (once.template.distances - known.template.distances) * 0.36
+    assert after(1, 0.04).template.distances == pytest.approx(slow, abs=0.02)
