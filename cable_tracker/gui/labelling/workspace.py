@@ -245,11 +245,15 @@ class Workspace:
         ------
         RecordingError
             It is missing or cannot be read. Nothing has changed.
+        OutputError
+            What was not saved cannot be kept; it is still being worked on.
         """
         if not path.is_file():
             raise RecordingError(f"{path}: there is no such file; check the path")
         # What was not saved stays beside its own file, and is offered when that is opened again.
         self.autosave()
+        if self.trouble:
+            raise OutputError(f"{self.trouble}; save the labels elsewhere before you open others")
         self._open(path)
         self.tell(None)
 

@@ -162,15 +162,22 @@ def test_damaged_unsaved_labels_are_told(start, path):
         start()
 
 
-def test_a_full_disk_is_told_and_labelling_goes_on(workspace, monkeypatch):
+@pytest.fixture
+def full_disk(monkeypatch):
+    """A disk on which there is no place for unsaved labels until the patch is undone."""
+
     def full(*_arguments, **_options):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("cable_tracker.gui.labelling.workspace.write_autosave", full)
+    return monkeypatch
+
+
+def test_a_full_disk_is_told_and_labelling_goes_on(workspace, full_disk):
     edit(workspace)
     workspace.autosave()
     assert "No space left" in workspace.trouble
-    monkeypatch.undo()
+    full_disk.undo()
     workspace.autosave()
     assert not workspace.trouble
 
@@ -217,6 +224,18 @@ def test_what_was_not_saved_waits_beside_its_own_file(start, workspace, tmp_path
     edit(workspace)
     workspace.open(other)
     assert start().autosaved == {0: LABEL}
+
+
+def test_labels_that_cannot_be_kept_are_not_given_up_for_another_file(
+    workspace, path, tmp_path, full_disk
+):
+    other = tmp_path / "other.txt"
+    other.write_text("1 0.1 40 0 # dive/003.png\n")
+    edit(workspace)
+    with pytest.raises(OutputError, match="No space left"):
+        workspace.open(other)
+    assert workspace.path == path
+    assert dict(workspace.document.labels) == {0: LABEL}
 
 
 @pytest.mark.parametrize("lines", [None, "1 2 3 # dive/003.png\n"])
