@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect, bisect_left
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
@@ -185,6 +186,31 @@ def gap_at(labels: Labels, frame: int) -> Gap | None:
     """Return the gap in which a frame lies, or that ends or begins at it; None if there is none."""
     touching = [gap for gap in gaps(labels) if gap.before <= frame <= gap.after]
     return touching[0] if touching else None
+
+
+def stranded(labels: Labels, changed: Iterable[int]) -> list[int]:
+    """Return the interpolated frames that lie in no gap, of those beside changed frames.
+
+    Parameters
+    ----------
+    changed : iterable of int
+        Numbers of the frames whose labels were changed; only frames between the key frames beside
+        them are looked at.
+    """
+    keys = sorted(frame for frame, label in labels.items() if label.is_key)
+    ordered = sorted(changed)
+    found = []
+    for frame, label in labels.items():
+        if label.is_key:
+            continue
+        place = bisect(keys, frame)
+        first = keys[place - 1] if place > 0 else -math.inf
+        last = keys[place] if place < len(keys) else math.inf
+        is_beside = bisect_left(ordered, first) < bisect(ordered, last)
+        ends = [labels[end].state for end in (first, last) if isinstance(end, int)]
+        if is_beside and (len(ends) < 2 or None in ends):
+            found.append(frame)
+    return found
 
 
 def filled_gap(labels: Labels, gap: Gap, stamps: Mapping[int, int]) -> dict[int, FrameLabel]:
