@@ -135,8 +135,9 @@ def target_layers(snapshot: TargetSnapshot) -> list[Layer]:
     size = (snapshot.image.shape[1], snapshot.image.shape[0])
     layers: list[Layer] = []
     colour = css(status_colour(snapshot.status))
-    if snapshot.state is not None and snapshot.sigma is not None:
-        layers.append(_ellipse(snapshot.state[:2], snapshot.sigma[:2], colour, size))
+    state, sigma = snapshot.state, snapshot.sigma
+    if state is not None and sigma is not None and np.isfinite(state[:2]).all():
+        layers.append(_ellipse(state[:2], sigma[:2], colour, size))
     if len(snapshot.outline):
         layers.append(_closed("contour", snapshot.outline, css(AMBER), 1.5, size))
     if snapshot.box is not None:

@@ -16,7 +16,7 @@ from cable_tracker.gui.picture_layers import (
     target_layers,
     target_particles,
 )
-from cable_tracker.gui.picture_packet import LARGEST_WIDTH, make_packet
+from cable_tracker.gui.picture_packet import LARGEST_HEIGHT, LARGEST_WIDTH, make_packet
 from cable_tracker.gui.session import Snapshot, TargetSnapshot
 from cable_tracker.gui.tracking_history import HistoryColumn, TrackingHistory
 
@@ -83,6 +83,13 @@ def test_a_wide_picture_is_reduced_and_the_numbers_stay_those_of_the_frame():
     picture = cv2.imdecode(np.frombuffer(sections["picture"], np.uint8), cv2.IMREAD_GRAYSCALE)
     assert picture.shape[1] == LARGEST_WIDTH
     assert description["size"] == [2 * LARGEST_WIDTH, 100]
+
+
+def test_so_is_one_that_is_taller_than_any_jpeg():
+    description, sections = packed(snapshot(grey=np.zeros((65_501, 8), np.uint8)))
+    picture = cv2.imdecode(np.frombuffer(sections["picture"], np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert picture.shape == (LARGEST_HEIGHT, 1)
+    assert description["size"] == [8, 65_501]
 
 
 def test_lines_lie_where_the_cable_is():
@@ -188,6 +195,12 @@ def test_a_target_that_is_not_claimed_leaves_the_picture_bare():
     lost = followed(**nothing, outline=np.empty((0, 2)))
     assert target_layers(lost) == []
     assert packed(lost)[0]["state"] is None
+
+
+def test_a_target_whose_place_is_no_number_is_not_drawn():
+    nowhere = followed(state=np.full(6, math.nan), box=None, outline=np.full((4, 2), math.nan))
+    assert packed(nowhere)[0]["state"] == [None] * 6
+    assert [each["points"] for each in target_layers(nowhere)] == [[]]
 
 
 def test_particles_of_a_target_are_crosses_about_their_places():
