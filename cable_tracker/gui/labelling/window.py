@@ -226,8 +226,7 @@ class LabelPage:
             self._workspace.tell({frame: document.labels.get(frame)})
             return
         merges = bool(event.args["merges"])
-        changes = document.change(frame, {frame: label}, merges=merges)
-        self._workspace.tell({frame: label, **changes})
+        self._workspace.change(frame, label, merges=merges)
 
     async def _command(self, event: GenericEventArguments) -> None:
         frame = int(event.args["frame"])

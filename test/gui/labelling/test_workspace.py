@@ -258,6 +258,30 @@ def test_labels_of_other_times_are_noticed(video, path):
     assert workspace.is_displaced(picture)
 
 
+def test_a_frame_that_is_labelled_anew_has_the_time_that_it_has_now(video, path):
+    workspace = Workspace(open_source(video), path)
+    for frame in (2, 3):
+        workspace.document.stamps[frame] = 1
+    picture = workspace.picture(2)
+    workspace.change(2, LABEL)
+    workspace.change(3, LABEL)  # copied there before its picture has come
+    assert not workspace.is_displaced(picture)
+    assert workspace.missing_stamps([2, 3]) == [3]
+    assert not workspace.is_displaced(workspace.picture(3))
+    assert workspace.missing_stamps([2, 3]) == []
+
+
+def test_so_have_the_interpolated_frames_that_follow_it(video, path):
+    workspace = Workspace(open_source(video), path)
+    workspace.document.stamps.update(dict.fromkeys(range(5), 1))
+    for frame in (0, 4):
+        workspace.document.change(frame, {frame: LABEL})
+    workspace.interpolate(0, workspace.document.gaps_to_fill(0))
+    workspace.picture(4)
+    workspace.change(4, FrameLabel(true_state(9)))
+    assert workspace.missing_stamps(range(5)) == [1, 2, 3]
+
+
 def test_only_frames_are_labelled(workspace):
     workspace.need_frame(COUNT - 1)
     for frame in (-1, COUNT):
