@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,7 +9,8 @@ from pathlib import Path
 
 from cable_tracker.atomic_output import atomic_file
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import OutputError, RecordingError, one_line, read_failure, write_failure
+from cable_tracker.errors import OutputError, RecordingError, read_failure, write_failure
+from cable_tracker.gui.labelling.csv_rows import read_rows
 from cable_tracker.gui.labelling.labels import (
     NO_CABLE,
     FrameLabel,
@@ -108,7 +108,7 @@ def read_label_file(path: Path, names: FrameNames, *, allow_outside: bool = Fals
         names the line.
     """
     read = read_any_labels(path, allow_outside=allow_outside)
-    flags = _read_flags(flags_path(path))
+    flags = read_rows(flags_path(path), FLAGS_HEADER, _parse_flag)
     # Names of both files are looked at together: a recording that was renamed is in both.
     frames = names.frames([*read, *(flag.place for flag in flags)], path)
     states, others = {}, []
@@ -132,35 +132,7 @@ def read_label_file(path: Path, names: FrameNames, *, allow_outside: bool = Fals
     return FileContent(labels, stamps, tuple(others), tuple(other_flags))
 
 
-def _read_flags(path: Path) -> list[Flag]:
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-    except FileNotFoundError:
-        return []
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(
-            f"{path}: cannot be read ({one_line(error)}); check or remove the file"
-        ) from error
-    if not rows or tuple(rows[0]) != FLAGS_HEADER:
-        raise RecordingError(
-            f"{path}: line 1 is not the header {','.join(FLAGS_HEADER)}; correct or remove the file"
-        )
-    flags = []
-    for number, fields in enumerate(rows[1:], start=2):
-        try:
-            flags.append(_parse_flag(fields))
-        except ValueError as error:
-            raise RecordingError(
-                f"{path}: line {number} is malformed ({one_line(error)}); expected:"
-                f" {','.join(FLAGS_HEADER)}"
-            ) from error
-    return flags
-
-
 def _parse_flag(fields: list[str]) -> Flag:
-    if len(fields) != len(FLAGS_HEADER):
-        raise ValueError(f"{len(fields)} fields instead of {len(FLAGS_HEADER)}")
     frame, stamp, word, name = fields
     if word != NO_CABLE:
         Origin(word)

@@ -98,13 +98,12 @@ class Workspace:
         self._saved: Labels = dict(content.labels)
         self._unseen = set()
 
-    @staticmethod
-    def _unsaved(path: Path, content: FileContent) -> tuple[Labels | None, dict[int, int]]:
+    def _unsaved(self, path: Path, content: FileContent) -> tuple[Labels | None, dict[int, int]]:
         """Return the autosaved labels and their times, if they say other things than the file."""
         kept = autosave_path(path)
         if not kept.exists():
             return None, {}
-        labels, stamps = read_autosave(kept)
+        labels, stamps = read_autosave(kept, self._names)
         return (labels, stamps) if labels != content.labels else (None, {})
 
     def autosaved_words(self) -> str:
@@ -310,11 +309,11 @@ class Workspace:
         path = autosave_path(self.path)
         try:
             if self.is_changed:
-                write_autosave(path, self.document.labels, self.document.stamps)
+                write_autosave(path, self.document.labels, self.document.stamps, self._names)
             else:
                 path.unlink(missing_ok=True)
             trouble = ""
-        except (OSError, OutputError) as error:
+        except (OSError, ValueError) as error:
             trouble = f"unsaved labels cannot be kept in {path} ({one_line(error)})"
         if trouble != self.trouble:
             self.trouble = trouble

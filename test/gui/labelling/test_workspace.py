@@ -7,6 +7,7 @@ from cable_tracker.errors import OutputError, ParameterError, RecordingError
 from cable_tracker.gui.labelling.autosave import autosave_path, write_autosave
 from cable_tracker.gui.labelling.label_file import OverwriteError
 from cable_tracker.gui.labelling.labels import WITHOUT_CABLE, FrameLabel
+from cable_tracker.gui.labelling.names import names_of
 from cable_tracker.gui.labelling.workspace import Workspace, default_label_file
 from cable_tracker.sequences.source import open_source
 
@@ -137,8 +138,8 @@ def test_undoing_everything_ends_it_too(workspace, path):
     assert not autosave_path(path).exists()
 
 
-def test_unsaved_labels_that_are_older_than_the_file_are_said_to_be_so(start, path):
-    write_autosave(autosave_path(path), {0: WITHOUT_CABLE}, {})
+def test_unsaved_labels_that_are_older_than_the_file_are_said_to_be_so(start, folder, path):
+    write_autosave(autosave_path(path), {0: WITHOUT_CABLE}, {}, names_of(open_source(folder)))
     assert "older" not in start().autosaved_words()
     path.write_text("1 0.1 40 0 # dive/000.png\n")
     os.utime(autosave_path(path), (1, 1))
@@ -148,12 +149,28 @@ def test_unsaved_labels_that_are_older_than_the_file_are_said_to_be_so(start, pa
     )
 
 
-def test_unsaved_labels_that_say_the_same_are_not_offered(start, path):
+def test_unsaved_labels_that_say_the_same_are_not_offered(start, folder, path):
     first = start()
     edit(first)
     first.save()
-    write_autosave(autosave_path(path), {0: LABEL}, {})
+    write_autosave(autosave_path(path), {0: LABEL}, {}, names_of(open_source(folder)))
     assert start().autosaved is None
+
+
+def test_unsaved_labels_of_pictures_that_are_gone_keep_nothing_from_being_saved(
+    start, folder, path
+):
+    first = start()
+    edit(first, COUNT - 2)
+    edit(first, COUNT - 1)
+    first.autosave()
+    (folder / "000.png").unlink()
+    (folder / f"{COUNT - 1:03d}.png").unlink()
+    second = start()
+    second.resume()
+    assert dict(second.document.labels) == {COUNT - 3: LABEL}
+    second.save()
+    assert f"{COUNT - 2:03d}.png" in path.read_text()
 
 
 def test_damaged_unsaved_labels_are_told(start, path):
