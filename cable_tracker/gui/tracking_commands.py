@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass, replace
 
 from cable_tracker.gui.recording_session import RecordingSession
@@ -134,8 +135,9 @@ def command_player(player: RecordingSession, name: str, value: object = None) ->
 def _seek(player: RecordingSession, name: str, value: object) -> None:
     if name == "first":
         player.seek(0)
-    elif name == "last" and player.frame_count:
-        player.seek(player.frame_count - 1)
+    elif name == "last":
+        # How many frames there are may be known only at the end.
+        player.seek(sys.maxsize)
     elif isinstance(value, int) and value >= 0:
         player.seek(value)
 

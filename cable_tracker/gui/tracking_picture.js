@@ -145,7 +145,7 @@ export default {
       return [x - 50 * Math.sin(angle), y - 50 * Math.cos(angle)];
     },
     cancel() {
-      this.drawn = null;
+      this.drawn = this.grasped = null;
       this.hint = "";
       this.view.redraw();
     },
