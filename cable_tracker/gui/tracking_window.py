@@ -11,7 +11,7 @@ from nicegui import run, ui
 from nicegui.events import GenericEventArguments
 
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.errors import CableTrackerError
+from cable_tracker.errors import CableTrackerError, GuiError
 from cable_tracker.gui.parameter_sheet import (
     groups_for_page,
     parameter_text,
@@ -358,6 +358,10 @@ class TrackingPage:
         self._reference = name
         await self._apply()
 
-    def _text_to_save(self) -> str:
-        desk = self._desk
-        return parameter_text(self._values, desk.need_session().name, desk.subject)
+    async def _text_to_save(self) -> str:
+        """Return the file with the values in force now, which may not be those that are shown."""
+        session = self._desk.need_session()
+        values = await run.io_bound(session.parameters)
+        if not values:
+            raise GuiError(f"{session.name} has told no parameters; try again")
+        return parameter_text(values, session.name, self._desk.subject)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from cable_tracker.atomic_output import write_text
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.gui.labelling.csv_rows import read_rows
-from cable_tracker.gui.labelling.label_file import NOWHERE, write_atomically
+from cable_tracker.gui.labelling.label_file import NOWHERE
 from cable_tracker.gui.labelling.labels import NO_CABLE, FrameLabel, Labels, flagged_label
 from cable_tracker.gui.labelling.names import FrameNames
 from cable_tracker.sequences.csv_text import csv_text
@@ -48,7 +49,7 @@ def write_autosave(
         )
         for frame, label in sorted(labels.items())
     )
-    write_atomically(path, csv_text(HEADER, rows), waits=False)
+    write_text(path, csv_text(HEADER, rows), waits=False)
 
 
 def _places(label: FrameLabel) -> Iterator[str]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from cable_tracker.atomic_output import atomic_file
+from cable_tracker.atomic_output import write_text
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import OutputError, RecordingError, read_failure, write_failure
 from cable_tracker.gui.labelling.csv_rows import read_rows
@@ -162,28 +162,6 @@ def format_label_file(
     return format_labels(labels, allow_outside=allow_outside), flags
 
 
-def write_atomically(path: Path, text: str, *, waits: bool = True) -> None:
-    """Write a text file with the permissions of an earlier one; see `atomic_file`.
-
-    Parameters
-    ----------
-    path : Path
-        Path to write to; a link is followed.
-    waits : bool
-        Whether to wait until it is on the disk, not only in its cache.
-
-    Raises
-    ------
-    OSError
-        It cannot be written; what lay there is as it was.
-    """
-    target = path.resolve()
-    with atomic_file(target, by_many=True, waits=waits) as part:
-        part.write_text(text, encoding="utf-8", newline="")
-        if target.exists():
-            part.chmod(target.stat().st_mode & 0o7777)
-
-
 def digest(path: Path) -> str | None:
     """Return what tells whether a label file or its flags have changed; None if there are none.
 
@@ -196,13 +174,15 @@ def digest(path: Path) -> str | None:
     found = False
     for part in (path, flags_path(path)):
         try:
-            data = part.read_bytes()
+            with part.open("rb") as file:
+                content = hashlib.file_digest(file, "sha256").digest()
         except FileNotFoundError:
-            data = None
+            hasher.update(b"-")
+            continue
         except OSError as error:
             raise read_failure(part, error) from error
-        found = found or data is not None
-        hasher.update(b"-" if data is None else b"+%d:" % len(data) + data)
+        found = True
+        hasher.update(b"+" + content)
     return hasher.hexdigest() if found else None
 
 
@@ -227,10 +207,12 @@ class LabelFile:
 
     def read(self) -> FileContent:
         """Read it; empty if there is none. See `read_label_file`."""
-        self._digest = digest(self.path)
         if not self.path.exists():
             self._digest = None
             return FileContent()
+        # A recording, which may be huge, is refused at its first line, before all of it is read.
+        read_any_labels(self.path, allow_outside=self._allow_outside)
+        self._digest = digest(self.path)
         return read_label_file(self.path, self._names, allow_outside=self._allow_outside)
 
     def write(self, content: FileContent, *, overwrite: bool = False) -> None:
@@ -248,9 +230,9 @@ class LabelFile:
         OutputError
             It cannot be written, or a file of another kind lies there; that is as it was.
         """
-        present = digest(self.path)
-        if present is not None and self._digest is None:
+        if self._digest is None:
             self._need_label_file()
+        present = digest(self.path)
         if not overwrite and present is not None and present != self._digest:
             raise OverwriteError(
                 f"{self.path} exists already; its labels would be lost"
@@ -266,18 +248,22 @@ class LabelFile:
                 allow_outside=self._allow_outside,
             )
             # Labels first: a label without its flag is still a label.
-            write_atomically(self.path, texts[0])
-            write_atomically(flags_path(self.path), texts[1])
+            write_text(self.path, texts[0])
+            try:
+                write_text(flags_path(self.path), texts[1])
+            finally:
+                self._digest = digest(self.path)
         except (OSError, ValueError) as error:
             raise write_failure(self.path, error) from error
-        self._digest = digest(self.path)
 
     def _need_label_file(self) -> None:
         """Refuse to replace a recording, a program, or whatever else a slip of the hand names."""
+        if not self.path.exists():
+            return
+        refusal = f"{self.path}: is no label file and is not replaced; choose another name"
+        if not self.path.is_file():
+            raise OutputError(refusal)
         try:
-            if self.path.exists():
-                read_any_labels(self.path, allow_outside=True)
+            read_any_labels(self.path, allow_outside=True)
         except RecordingError as error:
-            raise OutputError(
-                f"{self.path}: is no label file and is not replaced; choose another name"
-            ) from error
+            raise OutputError(refusal) from error

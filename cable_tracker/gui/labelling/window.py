@@ -22,6 +22,7 @@ from cable_tracker.gui.labelling.pictures import Picture
 from cable_tracker.gui.labelling.workspace import Workspace
 from cable_tracker.gui.packet import jpeg_section, pack
 from cable_tracker.gui.server import Channels, Listening, serve
+from cable_tracker.gui.typed_paths import typed_path
 from cable_tracker.sequences.estimates import format_stamp
 
 AUTOSAVE_DELAY = 1.0
@@ -341,7 +342,7 @@ class LabelPage:
                 ui.button(action, on_click=lambda: dialog.submit(field.value))
         given = await dialog
         dialog.delete()
-        return Path(given).expanduser() if given else None
+        return typed_path(given) if given else None
 
     async def _confirm(self, question: str, action: str) -> bool:
         with ui.dialog() as dialog, ui.card().classes("w-[520px] max-w-full"):
