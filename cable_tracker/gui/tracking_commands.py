@@ -78,15 +78,22 @@ ZOOM_HELP = (
     ("Enter in a field", "set the parameter; Esc takes back what was typed"),
 )
 
+CLICK_HELP = ("click on the picture", "put the cable there, along the present direction")
+
 POINTER_HELP = {
     "line": (
-        ("click on the picture", "put the cable there, along the present direction"),
+        CLICK_HELP,
         ("drag on the picture", "draw the centreline; the wheel changes the width, Esc cancels"),
+        *ZOOM_HELP,
+    ),
+    "live line": (
+        CLICK_HELP,
+        ("drag on the picture", "draw the centreline; Esc cancels"),
         *ZOOM_HELP,
     ),
     "box": (("drag on the picture", "draw a box around the target; Esc cancels"), *ZOOM_HELP),
 }
-"""Help on the pointer for each shape that the user draws."""
+"""Help on the pointer for each shape that the user draws; a live node is told no width."""
 
 
 def commands_for(*, is_player: bool, noun: str = "cable") -> tuple[KeyBinding, ...]:

@@ -24,6 +24,7 @@ CABLE_FIELDS = (
     ("w px", 40.0),
     ("beta deg", 0.0),
 )
+LIVE_CABLE_FIELDS = CABLE_FIELDS[:2]
 TARGET_FIELDS = tuple((f"{side} px", 0.0) for side in ("left", "top", "right", "bottom"))
 """Numbers that say where to start, each with its value to begin with."""
 
