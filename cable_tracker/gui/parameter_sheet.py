@@ -129,12 +129,12 @@ def write_parameter_file(path: Path, text: str, *, overwrite: bool) -> None:
     ExistingFileError
         There is one already, and it must not be overwritten.
     GuiError
-        There is a folder of this name.
+        There is a folder or a device of this name.
     OutputError
         It cannot be written; what lay there is as it was.
     """
-    if path.is_dir():
-        raise GuiError(f"{path}: is a folder; name a file in it")
+    if path.exists() and not path.is_file():
+        raise GuiError(f"{path}: is a folder or a device; name a file")
     if path.exists() and not overwrite:
         raise ExistingFileError(f"{path}: exists already; save once more to replace it")
     try:

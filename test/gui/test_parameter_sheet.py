@@ -1,4 +1,5 @@
 import os
+from pathlib import Path
 
 import pytest
 
@@ -81,8 +82,9 @@ def test_a_file_is_replaced_only_when_that_is_wanted(tmp_path):
     assert path.read_text() == "one"
     write_parameter_file(path, "two", overwrite=True)
     assert path.read_text() == "two"
-    with pytest.raises(GuiError, match="is a folder; name a file"):
-        write_parameter_file(tmp_path, "two", overwrite=False)
+    for other in (tmp_path, Path("/dev/null")):
+        with pytest.raises(GuiError, match="is a folder or a device; name a file"):
+            write_parameter_file(other, "two", overwrite=True)
     with pytest.raises(OutputError, match="cannot be written"):
         write_parameter_file(tmp_path / "none" / "tracker.yaml", "", overwrite=False)
 
