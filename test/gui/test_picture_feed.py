@@ -7,9 +7,10 @@ pytest.importorskip("nicegui", reason="NICEGUI IS NOT INSTALLED: the pages are n
 
 from starlette.websockets import WebSocketDisconnect
 
-from cable_tracker.gui.packet import unpack
 from cable_tracker.gui.picture_feed import PictureFeed
 from cable_tracker.gui.session import Snapshot
+
+from .conftest import unpack
 
 TIMEOUT = 300.0
 

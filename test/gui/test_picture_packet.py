@@ -6,7 +6,6 @@ import pytest
 
 from cable_tracker.cable.model.estimate import Hypothesis
 from cable_tracker.cable.model.state import CableState
-from cable_tracker.gui.packet import unpack
 from cable_tracker.gui.picture_layers import (
     LARGEST_CLOUD,
     MOST_OPAQUE,
@@ -19,6 +18,8 @@ from cable_tracker.gui.picture_layers import (
 from cable_tracker.gui.picture_packet import LARGEST_HEIGHT, LARGEST_WIDTH, make_packet
 from cable_tracker.gui.session import Snapshot, TargetSnapshot
 from cable_tracker.gui.tracking_history import HistoryColumn, TrackingHistory
+
+from .conftest import unpack
 
 CABLE = CableState(10.0, math.radians(5.0), 20.0, 0.0, 3.0)
 GREY = np.full((48, 64), 90, np.uint8)
@@ -106,6 +107,11 @@ def test_the_band_is_as_wide_as_two_sigma_in_the_middle():
     )
     x = np.array(band["points"]).reshape(-1, 2)[:, 0]
     assert np.ptp(x[[10, 31]]) == pytest.approx(12.0)
+
+
+def test_without_a_number_for_sigma_there_is_no_band():
+    unknown = layers_of(snapshot(state=CABLE, sigma=np.full(8, math.nan)))
+    assert "band" not in [layer["name"] for layer in unknown]
 
 
 def test_only_what_is_known_is_drawn():

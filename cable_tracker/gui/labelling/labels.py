@@ -21,6 +21,7 @@ from cable_tracker.cable.model.geometry import (
 )
 from cable_tracker.cable.model.state import CableState
 from cable_tracker.errors import ParameterError
+from cable_tracker.sequences.sequence_file import wrapped_if_outside
 
 NO_CABLE = "no_cable"
 
@@ -95,7 +96,7 @@ def flagged_label(state: CableState | None, flag: str) -> FrameLabel:
     return WITHOUT_CABLE if state is None else FrameLabel(state, Origin(flag))
 
 
-def drawn_state(values: Iterable[object]) -> CableState:
+def state_from_page(values: Iterable[object]) -> CableState:
     """Return the state for d, alpha, w, beta that came from a browser.
 
     Parameters
@@ -123,11 +124,8 @@ def drawn_state(values: Iterable[object]) -> CableState:
         raise ParameterError(f"beta must be within ±{limit:g} deg, not {given:g}")
     if abs(distance) > LARGEST_LENGTH:
         raise ParameterError(f"d must be within ±{LARGEST_LENGTH:g} px, not {distance:g}")
-    state = CableState(*numbers)
     # Wrapping rounds; what was typed must stay as it is.
-    if -math.pi / 2 < state.angle <= math.pi / 2:
-        return state
-    return CableState.from_array(wrap_states(state.to_array()[np.newaxis])[0])
+    return wrapped_if_outside(CableState(*numbers))
 
 
 def interpolated_state(before: CableState, after: CableState, fraction: float) -> CableState:

@@ -17,7 +17,7 @@ from cable_tracker.gui.frame_channel import FrameChannel
 from cable_tracker.gui.labelling.document import Changes
 from cable_tracker.gui.labelling.label_editor import LabelEditor, label_row, places
 from cable_tracker.gui.labelling.label_file import OverwriteError
-from cable_tracker.gui.labelling.labels import FrameLabel, Origin, drawn_state, flagged_label
+from cable_tracker.gui.labelling.labels import FrameLabel, Origin, flagged_label, state_from_page
 from cable_tracker.gui.labelling.pictures import Picture
 from cable_tracker.gui.labelling.workspace import Workspace
 from cable_tracker.gui.packet import jpeg_section, pack
@@ -191,7 +191,7 @@ class LabelPage:
         workspace = self._workspace
         return {
             "serial": self._serial,
-            "count": workspace.count or self._frame + 2,
+            "count": workspace.count,
             "path": str(workspace.path.absolute()),
             "name": workspace.path.name,
             "changed": workspace.is_changed,
@@ -386,4 +386,4 @@ def _label_of(said: Mapping[str, object] | None) -> FrameLabel | None:
     flag, values = str(said["flag"]), said["state"]
     if flag == Origin.INTERPOLATED.value:
         raise ParameterError("only the server interpolates")
-    return flagged_label(drawn_state(values) if isinstance(values, list) else None, flag)
+    return flagged_label(state_from_page(values) if isinstance(values, list) else None, flag)
